@@ -639,17 +639,9 @@ pub struct ScreenArguments {
     /// Output files of the run, and a study file (.toml) with its law and method; wildcards may be quoted.
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
-    /// Set a key, for example material.model=blatz-ko (may be given several times).
-    #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Problem")]
-    pub assignments: Vec<String>,
-    /// The energy of a user-defined material, for example "mu/2*(I1 - 3 - 2*ln(J))". Short for material.model=formula and material.energy.
-    #[arg(
-        long,
-        value_name = "FORMULA",
-        allow_hyphen_values = true,
-        help_heading = "Problem"
-    )]
-    pub energy: Option<String>,
+    /// Settings besides the study.
+    #[command(flatten)]
+    pub set: SetArguments,
     /// Libraries that the file may load.
     #[command(flatten)]
     pub trust: TrustArguments,
@@ -1452,9 +1444,23 @@ pub struct ProblemArguments {
 pub struct GivenArguments {
     /// Study file with the material and the discretization, - for standard input [default: settings of --set only].
     pub file: Option<PathBuf>,
+    /// Settings besides the study.
+    #[command(flatten)]
+    pub set: SetArguments,
+    /// Libraries that the file may load.
+    #[command(flatten)]
+    pub trust: TrustArguments,
+}
+
+/// Settings besides those of a study file.
+#[derive(Clone, Debug, Args)]
+pub struct SetArguments {
     /// Set a key, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Problem")]
     pub assignments: Vec<String>,
+    /// Method of a particle code with its defaults, for example lammps-smd-tlsph (onset list presets); short for discretization.method=CODE.
+    #[arg(long = "as", value_name = "CODE", help_heading = "Problem")]
+    pub preset: Option<String>,
     /// The energy of a user-defined material, for example "mu/2*(I1 - 3 - 2*ln(J))"; its parameters are set by
     /// --set material.mu=1. Short for material.model=formula and material.energy.
     #[arg(
@@ -1464,9 +1470,6 @@ pub struct GivenArguments {
         help_heading = "Problem"
     )]
     pub energy: Option<String>,
-    /// Libraries that the file may load.
-    #[command(flatten)]
-    pub trust: TrustArguments,
 }
 
 /// Block of another program instead of a study.

@@ -19,7 +19,7 @@ mod verify;
 
 use crate::arguments::{
     Arguments, BlockArguments, Command, CourseArguments, GivenArguments, ProblemArguments,
-    StrainArguments, ThresholdArguments, TrustArguments, VerifyTask,
+    SetArguments, StrainArguments, ThresholdArguments, TrustArguments, VerifyTask,
 };
 use crate::fail_on::FailOn;
 use crate::patience::{self, bar};
@@ -410,6 +410,23 @@ fn with_energy(assignments: &[String], energy: Option<&str>) -> Result<Vec<Strin
     Ok(assignments.iter().cloned().chain(short_for).collect())
 }
 
+impl SetArguments {
+    /// All assignments, those implied by `--as` and `--energy` included; an error if `--set` contradicts them.
+    fn all(&self) -> Result<Vec<String>, Failure> {
+        let mut assignments = with_energy(&self.assignments, self.energy.as_deref())?;
+        if let Some(preset) = &self.preset {
+            let key = "discretization.method";
+            if let Some(assignment) = another(&assignments, key, preset) {
+                return Err(Failure::input(format!(
+                    "--as and --set {assignment} name two methods: --as sets {key}={preset}\n  hint: leave out one of them"
+                )));
+            }
+            assignments.insert(0, format!("{key}={preset}"));
+        }
+        Ok(assignments)
+    }
+}
+
 /// First assignment that gives a key a different value.
 fn another<'a>(assignments: &'a [String], key: &str, meant: &str) -> Option<&'a String> {
     assignments.iter().find(|assignment| {
@@ -429,14 +446,8 @@ impl ProblemArguments {
 
     /// Study or block, with assignments applied.
     fn read(&self) -> Result<Read, Failure> {
-        let GivenArguments {
-            file,
-            assignments,
-            energy,
-            ..
-        } = &self.given;
-        let assignments = with_energy(assignments, energy.as_deref())?;
-        Read::of(file.as_deref(), &self.block, assignments)
+        let GivenArguments { file, set, .. } = &self.given;
+        Read::of(file.as_deref(), &self.block, set.all()?)
     }
 
     /// Material settings without a method.

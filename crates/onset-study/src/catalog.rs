@@ -1,5 +1,6 @@
 //! The available options: every word of every choice, with its formula, its parameters and its source.
 
+use crate::settings::presets::{METHOD, PRESETS, Preset};
 use crate::settings::{
     KEYS, Key, Model, Origin, SettingError, Settings, Value, aliases, study_keys,
 };
@@ -695,8 +696,48 @@ pub fn topics() -> Vec<Topic> {
     [materials, kernels]
         .into_iter()
         .chain(ROWS.iter().map(topic))
-        .chain([criteria(), language(), typed_words()])
+        .chain([presets(), criteria(), language(), typed_words()])
         .collect()
+}
+
+/// Methods of particle codes, as option `--as` names them.
+fn presets() -> Topic {
+    static TOLD: LazyLock<Vec<(&Preset, String, String)>> = LazyLock::new(|| {
+        let told = |own: &'static Preset| {
+            let keys: Vec<String> = own
+                .keys
+                .iter()
+                .map(|(key, value)| {
+                    format!("{} = {value}", key.trim_start_matches("discretization."))
+                })
+                .collect();
+            let formula = format!(
+                "{}: {}, {}; {}",
+                own.title,
+                own.method,
+                keys.join(", "),
+                own.note
+            );
+            (
+                own,
+                formula,
+                format!("version {}; {}", own.version, own.source),
+            )
+        };
+        PRESETS.iter().map(told).collect()
+    });
+    let entry = |(own, formula, source): &'static (&Preset, String, String)| Entry {
+        name: own.name,
+        formula,
+        source,
+        law: None,
+        kernel: None,
+    };
+    Topic {
+        name: "presets",
+        key: METHOD,
+        entries: TOLD.iter().map(entry).collect(),
+    }
 }
 
 /// Criteria of stability, as `onset criteria` names them.

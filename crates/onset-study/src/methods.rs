@@ -1,6 +1,6 @@
 //! Conversion of settings to the choices of a method of any family.
 
-use crate::settings::{Bonds, Control, Family, Settings, Unknowns, Velocities};
+use crate::settings::{Bonds, Control, Family, Settings, Shear, Unknowns, Velocities};
 use onset::analysis::{ReducedCell, reduced_cell};
 use onset::lattice::LatticeError;
 use onset::material::MaterialError;
@@ -8,11 +8,11 @@ use onset::method::KernelMethodChoices;
 use onset::method::MethodError;
 use onset::scheme::conforming::ConformingChoices;
 use onset::scheme::element::{ElementChoices, Formulation as ElementFormulation};
-use onset::scheme::sph::{TotalLagrangianChoices, UpdatedSphChoices};
+use onset::scheme::sph::{ShearForces, TotalLagrangianChoices, UpdatedSphChoices};
 use onset::scheme::stabilization::{ArtificialStress, ArtificialViscosity};
 use onset::scheme::{
-    BondModel, Formulation, MaterialPointChoices, MethodChoices, PeridynamicsChoices, Transfer,
-    ZeroEnergyControl,
+    BondForm, BondModel, Formulation, MaterialPointChoices, MethodChoices, PeridynamicsChoices,
+    Transfer, ZeroEnergyControl,
 };
 
 /// Returns the method that settings describe.
@@ -106,6 +106,12 @@ fn total_lagrangian(settings: &Settings) -> TotalLagrangianChoices {
         penalty_form: settings.method.penalty_form,
         viscosity: viscosity(settings),
         velocity_smoothing: settings.method.velocity_smoothing,
+        shear: match settings.method.shear_forces {
+            Shear::Stress => ShearForces::Stress,
+            Shear::Pairs => ShearForces::Pairs {
+                coefficient: settings.method.shear_coefficient,
+            },
+        },
     }
 }
 
@@ -172,6 +178,7 @@ fn peridynamics(settings: &Settings) -> PeridynamicsChoices {
         Control::None => ZeroEnergyControl::None,
         Control::Penalty => ZeroEnergyControl::Penalty { coefficient },
         Control::Hourglass => ZeroEnergyControl::Hourglass { coefficient },
+        Control::StiffnessTensor => ZeroEnergyControl::StiffnessTensor { coefficient },
     };
     PeridynamicsChoices {
         density: settings.discretization.density,
@@ -182,8 +189,17 @@ fn peridynamics(settings: &Settings) -> PeridynamicsChoices {
             Bonds::BondBased => BondModel::BondBased {
                 calibration: method.calibration,
             },
+            Bonds::Ordinary => BondModel::Ordinary,
             Bonds::Correspondence => BondModel::Correspondence { control },
+            Bonds::BondAssociatedFormI => BondModel::BondAssociated {
+                form: BondForm::One,
+            },
+            Bonds::BondAssociatedFormII => BondModel::BondAssociated {
+                form: BondForm::Two,
+            },
+            Bonds::BondAveraged => BondModel::BondAveraged,
         },
+        weighted_forces: method.weighted_forces,
     }
 }
 

@@ -40,8 +40,9 @@ pub fn explore(arguments: &ExploreArguments) -> Result<ExitCode, Failure> {
 
 /// Returns true if only a study is given.
 fn is_plain(problem: &ProblemArguments) -> bool {
-    let given = &problem.given;
-    given.assignments.is_empty() && given.energy.is_none() && problem.block.from.is_none()
+    let set = &problem.given.set;
+    let is_unset = set.assignments.is_empty() && set.energy.is_none() && set.preset.is_none();
+    is_unset && problem.block.from.is_none()
 }
 
 /// Initial content: a study with its window, or the assignments.

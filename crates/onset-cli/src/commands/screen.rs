@@ -157,8 +157,7 @@ fn problem(arguments: &ScreenArguments) -> Result<(Problem, Vec<PathBuf>), Failu
     let problem = ProblemArguments {
         given: GivenArguments {
             file: studies.into_iter().next(),
-            assignments: arguments.assignments.clone(),
-            energy: arguments.energy.clone(),
+            set: arguments.set.clone(),
             trust: arguments.trust.clone(),
         },
         block: BlockArguments::default(),

@@ -1,16 +1,15 @@
-//! Every command with every method of `comparisons/methods-*.toml`.
+//! Every command with every method of `comparisons/methods-*.toml` and `comparisons/recent-2d.toml`.
 
 use super::{Scratch, onset, onset_line};
 use serde_json::Value;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Built-in comparisons, by the number of dimensions minus one.
-const COMPARISONS: [&str; 3] = [
-    include_str!("../../../../comparisons/methods-1d.toml"),
-    include_str!("../../../../comparisons/methods-2d.toml"),
-    include_str!("../../../../comparisons/methods-3d.toml"),
-];
+/// Comparisons of one, two and three dimensions.
+const METHODS_1D: &str = include_str!("../../../../comparisons/methods-1d.toml");
+const METHODS_2D: &str = include_str!("../../../../comparisons/methods-2d.toml");
+const METHODS_3D: &str = include_str!("../../../../comparisons/methods-3d.toml");
+const RECENT_2D: &str = include_str!("../../../../comparisons/recent-2d.toml");
 
 /// Tested command lines. `STUDY`, `STORE` and `OUT` are replaced by files; `F`, `FROM`, `TO` and `K` by stretches and a wave vector with the
 /// dimension of the method.
@@ -201,8 +200,7 @@ fn wrong(line: &str, text: &str, dimension: usize) -> Option<String> {
 }
 
 /// Tests every command for every method of a comparison.
-fn assert_answered(dimension: usize, count: usize) {
-    let all = methods(dimension, COMPARISONS[dimension - 1]);
+fn assert_answered(all: &[Method], count: usize) {
     assert_eq!(all.len(), count);
     let (next, unanswered) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     std::thread::scope(|scope| {
@@ -221,17 +219,25 @@ fn assert_answered(dimension: usize, count: usize) {
 
 #[test]
 fn every_command_supports_every_method_in_1d() {
-    assert_answered(1, 16);
+    assert_answered(&methods(1, METHODS_1D), 16);
 }
 
 #[test]
 fn every_command_supports_every_method_in_2d() {
-    assert_answered(2, 20);
+    assert_answered(&methods(2, METHODS_2D), 20);
+}
+
+#[test]
+fn every_command_supports_every_recent_method() {
+    let known = methods(2, METHODS_2D);
+    let mut recent = methods(2, RECENT_2D);
+    recent.retain(|own| known.iter().all(|other| other.name != own.name));
+    assert_answered(&recent, 6);
 }
 
 #[test]
 fn every_command_supports_every_method_in_3d() {
-    assert_answered(3, 11);
+    assert_answered(&methods(3, METHODS_3D), 11);
 }
 
 #[test]

@@ -25,10 +25,23 @@ fn number(document: &Value, pointer: &str) -> f64 {
     number.unwrap_or_else(|| panic!("no number at {pointer} of {document}"))
 }
 
-/// Methods of a comparison: names and assignments.
+/// Methods of the comparisons of a dimension: names and assignments.
 fn methods(dimension: usize) -> Vec<(String, Vec<String>)> {
+    let mut all = methods_of(&format!("methods-{dimension}d"));
+    if dimension == 2 {
+        for recent in methods_of("recent-2d") {
+            if all.iter().all(|(name, _)| *name != recent.0) {
+                all.push(recent);
+            }
+        }
+    }
+    all
+}
+
+/// Methods of a comparison.
+fn methods_of(name: &str) -> Vec<(String, Vec<String>)> {
     let path = format!(
-        "{}/../../comparisons/methods-{dimension}d.toml",
+        "{}/../../comparisons/{name}.toml",
         env!("CARGO_MANIFEST_DIR")
     );
     let file = std::fs::read_to_string(path).expect("a comparison");

@@ -262,7 +262,7 @@ pub(crate) fn notes_on_patch(settings: &Settings, material: &dyn Hyperelastic) -
     notes
 }
 
-/// Note that bonds use only the modulus of the law.
+/// Note that bonds use only moduli of the law.
 fn notes_on_bonds(settings: &Settings) -> Option<String> {
     let method = &settings.method;
     if method.method == Family::Peridynamics && method.bonds == Bonds::BondBased {
@@ -276,6 +276,14 @@ fn notes_on_bonds(settings: &Settings) -> Option<String> {
              the bonds are linear springs{ratio}, whatever else the law says, and the continuum beside them is the \
              whole law. With discretization.bonds = correspondence the particles follow the law"
         ));
+    }
+    if method.method == Family::Peridynamics && method.bonds == Bonds::Ordinary {
+        return Some(
+            "the linear peridynamic solid takes two numbers of the law, its bulk and shear modulus at F = 1; the forces are linear in the \
+             elongations of bonds, whatever else the law says, and the continuum beside them is the whole law. With \
+             discretization.bonds = correspondence the particles follow the law"
+                .to_owned(),
+        );
     }
     None
 }

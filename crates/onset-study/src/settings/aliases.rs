@@ -1,6 +1,7 @@
 //! Common other names of keys and words: accepted if they are unambiguous, explained if not.
 
 use super::error::nearest;
+use super::presets::{METHOD, PRESETS, Preset};
 use super::{Key, Kind, Origin, SettingError, Value};
 use std::borrow::Cow;
 
@@ -9,7 +10,7 @@ use std::borrow::Cow;
 enum Meaning {
     /// Word of the key.
     Is(&'static str),
-    /// Word of the key, and words of other keys that apply unless the user sets these keys.
+    /// Word of the key, and values of other keys that apply unless the user sets these keys.
     With(&'static str, &'static [(&'static str, &'static str)]),
     /// Several words with explanations, for the user to choose from.
     OneOf(&'static [(&'static str, &'static str)]),
@@ -93,7 +94,19 @@ const WORDS: &[(&str, &str, Meaning)] = &[
     ("discretization.approximation", "rk", Is("mls")),
     ("discretization.approximation", "rkpm", Is("mls")),
     ("discretization.bonds", "bond", Is("bond-based")),
-    ("discretization.bonds", "state-based", Is("correspondence")),
+    (
+        "discretization.bonds",
+        "state-based",
+        OneOf(&[
+            ("ordinary", "the linear peridynamic solid"),
+            (
+                "correspondence",
+                "a law at the deformation gradient of families",
+            ),
+        ]),
+    ),
+    ("discretization.bonds", "lps", Is("ordinary")),
+    ("discretization.bonds", "osb", Is("ordinary")),
     ("discretization.bonds", "nosb", Is("correspondence")),
     ("discretization.lattice", "fcc", Is("face-centered-cubic")),
     ("discretization.lattice", "bcc", Is("body-centered-cubic")),
@@ -235,7 +248,7 @@ pub(super) fn meant<'v>(
     }
 }
 
-/// Words of other keys that an alias implies, unless the user sets these keys.
+/// Values of other keys that an alias implies, unless the user sets these keys.
 pub(super) fn companions(key: &Key, value: &Value) -> &'static [(&'static str, &'static str)] {
     match value {
         Value::Word(typed) => match known(key, typed) {
@@ -248,9 +261,15 @@ pub(super) fn companions(key: &Key, value: &Value) -> &'static [(&'static str, &
 
 fn known(key: &Key, typed: &str) -> Option<Meaning> {
     let typed = plain(typed);
-    let mut words = WORDS.iter();
+    let mut words = other_names();
     let found = words.find(|(of, word, _)| *of == key.name && *word == typed)?;
     Some(found.2)
+}
+
+/// Other names of words, and the presets as further words of the method.
+fn other_names() -> impl Iterator<Item = (&'static str, &'static str, Meaning)> {
+    let preset = |own: &'static Preset| (METHOD, own.name, With(own.method, own.keys));
+    WORDS.iter().copied().chain(PRESETS.iter().map(preset))
 }
 
 /// A word in lower case with hyphens.
@@ -263,12 +282,10 @@ pub(super) fn nearest_word(key: &str, typed: &str, words: &[&'static str]) -> Op
     let typed = plain(typed);
     let mut names: Vec<(&str, &'static str)> = words.iter().map(|word| (*word, *word)).collect();
     names.extend(
-        WORDS
-            .iter()
-            .filter_map(|(of, word, meaning)| match meaning {
-                Is(own) | With(own, _) if *of == key => Some((*word, *own)),
-                _ => None,
-            }),
+        other_names().filter_map(|(of, word, meaning)| match meaning {
+            Is(own) | With(own, _) if of == key => Some((word, own)),
+            _ => None,
+        }),
     );
     let found = nearest(&typed, names.iter().map(|(name, _)| *name))?;
     names
@@ -323,19 +340,19 @@ pub(crate) fn all() -> impl Iterator<Item = (&'static str, &'static str, String)
 
 #[cfg(test)]
 mod tests {
-    use super::{KEYS, Meaning, WORDS};
+    use super::{KEYS, Meaning, other_names};
     use crate::settings::{Key, Settings};
 
     #[test]
     fn every_alias_means_a_valid_word_of_its_key_and_is_accepted() {
-        for (key, typed, meaning) in WORDS {
+        for (key, typed, meaning) in other_names() {
             let words = Key::named(key).expect("a key").words();
-            assert!(!words.contains(typed), "{key} = {typed} is known");
+            assert!(!words.contains(&typed), "{key} = {typed} is known");
             let mut settings = Settings::default();
             let set = settings.assign(&format!("{key}={}", typed.to_uppercase()));
             match meaning {
                 Meaning::Is(word) | Meaning::With(word, _) => {
-                    assert!(words.contains(word), "{key} has no {word}");
+                    assert!(words.contains(&word), "{key} has no {word}");
                     set.expect("an alias");
                     let mut own = Settings::default();
                     own.assign(&format!("{key}={word}")).expect("a word");
@@ -343,7 +360,7 @@ mod tests {
                 }
                 Meaning::OneOf(several) => {
                     let told = set.expect_err("ambiguous").to_string();
-                    for (word, _) in *several {
+                    for (word, _) in several {
                         assert!(words.contains(word), "{key} has no {word}");
                         assert!(told.contains(&format!("`{word}`")), "{told}");
                     }

@@ -3,7 +3,7 @@
 use super::Value;
 use super::key::{IN_SPACINGS, Key, Kind, key};
 use super::needs::{Cases, is, is_not};
-use onset::material::Admitted::{Any, Fraction, NotNegative, Within};
+use onset::material::Admitted::{Any, Fraction, NotNegative, Positive, Within};
 use onset::method::CurrentLattice;
 use onset::scheme::conforming::SmoothingDomain;
 use onset::scheme::element::{ElementMass, ElementMesh, HourglassScale, Integration};
@@ -53,8 +53,27 @@ impl Family {
 pub enum Bonds {
     /// Linear springs between particles.
     BondBased,
+    /// The linear peridynamic solid, an ordinary state-based model.
+    Ordinary,
     /// Stress at the deformation gradient of the family.
     Correspondence,
+    /// Stress at the deformation gradient of each bond, acting on its ends.
+    BondAssociatedFormI,
+    /// Stress at the deformation gradient of each bond, acting on its neighbors.
+    #[serde(rename = "bond-associated-form-ii")]
+    BondAssociatedFormII,
+    /// Stress at the mean deformation gradient of the families at the ends of a bond, corrected along it.
+    BondAveraged,
+}
+
+/// Forces of the shear stress in total-Lagrangian SPH.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Shear {
+    /// The whole stress acts along gradients.
+    Stress,
+    /// The shear acts between pairs of particles.
+    Pairs,
 }
 
 /// Control of the zero-energy modes of correspondence peridynamics.
@@ -67,6 +86,8 @@ pub enum Control {
     Penalty,
     /// Hourglass forces along bonds.
     Hourglass,
+    /// Springs of the elasticity tensor and the shape tensor.
+    StiffnessTensor,
 }
 
 /// The unknowns of a material point method.
@@ -126,6 +147,10 @@ pub struct MethodSettings {
     pub penalty: f64,
     /// Total-Lagrangian SPH: form of the penalty.
     pub penalty_form: PenaltyForm,
+    /// Total-Lagrangian SPH: forces of the shear stress.
+    pub shear_forces: Shear,
+    /// Total-Lagrangian SPH: coefficient of shear forces between pairs.
+    pub shear_coefficient: f64,
     /// SPH: linear coefficient of artificial viscosity, or zero.
     pub viscosity: f64,
     /// SPH: condition and lengths of artificial viscosity.
@@ -168,6 +193,8 @@ pub struct MethodSettings {
     pub control: Control,
     /// Correspondence peridynamics: coefficient of this control.
     pub control_coefficient: f64,
+    /// Correspondence peridynamics: whether forces contain the influence function.
+    pub weighted_forces: bool,
     /// Material points: number of points along each side of a cell.
     pub points_per_side: u32,
     /// Material points: positions of the points in their cell.
@@ -202,6 +229,8 @@ impl Default for MethodSettings {
             density_evolution: DensityEvolution::Continuity,
             penalty: 0.0,
             penalty_form: PenaltyForm::Published,
+            shear_forces: Shear::Stress,
+            shear_coefficient: 1.07,
             viscosity: 0.0,
             viscosity_switch: ViscositySwitch::Averaged,
             artificial_stress: 0.0,
@@ -223,6 +252,7 @@ impl Default for MethodSettings {
             calibration: Calibration::Continuum,
             control: Control::None,
             control_coefficient: 0.0,
+            weighted_forces: true,
             points_per_side: 2,
             layout: PointLayout::Uniform,
             offset: 0.0,
@@ -295,6 +325,7 @@ pub(super) const APPROXIMATED: Cases = &[&[is(METHOD, &["kernel", "conforming"])
 const SPH: Cases = &[&[is(METHOD, &["total-lagrangian-sph", "updated-sph"])]];
 const VISCOUS: Cases = &[&[is_not("discretization.viscosity", &["0"])]];
 const TOTAL_SPH: Cases = &[&[is(METHOD, &["total-lagrangian-sph"])]];
+const PAIRWISE: Cases = &[&[is("discretization.shear-forces", &["pairs"])]];
 const PENALIZED: Cases = &[&[is_not("discretization.penalty", &["0"])]];
 const UPDATED_SPH: Cases = &[&[is(METHOD, &["updated-sph"])]];
 const ARTIFICIALLY_STRESSED: Cases = &[&[is_not("discretization.artificial-stress", &["0"])]];
@@ -315,7 +346,7 @@ const CONFORMING: Cases = &[&[is(METHOD, &["conforming"])]];
 const PERIDYNAMICS: Cases = &[&[is(METHOD, &["peridynamics"])]];
 const BONDS: Cases = &[&[is("discretization.bonds", &["bond-based"])]];
 const CORRESPONDENCE: Cases = &[&[is("discretization.bonds", &["correspondence"])]];
-const CONTROL: Cases = &[&[is("discretization.control", &["penalty", "hourglass"])]];
+const CONTROL: Cases = &[&[is_not("discretization.control", &["none"])]];
 const POINTS: Cases = &[&[is(METHOD, &["material-points"])]];
 const SEVERAL_POINTS: Cases = &[&[is_not("discretization.points-per-side", &["1"])]];
 const NODES: Cases = &[&[is(
@@ -374,6 +405,18 @@ pub(super) const METHOD_KEYS: &[Key] = &[
         "total-Lagrangian SPH: the published penalty, or the penalty of LAMMPS' SMD with regularized denominators, whose coefficient is the hourglass amplitude",
     )
     .only_with(PENALIZED),
+    key(
+        "discretization.shear-forces",
+        Kind::Words(&["stress", "pairs"]),
+        "total-Lagrangian SPH: shear by the stress of particles, or between pairs (the essentially non-hourglass formulation of SPHinXsys)",
+    )
+    .only_with(TOTAL_SPH),
+    key(
+        "discretization.shear-coefficient",
+        Kind::Number("1", Positive),
+        "total-Lagrangian SPH: coefficient of shear forces between pairs",
+    )
+    .only_with(PAIRWISE),
     key(
         "discretization.viscosity",
         Kind::Number("1", NotNegative),
@@ -477,7 +520,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     .only_with(PERIDYNAMICS),
     key(
         "discretization.influence",
-        Kind::Words(&["constant", "inverse", "conical", "gaussian"]),
+        Kind::Words(&["constant", "inverse", "conical", "gaussian", "parabolic"]),
         "peridynamics: weights of the bonds",
     )
     .only_with(PERIDYNAMICS),
@@ -489,7 +532,14 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     .only_with(PERIDYNAMICS),
     key(
         "discretization.bonds",
-        Kind::Words(&["bond-based", "correspondence"]),
+        Kind::Words(&[
+            "bond-based",
+            "ordinary",
+            "correspondence",
+            "bond-associated-form-i",
+            "bond-associated-form-ii",
+            "bond-averaged",
+        ]),
         "peridynamics: the force between particles",
     )
     .only_with(PERIDYNAMICS),
@@ -501,7 +551,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     .only_with(BONDS),
     key(
         "discretization.control",
-        Kind::Words(&["none", "penalty", "hourglass"]),
+        Kind::Words(&["none", "penalty", "hourglass", "stiffness-tensor"]),
         "correspondence peridynamics: control of zero-energy modes",
     )
     .only_with(CORRESPONDENCE),
@@ -511,6 +561,12 @@ pub(super) const METHOD_KEYS: &[Key] = &[
         "correspondence peridynamics: coefficient of the control",
     )
     .only_with(CONTROL),
+    key(
+        "discretization.weighted-forces",
+        Kind::Switch,
+        "correspondence peridynamics: forces contain the influence function (PeriLab up to version 2.2.4: false)",
+    )
+    .only_with(CORRESPONDENCE),
     key(
         "discretization.points-per-side",
         Kind::Whole(1, 8),

@@ -19,6 +19,7 @@ mod model;
 mod moduli;
 mod needs;
 mod notes;
+pub(crate) mod presets;
 #[cfg(test)]
 mod readers;
 mod renamed;
@@ -40,7 +41,7 @@ pub use key::{KEYS, Key, Kind, MAP_KEYS, STATE_KEYS, study_keys};
 pub use map::{MapSettings, OUTPUTS, Outputs};
 pub use material::{MaterialSettings, Plane};
 pub(crate) use method::STEP_OF_RATES;
-pub use method::{Bonds, Control, Family, MethodSettings, Unknowns, Velocities};
+pub use method::{Bonds, Control, Family, MethodSettings, Shear, Unknowns, Velocities};
 pub use model::{HandedLaw, Model, OwnModel};
 pub use needs::{Cases, Need, Unmet};
 pub use notes::notes_on_settings;
@@ -451,9 +452,12 @@ impl Settings {
             self.with_units.remove(key.name);
             self.material.measure_not(key);
         }
-        for (other, word) in aliases::companions(key, typed) {
-            if !self.origins.contains_key(other) {
-                self.set(other, &Value::Word((*word).to_owned()), Origin::Combination)?;
+        for (other, text) in aliases::companions(key, typed) {
+            let is_length_set =
+                *other == "discretization.support" && self.smoothing_length.is_some();
+            if !self.origins.contains_key(other) && !is_length_set {
+                let kind = Key::named(other).map(|key| key.kind);
+                self.set(other, &Value::typed(text, kind), Origin::Combination)?;
                 self.origins.remove(other);
             }
         }

@@ -2,21 +2,25 @@
 
 use super::{Interaction, Motion, PointResponse, StrainOperator};
 use crate::algebra::{Each, array_of};
+use crate::bloch::BlochBlocks;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Particle};
 use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use crate::real::Real;
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 use std::collections::BTreeSet;
 
-/// Quadrature point of a total-Lagrangian discretization, with the energy `V W(F + sum_K u_K (x) b_K)`.
+/// Quadrature point of a total-Lagrangian discretization, with the deformation gradient `F_q = F + sum_K u_K (x) b_K` and the forces
+/// `f_K = -V P(F_q) c_K`.
 ///
-/// The fixed vectors `b_K` are the gradients of the shape functions or averages of them.
+/// The fixed vectors `b_K` are the gradients of the shape functions or averages of them. Forces with `c_K = b_K` derive from the energy `V W(F_q)`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LagrangianPoint<const D: usize> {
     particles: Vec<Particle<D>>,
     gradients: Vec<SVector<f64, D>>,
+    /// Vectors `c_K`, if they are not the gradients.
+    along: Option<Vec<SVector<f64, D>>>,
     volume: f64,
 }
 
@@ -30,7 +34,17 @@ impl<const D: usize> LagrangianPoint<D> {
         Self {
             particles,
             gradients,
+            along: None,
             volume,
+        }
+    }
+
+    /// The same point with forces along other vectors `c_K` than its gradients, in the order of the particles; 1/length. They do not derive from an
+    /// energy.
+    pub(super) fn with_forces_along(self, along: Vec<SVector<f64, D>>) -> Self {
+        Self {
+            along: Some(along),
+            ..self
         }
     }
 
@@ -44,6 +58,11 @@ impl<const D: usize> LagrangianPoint<D> {
         &self.gradients
     }
 
+    /// Vectors `c_K` of the forces in the order of the particles; 1/length.
+    fn along(&self) -> &[SVector<f64, D>] {
+        self.along.as_deref().unwrap_or(&self.gradients)
+    }
+
     /// Reference volume of the point; length^D.
     pub fn volume(&self) -> f64 {
         self.volume
@@ -51,9 +70,30 @@ impl<const D: usize> LagrangianPoint<D> {
 }
 
 /// Quadrature point with the response of its material.
+#[derive(Clone)]
 pub(super) struct Stressed<'a, const D: usize> {
     point: &'a LagrangianPoint<D>,
     response: PointResponse<'a, D>,
+}
+
+impl<const D: usize> Stressed<'_, D> {
+    /// Deformation gradient of the homogeneous state.
+    pub(super) fn base(&self) -> [[f64; D]; D] {
+        self.response.leading()
+    }
+
+    /// Change `F_q - F = sum_K u_K (x) b_K` of the deformation gradient by displacements.
+    pub(super) fn change<R: Real>(&self, displacements: &[[R; D]]) -> [[R; D]; D] {
+        let mut change = [[R::constant(0.0); D]; D];
+        for (u, b) in displacements.iter().zip(&self.point.gradients) {
+            for i in 0..D {
+                for j in 0..D {
+                    change[i][j] = change[i][j] + u[i] * b[j];
+                }
+            }
+        }
+        change
+    }
 }
 
 impl<const D: usize> Interaction<D> for Stressed<'_, D> {
@@ -61,27 +101,42 @@ impl<const D: usize> Interaction<D> for Stressed<'_, D> {
         &self.point.particles
     }
 
-    /// Returns the nodal forces `f_K = -V P(F_q) b_K`.
+    /// Returns the nodal forces `f_K = -V P(F_q) c_K`.
     fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
-        let mut f = self.response.leading::<R>();
-        for (u, b) in motion.displacements.iter().zip(&self.point.gradients) {
-            for i in 0..D {
-                for j in 0..D {
-                    f[i][j] = f[i][j] + u[i] * b[j];
-                }
-            }
-        }
+        let (base, change) = (self.base(), self.change(motion.displacements));
+        let f = array_of(|i| array_of(|j| change[i][j] + base[i][j]));
         let stress = self.response.first_piola(&f);
-        let force = |b: &SVector<f64, D>| {
+        let force = |c: &SVector<f64, D>| {
             array_of(|i| {
                 let mut sum = R::constant(0.0);
                 for j in 0..D {
-                    sum = sum - stress[i][j] * (self.point.volume * b[j]);
+                    sum = sum - stress[i][j] * (self.point.volume * c[j]);
                 }
                 sum
             })
         };
-        self.point.gradients.iter().map(force).collect()
+        self.point.along().iter().map(force).collect()
+    }
+
+    /// Adds the blocks `K_iKkL = V c_KJ A_iJkM b_LM`.
+    fn add_stiffness(&self, blocks: &mut BlochBlocks<D>) {
+        let tangent = self.response.base_tangent();
+        let mut sums = blocks.between(&self.point.particles);
+        for (from, c) in self.point.along().iter().enumerate() {
+            let half: [[[f64; D]; D]; D] = array_of(|i| {
+                array_of(|k| {
+                    array_of(|m| {
+                        let entry = |j: usize| c[j] * tangent[i][j][k][m];
+                        self.point.volume * (0..D).map(entry).sum::<f64>()
+                    })
+                })
+            });
+            for (to, b) in self.point.gradients.iter().enumerate() {
+                let entry = |i: usize, k: usize| (0..D).map(|m| half[i][k][m] * b[m]).sum();
+                sums.add(from, to, &SMatrix::from_fn(entry));
+            }
+        }
+        sums.finish();
     }
 }
 

@@ -16,6 +16,7 @@ mod lagrangian;
 mod layout;
 mod linearized;
 mod material_point;
+mod moduli;
 mod pairs;
 mod parts;
 mod patch;
@@ -41,7 +42,7 @@ pub use pairs::{Bond, PairLaw};
 pub use parts::FiniteBodies;
 pub use patch::{Assembled, NoForce, PatchForces, PatchTransfer, PeriodicPatch, PointsInMotion};
 pub use peridynamics::{
-    BondModel, Calibration, Influence, PartialVolumes, Peridynamics, PeridynamicsChoices,
+    BondForm, BondModel, Calibration, Influence, PartialVolumes, Peridynamics, PeridynamicsChoices,
     ZeroEnergyControl,
 };
 pub use response::PointResponse;

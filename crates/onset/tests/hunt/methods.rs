@@ -18,13 +18,13 @@ use onset::scheme::element::{
 };
 use onset::scheme::kernel::{CrystalQuadrature, KernelChoices, KernelScheme};
 use onset::scheme::sph::{
-    DensityEvolution, MomentumForm, TotalLagrangianChoices, TotalLagrangianSph, UpdatedSph,
-    UpdatedSphChoices,
+    DensityEvolution, MomentumForm, ShearForces, TotalLagrangianChoices, TotalLagrangianSph,
+    UpdatedSph, UpdatedSphChoices,
 };
 use onset::scheme::stabilization::ArtificialStress;
 use onset::scheme::{
-    BondModel, Calibration, Discretization, Formulation, GridFunctions, GridGradients, GridMass,
-    Influence, MaterialPointChoices, MaterialPoints, PartialVolumes, Peridynamics,
+    BondForm, BondModel, Calibration, Discretization, Formulation, GridFunctions, GridGradients,
+    GridMass, Influence, MaterialPointChoices, MaterialPoints, PartialVolumes, Peridynamics,
     PeridynamicsChoices, PointLayout, Transfer, ZeroEnergyControl,
 };
 
@@ -221,6 +221,11 @@ fn total_lagrangian<const D: usize>(random: &mut Random) -> Option<Named<D>> {
         corrected: random.happens(0.7),
         penalty: random.one_of(&[0.0, 0.1, 0.5]),
         velocity_smoothing: random.one_of(&[0.0, 0.0, 0.5]),
+        shear: random.one_of(&[
+            ShearForces::Stress,
+            ShearForces::Stress,
+            ShearForces::Pairs { coefficient: 1.07 },
+        ]),
         ..TotalLagrangianChoices::default()
     };
     let name = format!("{place}, {choices:?}");
@@ -302,6 +307,7 @@ fn peridynamics<const D: usize>(random: &mut Random) -> Option<Named<D>> {
         ZeroEnergyControl::None,
         ZeroEnergyControl::Penalty { coefficient },
         ZeroEnergyControl::Hourglass { coefficient },
+        ZeroEnergyControl::StiffnessTensor { coefficient },
     ]);
     let choices = PeridynamicsChoices {
         horizon: random.between(1.2, if D == 3 { 2.0 } else { 3.1 }),
@@ -312,12 +318,21 @@ fn peridynamics<const D: usize>(random: &mut Random) -> Option<Named<D>> {
             Influence::Gaussian,
         ]),
         partial_volumes: random.one_of(&[PartialVolumes::Whole, PartialVolumes::Tapered]),
-        model: match random.happens(0.5) {
-            true => BondModel::BondBased {
+        model: random.one_of(&[
+            BondModel::BondBased {
                 calibration: Calibration::Continuum,
             },
-            false => BondModel::Correspondence { control },
-        },
+            BondModel::Ordinary,
+            BondModel::Correspondence { control },
+            BondModel::Correspondence { control },
+            BondModel::BondAssociated {
+                form: BondForm::One,
+            },
+            BondModel::BondAssociated {
+                form: BondForm::Two,
+            },
+            BondModel::BondAveraged,
+        ]),
         ..PeridynamicsChoices::default()
     };
     let name = format!("{place}, {choices:?}");

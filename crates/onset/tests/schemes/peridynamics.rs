@@ -1,21 +1,29 @@
 //! Peridynamics: closed forms of bonds and families, and the response of its models to a material.
 
 use crate::battery::{assert_long_waves_are_those_of_the_material, assert_scheme};
+use crate::random::Random;
 use nalgebra::{SMatrix, SVector};
 use onset::bloch::WaveSystem;
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::{BravaisLattice, Crystal, LatticeKind};
-use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
+use onset::material::{Hyperelastic, Law, ModifiedMooneyRivlin};
+use onset::measures::spurious_modes;
 use onset::method::MethodError;
 use onset::scheme::{
-    BondModel, Calibration, Discretization, Influence, PartialVolumes, Peridynamics,
+    BondForm, BondModel, Calibration, Discretization, Influence, PartialVolumes, Peridynamics,
     PeridynamicsChoices, ZeroEnergyControl,
 };
 use std::f64::consts::PI;
 
 const BONDS: BondModel = BondModel::BondBased {
     calibration: Calibration::Continuum,
+};
+const FORM_I: BondModel = BondModel::BondAssociated {
+    form: BondForm::One,
+};
+const FORM_II: BondModel = BondModel::BondAssociated {
+    form: BondForm::Two,
 };
 const CALIBRATED: BondModel = BondModel::BondBased {
     calibration: Calibration::Discrete,
@@ -84,12 +92,18 @@ fn half_reciprocal_vectors<const D: usize>(crystal: &Crystal<D>) -> Vec<SVector<
 fn every_model_passes_the_battery_in_every_dimension() {
     let penalty = ZeroEnergyControl::Penalty { coefficient: 0.7 };
     let hourglass = ZeroEnergyControl::Hourglass { coefficient: 0.7 };
+    let tensor = ZeroEnergyControl::StiffnessTensor { coefficient: 0.3 };
     let models = [
         BONDS,
         CALIBRATED,
+        BondModel::Ordinary,
         correspondence(ZeroEnergyControl::None),
         correspondence(penalty),
         correspondence(hourglass),
+        correspondence(tensor),
+        FORM_I,
+        FORM_II,
+        BondModel::BondAveraged,
     ];
     fn checked<const D: usize>(crystal: &Crystal<D>, horizon: f64, models: &[BondModel]) {
         let material = ModifiedMooneyRivlin::default();
@@ -99,16 +113,27 @@ fn every_model_passes_the_battery_in_every_dimension() {
                 influence: Influence::Gaussian,
                 ..choices(horizon, model)
             };
-            assert_scheme(&body(crystal.clone(), choices), &material, &state::<D>());
+            assert_scheme(
+                &body(crystal.clone(), choices.clone()),
+                &material,
+                &state::<D>(),
+            );
+            let unweighted = PeridynamicsChoices {
+                weighted_forces: false,
+                ..choices
+            };
+            assert_scheme(&body(crystal.clone(), unweighted), &material, &state::<D>());
         }
     }
     checked(&cubic::<1>(), 2.0, &models);
     checked(&cubic::<2>(), 1.5, &models);
-    checked(&cubic::<3>(), 1.0, &models);
+    // The neighbors of a bond span the space.
+    checked(&cubic::<3>(), 1.0, &models[..7]);
+    checked(&cubic::<3>(), 1.4, &models[7..]);
     checked(&hexagonal(), 1.2, &models);
     // If particles are not centers of inversion, the pair forces of a sheared state are not balanced.
     let honeycomb = Crystal::<2>::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
-    checked(&honeycomb, 1.3, &models[2..]);
+    checked(&honeycomb, 1.3, &models[3..]);
 }
 
 #[test]
@@ -286,6 +311,7 @@ fn long_waves_of_correspondence_agree_with_any_material_with_and_without_control
             ZeroEnergyControl::None,
             ZeroEnergyControl::Penalty { coefficient: 2.0 },
             ZeroEnergyControl::Hourglass { coefficient: 2.0 },
+            ZeroEnergyControl::StiffnessTensor { coefficient: 0.5 },
         ] {
             let choices = PeridynamicsChoices {
                 influence: Influence::Conical,
@@ -459,4 +485,171 @@ fn invalid_horizons_controls_and_states_are_rejected() {
         .expect_err("out of plane");
     assert_eq!(error, MethodError::NotPlanar { dimension: 2 });
     assert_eq!(body(cubic::<3>(), choices(1.0, BONDS)).neighbors(), 7.0);
+}
+
+/// Law with given Lame constants.
+fn saint_venant_kirchhoff(lambda: f64, mu: f64) -> Box<dyn Hyperelastic> {
+    let law = Law::named("saint-venant-kirchhoff").expect("a law of the library");
+    law.build(&[("lambda", lambda), ("mu", mu)])
+        .expect("admissible constants")
+}
+
+#[test]
+fn an_ordinary_solid_with_equal_lame_constants_consists_of_bonds_with_inverse_influence() {
+    fn checked<const D: usize>(crystal: &Crystal<D>, horizon: f64, f: &DeformationGradient) {
+        let law = saint_venant_kirchhoff(1.3, 1.3);
+        let of = |model, influence| {
+            let choices = PeridynamicsChoices {
+                influence,
+                partial_volumes: PartialVolumes::Tapered,
+                ..choices(horizon, model)
+            };
+            let body = body(crystal.clone(), choices);
+            body.waves(&*law, f).expect("an evaluable state")
+        };
+        let solid = of(BondModel::Ordinary, Influence::Inverse);
+        let bonds = of(CALIBRATED, Influence::Constant);
+        let mut random = Random::new(1);
+        for _ in 0..5 {
+            let k = SVector::from_fn(|_, _| 3.0 * random.number());
+            let (solid, bonds) = (solid.stiffness().at(&k), bonds.stiffness().at(&k));
+            assert!((solid - &bonds).norm() < 1e-12 * bonds.norm());
+        }
+    }
+    checked(&cubic::<2>(), 3.0, &state::<2>());
+    checked(&hexagonal(), 2.0, &state::<2>());
+    checked(&cubic::<3>(), 2.0, &state::<3>());
+}
+
+#[test]
+fn long_waves_of_an_ordinary_solid_have_both_moduli_of_the_material() {
+    let law = saint_venant_kirchhoff(2.0, 0.6);
+    let rest = DeformationGradient::identity();
+    // Exact where the bonds are isotropic to fourth order: in a chain and on the hexagonal lattice.
+    for horizon in [1.0, 2.0, 3.0] {
+        let chain = body(cubic::<1>(), choices(horizon, BondModel::Ordinary));
+        assert_long_waves_are_those_of_the_material(&chain, &*law, &rest, 1e-12);
+        let plane = body(hexagonal(), choices(horizon, BondModel::Ordinary));
+        assert_long_waves_are_those_of_the_material(&plane, &*law, &rest, 1e-12);
+    }
+    // The bulk modulus is exact on every lattice: the dilatation is that of the deformation.
+    let cubic = body(cubic::<3>(), choices(2.0, BondModel::Ordinary));
+    let limit = cubic
+        .waves(&*law, &rest)
+        .expect("an evaluable state")
+        .long_wave_stiffness();
+    let at = |x: f64, y: f64| limit.acoustic_tensor(&SVector::from([x, y, 0.0]));
+    let (along, shear) = (at(1.0, 0.0)[(0, 0)], at(1.0, 0.0)[(1, 1)]);
+    let coupling = at(1.0, 1.0)[(0, 1)] - shear;
+    assert!(((along + 2.0 * coupling) / (3.0 * 2.0 + 2.0 * 0.6) - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn long_waves_of_bond_gradients_with_an_energy_are_those_of_the_material() {
+    fn checked<const D: usize>(crystal: &Crystal<D>, horizon: f64) {
+        let material = ModifiedMooneyRivlin::default();
+        for model in [FORM_II, BondModel::BondAveraged] {
+            let body = body(crystal.clone(), choices(horizon, model));
+            assert_long_waves_are_those_of_the_material(&body, &material, &state::<D>(), 1e-9);
+        }
+    }
+    checked(&cubic::<1>(), 3.0);
+    checked(&cubic::<2>(), 2.0);
+    checked(&hexagonal(), 2.0);
+    checked(&cubic::<3>(), 1.5);
+}
+
+#[test]
+fn pairwise_forces_of_bond_gradients_reproduce_a_homogeneous_stress_only_approximately() {
+    let chain = body(cubic::<1>(), choices(2.0, FORM_I));
+    let limit = waves(&chain, &DeformationGradient::identity()).long_wave_stiffness();
+    let found = limit.acoustic_tensor(&SVector::from_element(1.0))[(0, 0)] / trace::<1>();
+    // sum_J (V_b/V_H) X_J^2 V / K_b instead of 1. The neighbors of the bond to 1 are -1, 1 and 2 of four: K = 6. Those of the bond to 2 are 1 and 2: K = 5.
+    let expected = 2.0 * (0.75 / 6.0 + 0.5 * 4.0 / 5.0);
+    assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+}
+
+#[test]
+fn bond_gradients_have_no_zero_energy_modes_where_families_have_them() {
+    fn zero_energy_modes<const D: usize>(
+        crystal: &Crystal<D>,
+        choices: PeridynamicsChoices,
+    ) -> usize {
+        let material = ModifiedMooneyRivlin::default();
+        let body = body(crystal.clone(), choices);
+        let survey = Survey::new(&body, &material).expect("a survey");
+        let found = spurious_modes(&survey, WEAK_WAVE_RATIO).expect("modes");
+        found.modes.iter().filter(|mode| mode.is_zero()).count()
+    }
+    for model in [FORM_I, FORM_II, BondModel::BondAveraged] {
+        assert_eq!(
+            zero_energy_modes(&cubic::<2>(), choices(2.0, model)),
+            0,
+            "{model:?}"
+        );
+        assert_eq!(
+            zero_energy_modes(&hexagonal(), choices(2.0, model)),
+            0,
+            "{model:?}"
+        );
+        assert_eq!(
+            zero_energy_modes(&cubic::<3>(), choices(1.5, model)),
+            0,
+            "{model:?}"
+        );
+    }
+    let families = correspondence(ZeroEnergyControl::None);
+    assert!(zero_energy_modes(&cubic::<2>(), choices(2.0, families)) > 0);
+}
+
+#[test]
+fn on_cubic_lattices_springs_of_the_stiffness_tensor_are_a_penalty_with_the_squared_dimension() {
+    fn checked<const D: usize>(crystal: &Crystal<D>, horizon: f64) {
+        let of = |control| {
+            let body = body(crystal.clone(), choices(horizon, correspondence(control)));
+            waves(&body, &state::<D>())
+        };
+        let tensor = of(ZeroEnergyControl::StiffnessTensor { coefficient: 0.2 });
+        let penalty = of(ZeroEnergyControl::Penalty {
+            coefficient: 0.2 * (D * D) as f64,
+        });
+        let k = SVector::from_fn(|i, _| 1.1 + 0.4 * i as f64);
+        let (tensor, penalty) = (tensor.stiffness().at(&k), penalty.stiffness().at(&k));
+        assert!((tensor - &penalty).norm() < 1e-12 * penalty.norm());
+    }
+    checked(&cubic::<1>(), 3.0);
+    checked(&hexagonal(), 2.0);
+    checked(&cubic::<3>(), 2.0);
+}
+
+#[test]
+fn forces_without_the_influence_function_differ_if_and_only_if_it_varies() {
+    let of = |influence, weighted_forces| {
+        let choices = PeridynamicsChoices {
+            influence,
+            weighted_forces,
+            ..choices(3.0, correspondence(ZeroEnergyControl::None))
+        };
+        waves(&body(cubic::<2>(), choices), &state::<2>())
+    };
+    let k = SVector::from([0.9, 0.4]);
+    let matrix = |influence, weighted| of(influence, weighted).stiffness().at(&k);
+    let constant = matrix(Influence::Constant, true);
+    assert!((matrix(Influence::Constant, false) - &constant).norm() < 1e-14 * constant.norm());
+    // Long waves see the ratio of the moments sum w X^2 / sum X^2.
+    let [weighted, unweighted] = [true, false].map(|weighted| {
+        let limit = of(Influence::Parabolic, weighted).long_wave_stiffness();
+        limit.acoustic_tensor(&SVector::from([1.0, 0.0]))[(0, 0)]
+    });
+    let (mut with, mut without) = (0.0, 0.0);
+    for x in -3_i32..=3 {
+        for y in -3_i32..=3 {
+            let squared = f64::from(x * x + y * y);
+            if squared > 0.0 && squared <= 9.0 {
+                with += Influence::Parabolic.weight(squared.sqrt() / 3.0) * squared;
+                without += squared;
+            }
+        }
+    }
+    assert!((unweighted / weighted / (without / with) - 1.0).abs() < 1e-9);
 }

@@ -12,16 +12,17 @@ use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::{BravaisLattice, Crystal, LatticeKind};
 use onset::material::{Hyperelastic, Law, MaterialError, ModifiedMooneyRivlin};
+use onset::measures::spurious_modes;
 use onset::method::{KernelMethodChoices, Method, MethodError, SupportSize};
 use onset::quadrature::Quadrature;
 use onset::scheme::Discretization;
 use onset::scheme::kernel::{CrystalQuadrature, KernelChoices, KernelScheme};
 use onset::scheme::sph::{
-    DensityEvolution, MomentumForm, TotalLagrangianChoices, TotalLagrangianSph, UpdatedSph,
-    UpdatedSphChoices,
+    DensityEvolution, MomentumForm, ShearForces, TotalLagrangianChoices, TotalLagrangianSph,
+    UpdatedSph, UpdatedSphChoices,
 };
 use onset::scheme::stabilization::ArtificialStress;
-use onset::verdict::speed_squared;
+use onset::verdict::{Survey, WEAK_WAVE_RATIO, speed_squared};
 use std::f64::consts::PI;
 
 const FORMS: [MomentumForm; 3] = [
@@ -87,11 +88,17 @@ fn all_updated(radius: f64) -> Vec<UpdatedSphChoices> {
 #[test]
 fn total_lagrangian_sph_passes_the_battery() {
     let material = ModifiedMooneyRivlin::default();
+    let pairs = ShearForces::Pairs { coefficient: 1.07 };
     for corrected in [false, true] {
-        for penalty in [0.0, 10.0] {
+        for (penalty, shear) in [
+            (0.0, ShearForces::Stress),
+            (10.0, ShearForces::Stress),
+            (0.0, pairs),
+        ] {
             let choices = TotalLagrangianChoices {
                 corrected,
                 penalty,
+                shear,
                 radius: 1.6,
                 ..TotalLagrangianChoices::default()
             };
@@ -107,6 +114,64 @@ fn total_lagrangian_sph_passes_the_battery() {
             assert_scheme(&total(Crystal::of_lattice(cubic), choices), &material, &f);
         }
     }
+}
+
+#[test]
+fn pairwise_shear_gives_transverse_waves_the_laplacian_of_the_kernel() {
+    // omega^2 = 2 zeta mu / rho sum_J V_J |W'|/r (1 - cos k.X_J): at k = (pi, 0) and (pi, pi) the stress of a particle with corrected gradients vanishes.
+    let (mu, zeta, radius) = (0.8, 1.07, 2.6);
+    let law = Law::named("saint-venant-kirchhoff").expect("a law of the library");
+    let law = law
+        .build(&[("lambda", 1.7), ("mu", mu)])
+        .expect("constants");
+    let choices = TotalLagrangianChoices {
+        kernel: Kernel::WendlandC2,
+        shear: ShearForces::Pairs { coefficient: zeta },
+        radius,
+        ..TotalLagrangianChoices::default()
+    };
+    let sph = total(crystal::<2>(LatticeKind::Square), choices);
+    let system = sph
+        .waves(&*law, &DeformationGradient::identity())
+        .expect("an evaluable state");
+    for k in [SVector::from([PI, 0.0]), SVector::from([PI, PI])] {
+        let mut sum = 0.0;
+        for x in -2_i32..=2 {
+            for y in -2_i32..=2 {
+                let bond = SVector::from([f64::from(x), f64::from(y)]);
+                let q = bond.norm() / radius;
+                if q > 0.0 && q < 1.0 {
+                    // W = 7/(pi R^2) (1 - q)^4 (1 + 4 q), hence W' = -140/(pi R^3) q (1 - q)^3.
+                    let slope = 140.0 / (PI * radius.powi(3)) * q * (1.0 - q).powi(3);
+                    sum += slope / bond.norm() * (1.0 - k.dot(&bond).cos());
+                }
+            }
+        }
+        for found in system.omega_squared(&k) {
+            let expected = 2.0 * zeta * mu * sum;
+            assert!(
+                (found.re / expected - 1.0).abs() < 1e-10,
+                "{found} {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn pairwise_shear_leaves_no_zero_energy_mode() {
+    let count = |shear| {
+        let choices = TotalLagrangianChoices {
+            shear,
+            ..TotalLagrangianChoices::default()
+        };
+        let sph = total(crystal::<2>(LatticeKind::Square), choices);
+        let material = ModifiedMooneyRivlin::default();
+        let survey = Survey::new(&sph, &material).expect("a survey");
+        let found = spurious_modes(&survey, WEAK_WAVE_RATIO).expect("modes");
+        found.modes.iter().filter(|mode| mode.is_zero()).count()
+    };
+    assert!(count(ShearForces::Stress) > 0);
+    assert_eq!(count(ShearForces::Pairs { coefficient: 1.07 }), 0);
 }
 
 #[test]

@@ -12,11 +12,12 @@ use serde::Serialize;
 use std::fmt;
 
 /// All codes that can be verified.
-pub const CODES: [&dyn Code; 6] = [
+pub const CODES: [&dyn Code; 7] = [
     &lammps_smd_tlsph::TotalSmd,
     &lammps_smd_ulsph::PLAIN,
     &lammps_smd_ulsph::CORRECTED,
-    &lammps_peri::Peri,
+    &lammps_peri::BONDS,
+    &lammps_peri::SOLID,
     &pysph::PySph,
     &plain::Plain,
 ];

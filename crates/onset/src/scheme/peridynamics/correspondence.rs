@@ -1,102 +1,261 @@
-//! Correspondence model: the family of a particle as a point with a nonlocal deformation gradient (Silling and others 2007).
+//! Correspondence models: points with nonlocal deformation gradients, one for each family or one for each bond.
 
-use super::ZeroEnergyControl;
 use super::family::Family;
+use super::{ZeroEnergyControl, trace};
 use crate::algebra::{Each, array_of};
-use crate::lattice::Particle;
+use crate::bloch::BlochBlocks;
+use crate::kinematics::DeformationGradient;
+use crate::lattice::{Crystal, Particle};
+use crate::material::{Hyperelastic, MaterialError};
+use crate::method::MethodError;
 use crate::real::Real;
-use crate::scheme::{Interaction, Motion, PointResponse};
-use nalgebra::SVector;
+use crate::scheme::lagrangian::{LagrangianPoint, Stressed};
+use crate::scheme::{Interaction, Motion};
+use nalgebra::{SMatrix, SVector};
+use std::collections::BTreeMap;
 
-/// Particle with its family in a homogeneous state.
-#[derive(Clone)]
-pub(super) struct Point<'a, const D: usize> {
-    family: &'a Family<D>,
-    response: PointResponse<'a, D>,
-    /// Gradients `w V_J K^-1 X_IJ`, with `F = F0 + sum (u_J - u_I) (x) gradient`.
-    gradients: Vec<SVector<f64, D>>,
-    /// Control with its coefficient multiplied by a modulus: by the bulk modulus for the penalty, by the micromodulus for hourglass forces.
-    control: ZeroEnergyControl,
+/// Returns the point of a family, with the gradients `w V_J K^-1 X_IJ` (Silling and others 2007).
+///
+/// Without weighted forces the force is `P K^-1 X_IJ` and lacks the influence function.
+pub(super) fn of_family<const D: usize>(
+    family: &Family<D>,
+    has_weighted_forces: bool,
+) -> LagrangianPoint<D> {
+    let (gradients, vectors) = family.gradients();
+    let point = LagrangianPoint::new(
+        family.particles.iter().copied().zip(gradients),
+        family.volume,
+    );
+    if has_weighted_forces {
+        return point;
+    }
+    let volumes = family.neighbors.iter().map(|n| n.volume);
+    let others = volumes
+        .zip(&vectors[1..])
+        .map(|(volume, x)| family.inverse_shape * x * volume);
+    point.with_forces_along(balanced(others))
 }
 
-impl<'a, const D: usize> Point<'a, D> {
-    pub(super) fn new(
-        family: &'a Family<D>,
-        response: PointResponse<'a, D>,
-        control: ZeroEnergyControl,
-    ) -> Self {
-        let gradient = |n: &super::family::Neighbor<D>| {
-            family.inverse_shape * n.vector * (n.influence * n.volume)
-        };
-        Self {
-            gradients: family.neighbors.iter().map(gradient).collect(),
-            family,
-            response,
-            control,
+/// Returns the points of the bonds of a family. The deformation gradient of a bond is that of the neighbors that also belong to the family of its
+/// other end (Chen 2018).
+///
+/// The energy of a family is the mean over its bonds, weighted with the volumes of their neighborhoods. Pairwise forces act on the ends of the bond alone.
+///
+/// # Errors
+/// [`MethodError::HorizonTooSmall`] if the neighbors of a bond do not span the space.
+pub(super) fn of_bonds<const D: usize>(
+    family: &Family<D>,
+    horizon: f64,
+    is_pairwise: bool,
+) -> Result<Vec<LagrangianPoint<D>>, MethodError> {
+    let near: Vec<_> = family
+        .neighbors
+        .iter()
+        .map(|end| family.near(&end.vector, horizon))
+        .collect::<Result<_, _>>()?;
+    let volume = |family: &Family<D>| family.neighbors.iter().map(|n| n.volume).sum::<f64>();
+    let total: f64 = near.iter().map(volume).sum();
+    let points = family.neighbors.iter().zip(near).map(|(end, near)| {
+        let (gradients, _) = near.gradients();
+        let seen = near.particles.iter().copied().zip(gradients);
+        let share = volume(&near);
+        if !is_pairwise {
+            return LagrangianPoint::new(seen, family.volume * share / total);
+        }
+        let pull =
+            near.inverse_shape * end.vector * (end.influence * end.volume * share / volume(family));
+        let others = near
+            .neighbors
+            .iter()
+            .map(|n| match n.particle == end.particle {
+                true => pull,
+                false => SVector::zeros(),
+            });
+        let along = balanced(others);
+        LagrangianPoint::new(seen, family.volume).with_forces_along(along)
+    });
+    Ok(points.collect())
+}
+
+/// Returns a point for each bond, with the mean deformation gradient of the families at its ends, corrected along the bond (Breitzman and Dayal 2018):
+/// `F_IJ = F + (y - F X) (x) X / |X|^2`, `F = (F_I + F_J) / 2`.
+pub(super) fn between_families<const D: usize>(
+    families: &[Family<D>],
+    crystal: &Crystal<D>,
+) -> Vec<LagrangianPoint<D>> {
+    let weights: Vec<f64> = families
+        .iter()
+        .map(|family| {
+            family
+                .neighbors
+                .iter()
+                .map(|n| n.influence * n.volume)
+                .sum()
+        })
+        .collect();
+    let mut points = Vec::new();
+    for (site, family) in families.iter().enumerate() {
+        for bond in family.bonds(crystal, site).filter(|bond| bond.weight > 0.0) {
+            let along = bond.vector / bond.vector.norm_squared();
+            let across = SMatrix::identity() - bond.vector * along.transpose();
+            let mut seen: BTreeMap<Particle<D>, SVector<f64, D>> = BTreeMap::new();
+            let mut add = |particle, gradient| {
+                *seen.entry(particle).or_insert_with(SVector::zeros) += gradient;
+            };
+            for end in &bond.particles {
+                let there = &families[end.site];
+                for (particle, gradient) in there.particles.iter().zip(there.gradients().0) {
+                    add(particle.moved(&end.cell), across * gradient * 0.5);
+                }
+            }
+            add(bond.particles[0], -along);
+            add(bond.particles[1], along);
+            let ends = bond.particles.each(|end| bond.weight / weights[end.site]);
+            points.push(LagrangianPoint::new(seen, ends.iter().sum()));
         }
     }
+    points
+}
 
-    /// Force of the zero-energy control on a bond, from the relative displacement of its ends and `F - F0`.
-    fn controlled<R: Real>(&self, bond: usize, apart: &[R; D], change: &[[R; D]; D]) -> [R; D] {
-        let neighbor = &self.family.neighbors[bond];
-        let x = &neighbor.vector;
-        // z = Y - F X = u_J - u_I - (F - F0) X
-        let nonuniform = |i: usize| (0..D).fold(apart[i], |sum, j| sum - change[i][j] * x[j]);
-        let z: [R; D] = array_of(nonuniform);
-        match self.control {
-            ZeroEnergyControl::None => [R::constant(0.0); D],
+/// Vectors of forces on the neighbors, with that of the particle itself in front, so that they add up to zero.
+fn balanced<const D: usize>(others: impl Iterator<Item = SVector<f64, D>>) -> Vec<SVector<f64, D>> {
+    let others: Vec<_> = others.collect();
+    let own = -others.iter().sum::<SVector<f64, D>>();
+    std::iter::once(own).chain(others).collect()
+}
+
+/// Forces of a zero-energy control on the bonds of a family, as functions of the nonuniform part `z = Y - F X` of the deformation.
+#[derive(Clone)]
+pub(super) enum Control<const D: usize> {
+    /// Springs `w V S z`, or `V S z` without weights, with a matrix `S` for each family; stress/length^(D+2).
+    Springs {
+        stiffness: SMatrix<f64, D, D>,
+        is_weighted: bool,
+    },
+    /// Forces `c V (z.e) e / r` along the deformed bond, with the direction `e` and a micromodulus `c`.
+    Along(f64),
+}
+
+impl<const D: usize> Control<D> {
+    /// Returns the control of a family; `None` without one. `micromodulus` is that of bonds with constant influence.
+    ///
+    /// # Errors
+    /// [`MaterialError`] if the material cannot be evaluated in the reference state.
+    pub(super) fn new(
+        control: ZeroEnergyControl,
+        family: &Family<D>,
+        material: &dyn Hyperelastic,
+        micromodulus: f64,
+        is_weighted: bool,
+    ) -> Result<Option<Self>, MaterialError> {
+        let springs = |stiffness| Self::Springs {
+            stiffness,
+            is_weighted,
+        };
+        Ok(match control {
+            ZeroEnergyControl::None => None,
             ZeroEnergyControl::Penalty { coefficient } => {
-                let weight = neighbor.influence * neighbor.volume / self.family.shape.trace();
-                z.each(|z| z * (coefficient * weight))
+                let bulk = trace::<D>(material)? / (D * D) as f64;
+                let spring = coefficient * bulk / family.shape.trace();
+                Some(springs(SMatrix::identity() * spring))
+            }
+            ZeroEnergyControl::StiffnessTensor { coefficient } => {
+                let tangent = material.response(&DeformationGradient::identity())?.tangent;
+                let contracted = SMatrix::from_fn(|i, j| {
+                    let entries = (0..D).flat_map(|k| (0..D).map(move |l| (k, l)));
+                    entries
+                        .map(|(k, l)| tangent[(i, j, k, l)] * family.inverse_shape[(k, l)])
+                        .sum()
+                });
+                Some(springs(contracted * coefficient))
             }
             ZeroEnergyControl::Hourglass { coefficient } => {
-                let f = self.response.leading::<f64>();
-                let deformed = |i: usize| (0..D).map(|j| f[i][j] * x[j]).sum::<f64>();
-                let y: [R; D] = array_of(|i| apart[i] + deformed(i));
-                let zero = R::constant(0.0);
-                let squares = (0..D).fold(zero, |sum, i| sum + y[i] * y[i]);
-                let along = (0..D).fold(zero, |sum, i| sum + y[i] * z[i]);
-                let factor = along / squares * (coefficient * neighbor.volume / x.norm());
-                y.each(|y| y * factor)
+                Some(Self::Along(coefficient * micromodulus))
             }
+        })
+    }
+}
+
+/// Point in a homogeneous state, with the control of its zero-energy modes.
+#[derive(Clone)]
+pub(super) struct Point<'a, const D: usize> {
+    pub(super) stressed: Stressed<'a, D>,
+    /// Control with the family that it acts on.
+    pub(super) control: Option<(Control<D>, &'a Family<D>)>,
+}
+
+impl<const D: usize> Point<'_, D> {
+    /// Forces of the control on the particles of the family.
+    fn controlled<R: Real>(
+        &self,
+        control: &Control<D>,
+        family: &Family<D>,
+        motion: Motion<'_, R, D>,
+    ) -> Vec<[R; D]> {
+        let own = motion.displacements[0];
+        let change = self.stressed.change(motion.displacements);
+        let base = self.stressed.base();
+        let mut forces = vec![[R::constant(0.0); D]; family.particles.len()];
+        for (number, neighbor) in family.neighbors.iter().enumerate() {
+            let x = &neighbor.vector;
+            let u = motion.displacements[number + 1];
+            let apart: [R; D] = array_of(|i| u[i] - own[i]);
+            // z = Y - F X = u_J - u_I - (F - F0) X
+            let nonuniform = |i: usize| (0..D).fold(apart[i], |sum, j| sum - change[i][j] * x[j]);
+            let z: [R; D] = array_of(nonuniform);
+            let zero = R::constant(0.0);
+            let pull: [R; D] = match control {
+                Control::Springs {
+                    stiffness,
+                    is_weighted,
+                } => {
+                    let weight = if *is_weighted {
+                        neighbor.influence
+                    } else {
+                        1.0
+                    };
+                    let scale = weight * neighbor.volume;
+                    array_of(|i| {
+                        (0..D).fold(zero, |sum, j| sum + z[j] * (stiffness[(i, j)] * scale))
+                    })
+                }
+                Control::Along(micromodulus) => {
+                    let deformed = |i: usize| (0..D).map(|j| base[i][j] * x[j]).sum::<f64>();
+                    let y: [R; D] = array_of(|i| apart[i] + deformed(i));
+                    let squares = (0..D).fold(zero, |sum, i| sum + y[i] * y[i]);
+                    let along = (0..D).fold(zero, |sum, i| sum + y[i] * z[i]);
+                    let factor = along / squares * (micromodulus * neighbor.volume / x.norm());
+                    y.each(|y| y * factor)
+                }
+            };
+            let force = pull.each(|x| x * family.volume);
+            forces[0] = array_of(|i| forces[0][i] + force[i]);
+            forces[number + 1] = force.each(|x| -x);
         }
+        forces
     }
 }
 
 impl<const D: usize> Interaction<D> for Point<'_, D> {
     fn particles(&self) -> &[Particle<D>] {
-        &self.family.particles
+        self.stressed.particles()
     }
 
     fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
-        let own = motion.displacements[0];
-        let apart: Vec<[R; D]> = motion.displacements[1..]
-            .iter()
-            .map(|u| array_of(|i| u[i] - own[i]))
-            .collect();
-        let mut change = [[R::constant(0.0); D]; D];
-        for (u, gradient) in apart.iter().zip(&self.gradients) {
-            for i in 0..D {
-                for j in 0..D {
-                    change[i][j] = change[i][j] + u[i] * gradient[j];
-                }
-            }
-        }
-        let base = self.response.leading::<f64>();
-        let f = array_of(|i| array_of(|j| change[i][j] + base[i][j]));
-        let stress = self.response.first_piola(&f);
-        let mut forces = vec![[R::constant(0.0); D]; apart.len() + 1];
-        for (bond, gradient) in self.gradients.iter().enumerate() {
-            let mut pull = self.controlled(bond, &apart[bond], &change);
-            for i in 0..D {
-                for j in 0..D {
-                    pull[i] = pull[i] + stress[i][j] * gradient[j];
-                }
-                let force = pull[i] * self.family.volume;
-                forces[0][i] = forces[0][i] + force;
-                forces[bond + 1][i] = forces[bond + 1][i] - force;
+        let mut forces = self.stressed.forces(motion);
+        if let Some((control, family)) = &self.control {
+            let added = self.controlled(control, family, motion);
+            for (force, own) in forces.iter_mut().zip(added) {
+                *force = array_of(|i| force[i] + own[i]);
             }
         }
         forces
+    }
+
+    fn add_stiffness(&self, blocks: &mut BlochBlocks<D>) {
+        match self.control {
+            None => self.stressed.add_stiffness(blocks),
+            Some(_) => crate::scheme::linearized::differentiated(self, false, blocks),
+        }
     }
 }

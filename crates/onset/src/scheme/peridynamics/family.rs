@@ -88,6 +88,15 @@ impl<const D: usize> Family<D> {
                 })
             })
             .collect();
+        Self::of_neighbors(home, crystal.volumes()[site], neighbors, horizon)
+    }
+
+    fn of_neighbors(
+        home: Particle<D>,
+        volume: f64,
+        neighbors: Vec<Neighbor<D>>,
+        horizon: f64,
+    ) -> Result<Self, MethodError> {
         let shape: SMatrix<f64, D, D> = neighbors
             .iter()
             .map(|n| n.vector * n.vector.transpose() * (n.influence * n.volume))
@@ -103,11 +112,21 @@ impl<const D: usize> Family<D> {
         particles.extend(neighbors.iter().map(|neighbor| neighbor.particle));
         Ok(Self {
             particles,
-            volume: crystal.volumes()[site],
+            volume,
             neighbors,
             shape,
             inverse_shape,
         })
+    }
+
+    /// Returns the part of the family within the horizon of another place.
+    ///
+    /// # Errors
+    /// [`MethodError::HorizonTooSmall`] if the shape tensor of the part is singular.
+    pub(super) fn near(&self, place: &SVector<f64, D>, horizon: f64) -> Result<Self, MethodError> {
+        let is_near = |n: &&Neighbor<D>| (n.vector - place).norm() <= horizon * (1.0 + RIM);
+        let neighbors = self.neighbors.iter().filter(is_near).cloned().collect();
+        Self::of_neighbors(self.particles[0], self.volume, neighbors, horizon)
     }
 
     /// Gradients `b_J = w V_J K^-1 X_IJ` of the nonlocal deformation gradient and the vectors `X_IJ`, in the order of the particles. The gradient of

@@ -1,13 +1,17 @@
 //! Peridynamics: particles interact with all others within a horizon, without spatial derivatives.
 //!
-//! There are two models: bond-based (Silling 2000), a pair force along the deformed bond, and correspondence (Silling and others 2007), whose
-//! nonlocal deformation gradient accepts any hyperelastic law.
-//! Both are total Lagrangian: families are determined in the reference configuration. Particles exactly at the horizon belong to a family.
+//! Bonds carry pair forces (Silling 2000) or form a linear peridynamic solid (Silling and others 2007), both with moduli of the reference state.
+//! Correspondence models accept any hyperelastic law: it is evaluated at the nonlocal deformation gradient of a family (Silling and others 2007) or
+//! of a bond (Chen 2018; Breitzman and Dayal 2018).
+//! All are total Lagrangian: families are determined in the reference configuration. Particles exactly at the horizon belong to a family.
 
 mod bond;
 mod correspondence;
 mod family;
+mod solid;
 
+use super::lagrangian::{LagrangianPoint, strains, stressed};
+use super::moduli::Moduli;
 use super::parts::{FiniteBodies, Part};
 use super::{
     Assembled, Discretization, Interaction, PatchForces, PeriodicPatch, SeenForm, StrainOperator,
@@ -19,9 +23,10 @@ use crate::lattice::Crystal;
 use crate::material::{Hyperelastic, MaterialError};
 use crate::method::MethodError;
 use bond::Bond;
-use correspondence::Point;
+use correspondence::{Control, Point};
 use family::Family;
 use nalgebra::DMatrix;
+use solid::Solid;
 
 /// Influence function: weight of a bond by its reference length `r`, with `q = r / horizon`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,6 +44,8 @@ pub enum Influence {
     Conical,
     /// Gaussian function of the length, `w = exp(-4 q^2)`.
     Gaussian,
+    /// Parabolic decay, `w = 1` up to `q = 1/2` and `4 q (1 - q)` from there to the horizon, as in Peridigm.
+    Parabolic,
 }
 
 impl Influence {
@@ -49,6 +56,7 @@ impl Influence {
             Self::Inverse => 1.0,
             Self::Conical => q * (1.0 - q).max(0.0),
             Self::Gaussian => q * (-4.0 * q * q).exp(),
+            Self::Parabolic => q * (4.0 * q.max(0.5) * (1.0 - q.max(0.5))).max(0.0),
         }
     }
 
@@ -136,6 +144,14 @@ pub enum ZeroEnergyControl {
         /// Coefficient of the hourglass forces; dimensionless, zero for no control.
         coefficient: f64,
     },
+    /// Springs `coefficient w (C : K^-1) z` with the elasticity tensor `C` of the reference state (Wan and others 2019): the global control of
+    /// PeriLab for the coefficient 1.
+    ///
+    /// If `K` is a multiple of the identity and the material isotropic, it equals `Penalty` with `D^2` times the coefficient.
+    StiffnessTensor {
+        /// Coefficient of the springs; dimensionless, zero for no control.
+        coefficient: f64,
+    },
 }
 
 /// Force model of the particles.
@@ -156,6 +172,24 @@ pub enum BondModel {
         /// Calibration of the micromodulus `c`.
         calibration: Calibration,
     },
+    /// Linear peridynamic solid, an ordinary state-based model with the energy per volume `kappa theta^2 / 2 + D (D + 2) mu / (2 m) sum_J w V_J e_d^2`
+    /// (Silling and others 2007).
+    ///
+    /// `e = |y| - r` is the elongation of a bond, `m = sum w r^2 V`, `theta = D/m sum w r e V` the dilatation and `e_d = e - theta r / D`.
+    /// The model uses only the bulk modulus `kappa` in `D` dimensions and the shear modulus `mu` of the material in the reference state; in one
+    /// dimension `mu` is that of the material in three. For an anisotropic material both are those of the nearest isotropic tensor.
+    /// A homogeneous deformation is an equilibrium if every particle is a center of inversion.
+    Ordinary,
+    /// Correspondence model with a deformation gradient for each bond, that of the neighbors within the horizon of both of its ends (Chen 2018).
+    BondAssociated {
+        /// Forces of a bond.
+        form: BondForm,
+    },
+    /// Correspondence model with the deformation gradient `F + (y - F X) (x) X / |X|^2` of each bond, where `F` is the mean of the families at its ends
+    /// (Breitzman and Dayal 2018).
+    ///
+    /// The energy is `sum_I V_I sum_J w V_J W(F_IJ) / sum_J w V_J`.
+    BondAveraged,
     /// Correspondence model with `F_I = (sum_J w (y_J - y_I) (x) X_IJ V_J) K_I^-1`, `K_I = sum_J w X_IJ (x) X_IJ V_J`.
     ///
     /// The force is `w P(F_I) K_I^-1 X_IJ` per squared volume, and the energy is `sum_I V_I W(F_I)`.
@@ -163,6 +197,23 @@ pub enum BondModel {
         /// Control of the zero-energy modes.
         control: ZeroEnergyControl,
     },
+}
+
+/// Forces of a bond-associated correspondence model, with the names of their implementation in MOOSE.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum BondForm {
+    /// Form I: the stress of a bond acts on its two ends only, with the force `w (V_b/V_H) P_b K_b^-1 X_IJ` per squared volume. `V_b` and `V_H` are the volumes of
+    /// the neighbors of the bond and of the whole family.
+    ///
+    /// The forces do not derive from an energy, and a homogeneous stress is reproduced only approximately.
+    One,
+    /// Form II: the stress of a bond acts on all of its neighbors, as it follows from the energy `sum_b V_b W(F_b) / sum_b V_b` of a family.
+    Two,
 }
 
 /// Choices that define a peridynamic discretization, apart from the lattice.
@@ -185,6 +236,9 @@ pub struct PeridynamicsChoices {
     pub partial_volumes: PartialVolumes,
     /// Force model of the particles.
     pub model: BondModel,
+    /// Correspondence model of families: whether the forces `w P K^-1 X` of bonds and those of springs contain the influence function, as in the published
+    /// models. The energy exists only with it.
+    pub weighted_forces: bool,
 }
 
 impl Default for PeridynamicsChoices {
@@ -197,6 +251,7 @@ impl Default for PeridynamicsChoices {
             model: BondModel::BondBased {
                 calibration: Calibration::Continuum,
             },
+            weighted_forces: true,
         }
     }
 }
@@ -221,10 +276,13 @@ pub struct Peridynamics<const D: usize> {
     crystal: Crystal<D>,
     horizon: f64,
     families: Vec<Family<D>>,
+    /// Points of correspondence models.
+    points: Vec<LagrangianPoint<D>>,
 }
 
 enum Interactions<'a, const D: usize> {
     Bonds(Vec<Bond<D>>),
+    Solids(Vec<Solid<'a, D>>),
     Points(Vec<Point<'a, D>>),
 }
 
@@ -241,7 +299,7 @@ impl<const D: usize> Peridynamics<D> {
             control.check()?;
         }
         let horizon = choices.horizon * crystal.spacing();
-        let families = (0..crystal.sites().len())
+        let families: Vec<Family<D>> = (0..crystal.sites().len())
             .map(|site| {
                 Family::new(
                     &crystal,
@@ -252,11 +310,26 @@ impl<const D: usize> Peridynamics<D> {
                 )
             })
             .collect::<Result<_, _>>()?;
+        let points = match choices.model {
+            BondModel::BondBased { .. } | BondModel::Ordinary => Vec::new(),
+            BondModel::Correspondence { .. } => families
+                .iter()
+                .map(|family| correspondence::of_family(family, choices.weighted_forces))
+                .collect(),
+            BondModel::BondAssociated { form } => {
+                let of_bonds =
+                    |family| correspondence::of_bonds(family, horizon, form == BondForm::One);
+                let points = families.iter().map(of_bonds);
+                points.collect::<Result<Vec<_>, _>>()?.concat()
+            }
+            BondModel::BondAveraged => correspondence::between_families(&families, &crystal),
+        };
         Ok(Self {
             choices,
             crystal,
             horizon,
             families,
+            points,
         })
     }
 
@@ -319,21 +392,34 @@ impl<const D: usize> Peridynamics<D> {
                 let deformed = all.map(|bond| Bond::new(bond, modulus, f));
                 Ok(Interactions::Bonds(deformed.collect()))
             }
-            BondModel::Correspondence { control } => {
-                let springs = match control {
-                    ZeroEnergyControl::None => ZeroEnergyControl::None,
-                    ZeroEnergyControl::Penalty { coefficient } => ZeroEnergyControl::Penalty {
-                        coefficient: coefficient * trace::<D>(material)? / (D * D) as f64,
-                    },
-                    ZeroEnergyControl::Hourglass { coefficient } => ZeroEnergyControl::Hourglass {
-                        coefficient: coefficient * 2.0 * trace::<D>(material)?
-                            / self.ball(Influence::Constant),
-                    },
+            BondModel::Ordinary => {
+                let moduli = Moduli::of::<D>(material)?;
+                let solid = |family| Solid::new(family, moduli, f);
+                Ok(Interactions::Solids(
+                    self.families.iter().map(solid).collect(),
+                ))
+            }
+            BondModel::Correspondence { .. }
+            | BondModel::BondAssociated { .. }
+            | BondModel::BondAveraged => {
+                let micromodulus = 2.0 * trace::<D>(material)? / self.ball(Influence::Constant);
+                let stressed = stressed(&self.points, material, f)?;
+                let point = |(number, stressed)| {
+                    let control = match self.choices.model {
+                        BondModel::Correspondence { control } => {
+                            let family = &self.families[number];
+                            let is_weighted = self.choices.weighted_forces;
+                            Control::new(control, family, material, micromodulus, is_weighted)?
+                                .map(|control| (control, family))
+                        }
+                        _ => None,
+                    };
+                    Ok(Point { stressed, control })
                 };
-                let response = super::PointResponse::new(material, f)?;
-                let point = |site| Point::new(&self.families[site], response, springs);
-                let points = (0..self.families.len()).map(point);
-                Ok(Interactions::Points(points.collect()))
+                let points = stressed.into_iter().enumerate().map(point);
+                Ok(Interactions::Points(
+                    points.collect::<Result<_, MaterialError>>()?,
+                ))
             }
         }
     }
@@ -343,7 +429,11 @@ impl ZeroEnergyControl {
     /// Returns true if only the component of the nonuniform deformation along the bonds is resisted, false if all of it is; `None` without control.
     fn sees_only_along_bonds(self) -> Option<bool> {
         match self {
-            Self::Penalty { coefficient } if coefficient > 0.0 => Some(false),
+            Self::Penalty { coefficient } | Self::StiffnessTensor { coefficient }
+                if coefficient > 0.0 =>
+            {
+                Some(false)
+            }
             Self::Hourglass { coefficient } if coefficient > 0.0 => Some(true),
             _ => None,
         }
@@ -351,10 +441,12 @@ impl ZeroEnergyControl {
 
     fn check(self) -> Result<(), MethodError> {
         match self {
-            Self::Penalty { coefficient } | Self::Hourglass { coefficient } => {
+            Self::Penalty { coefficient }
+            | Self::Hourglass { coefficient }
+            | Self::StiffnessTensor { coefficient } => {
                 MethodError::not_negative("control-coefficient", coefficient)
             }
-            _ => Ok(()),
+            Self::None => Ok(()),
         }
     }
 }
@@ -383,14 +475,15 @@ impl<const D: usize> Discretization<D> for Peridynamics<D> {
         let mass = Mass::Lumped(lumped_masses(&self.crystal, self.choices.density));
         match self.interactions(material, f)? {
             Interactions::Bonds(bonds) => linearized(&self.crystal, mass, &bonds),
+            Interactions::Solids(solids) => linearized(&self.crystal, mass, &solids),
             Interactions::Points(points) => linearized(&self.crystal, mass, &points),
         }
     }
 
     fn strain(&self) -> Result<StrainOperator<D>, MethodError> {
-        let mut strain = StrainOperator::new();
+        let mut strain = strains(&self.points);
         match self.choices.model {
-            BondModel::BondBased { .. } => {
+            BondModel::BondBased { .. } | BondModel::Ordinary => {
                 for (site, family) in self.families.iter().enumerate() {
                     for bond in family.bonds(&self.crystal, site) {
                         let along = bond.vector.normalize();
@@ -400,14 +493,14 @@ impl<const D: usize> Discretization<D> for Peridynamics<D> {
                 }
             }
             BondModel::Correspondence { control } => {
-                for family in &self.families {
-                    let (gradients, vectors) = family.gradients();
-                    strain.add_strain(&family.particles, gradients.clone());
-                    if let Some(only_along) = control.sees_only_along_bonds() {
+                if let Some(only_along) = control.sees_only_along_bonds() {
+                    for family in &self.families {
+                        let (gradients, vectors) = family.gradients();
                         strain.add_nonuniform(&family.particles, &gradients, &vectors, only_along);
                     }
                 }
             }
+            BondModel::BondAssociated { .. } | BondModel::BondAveraged => {}
         }
         Ok(strain)
     }
@@ -421,6 +514,7 @@ impl<const D: usize> Discretization<D> for Peridynamics<D> {
     ) -> Result<(), MethodError> {
         match self.interactions(material, f)? {
             Interactions::Bonds(bonds) => work(&Assembled::new(patch, &bonds)),
+            Interactions::Solids(solids) => work(&Assembled::new(patch, &solids)),
             Interactions::Points(points) => work(&Assembled::new(patch, &points)),
         }
         Ok(())

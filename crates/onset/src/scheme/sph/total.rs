@@ -2,6 +2,7 @@
 
 use super::super::lagrangian::{LagrangianPoint, strains, stressed};
 use super::super::layout::{Layout, MovingWeight, assert_positive};
+use super::super::moduli::Moduli;
 use super::super::response::PartOf;
 use super::super::stabilization::{
     ArtificialViscosity, BondPenalty, Compliance, Dashpot, PenaltyForm, Slope, ViscousBond,
@@ -13,6 +14,7 @@ use super::super::{
 };
 use super::interaction::SphInteraction;
 use super::neighborhood::{Neighborhood, mean_size, neighborhoods};
+use super::pairwise::PairwiseShear;
 use crate::algebra::Each;
 use crate::bloch::{Mass, WaveSystem};
 use crate::kernel::Kernel;
@@ -21,6 +23,27 @@ use crate::lattice::Crystal;
 use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use nalgebra::SVector;
+
+/// Forces of the shear stress in total-Lagrangian SPH.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum ShearForces {
+    /// The whole stress of a particle acts along the gradients of its neighbors.
+    Stress,
+    /// The part `zeta mu J^(-2/D) F` of the stress, with the shear modulus `mu` of the reference state, acts as a Laplacian of the current positions between
+    /// pairs of particles, and the rest along uncorrected gradients (Wu and others 2023, the essentially non-hourglass formulation of SPHinXsys).
+    ///
+    /// The forces do not derive from an energy. The published formulation is that of neo-Hooke laws; other laws differ from it by a stress that acts along
+    /// gradients.
+    Pairs {
+        /// Coefficient `zeta`, 1.07 in the publication.
+        coefficient: f64,
+    },
+}
 
 /// Choices that define total-Lagrangian SPH.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,6 +69,8 @@ pub struct TotalLagrangianChoices {
     pub viscosity: Option<ArtificialViscosity>,
     /// Coefficient `epsilon` of XSPH; zero for no velocity smoothing.
     pub velocity_smoothing: f64,
+    /// Forces of the shear stress.
+    pub shear: ShearForces,
 }
 
 impl Default for TotalLagrangianChoices {
@@ -59,6 +84,7 @@ impl Default for TotalLagrangianChoices {
             penalty_form: PenaltyForm::Published,
             viscosity: None,
             velocity_smoothing: 0.0,
+            shear: ShearForces::Stress,
         }
     }
 }
@@ -91,6 +117,8 @@ pub struct TotalLagrangianSph<const D: usize> {
     neighborhoods: Vec<Neighborhood<D>>,
     /// Particles of the cell as quadrature points.
     points: Vec<LagrangianPoint<D>>,
+    /// Uncorrected gradients of the particles, for shear forces between pairs.
+    uncorrected: Vec<Vec<SVector<f64, D>>>,
 }
 
 impl<const D: usize> TotalLagrangianSph<D> {
@@ -118,11 +146,24 @@ impl<const D: usize> TotalLagrangianSph<D> {
         };
         let particles = neighborhoods.iter().zip(crystal.volumes());
         let points = particles.map(point).collect::<Result<_, MethodError>>()?;
+        let uncorrected = match choices.shear {
+            ShearForces::Stress => Vec::new(),
+            ShearForces::Pairs { coefficient } => {
+                MethodError::positive("shear-coefficient", coefficient)?;
+                let plain = |neighborhood: &Neighborhood<D>| {
+                    let gradients = neighborhood.gradients(crystal.volumes(), false)?;
+                    Ok(gradients.into_iter().map(SVector::from).collect())
+                };
+                let plain = neighborhoods.iter().map(plain);
+                plain.collect::<Result<_, MethodError>>()?
+            }
+        };
         Ok(Self {
             crystal,
             choices,
             neighborhoods,
             points,
+            uncorrected,
         })
     }
 
@@ -140,7 +181,19 @@ impl<const D: usize> TotalLagrangianSph<D> {
     ) -> Result<T, MethodError> {
         let response = PointResponse::new(material, f)?;
         let points = stressed(&self.points, material, f)?;
-        let mut interactions: Vec<_> = points.into_iter().map(SphInteraction::Fixed).collect();
+        let mut interactions: Vec<_> = match self.choices.shear {
+            ShearForces::Stress => points.into_iter().map(SphInteraction::Fixed).collect(),
+            ShearForces::Pairs { coefficient } => {
+                let moduli = Moduli::of::<D>(material)?;
+                let particles = self.points.iter().zip(&self.uncorrected);
+                let pairwise = particles
+                    .zip(&self.neighborhoods)
+                    .map(|((point, along), n)| {
+                        PairwiseShear::new(point, along, n, response, moduli, coefficient)
+                    });
+                pairwise.map(SphInteraction::Pairwise).collect()
+            }
+        };
         if self.choices.penalty > 0.0 {
             let compliance = Compliance::of(material)?;
             let penalties = self.penalties(&compliance, &response);
@@ -294,6 +347,9 @@ impl<const D: usize> Discretization<D> for TotalLagrangianSph<D> {
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
     ) -> Result<Option<CarriedWaves<D>>, MethodError> {
+        if self.choices.shear != ShearForces::Stress {
+            return Ok(None);
+        }
         // Kernels and bonds in material coordinates do not move. The stress follows the deformation gradients; the penalty, which measures distances,
         // follows the positions. In a law in rate form only the integrated part of the stress is carried along.
         let material = PartOf {
@@ -312,11 +368,12 @@ impl<const D: usize> Discretization<D> for TotalLagrangianSph<D> {
 
     fn strain(&self) -> Result<StrainOperator<D>, MethodError> {
         let mut strain = strains(&self.points);
-        if self.choices.penalty > 0.0 {
+        let has_pairs = self.choices.shear != ShearForces::Stress;
+        if self.choices.penalty > 0.0 || has_pairs {
             for (neighborhood, point) in self.neighborhoods.iter().zip(&self.points) {
                 let vectors: Vec<SVector<f64, D>> =
                     neighborhood.vectors.iter().map(|x| (*x).into()).collect();
-                strain.add_nonuniform(point.particles(), point.gradients(), &vectors, true);
+                strain.add_nonuniform(point.particles(), point.gradients(), &vectors, !has_pairs);
             }
         }
         Ok(strain)
@@ -338,7 +395,10 @@ impl<const D: usize> Discretization<D> for TotalLagrangianSph<D> {
         &self,
         material: &dyn Hyperelastic,
     ) -> Result<Option<Box<dyn PairLaw<D>>>, MethodError> {
-        if self.choices.viscosity.is_some() || self.choices.velocity_smoothing != 0.0 {
+        if self.choices.viscosity.is_some()
+            || self.choices.velocity_smoothing != 0.0
+            || self.choices.shear != ShearForces::Stress
+        {
             return Ok(None);
         }
         let compliance = match self.choices.penalty > 0.0 {
