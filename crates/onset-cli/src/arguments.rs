@@ -545,7 +545,7 @@ pub struct ThresholdArguments {
     /// Limit of weakly controlled waves.
     #[command(flatten)]
     pub weak: WeakArgument,
-    /// Largest accepted share of states with a wrong verdict.
+    /// Largest accepted fraction of states with a wrong verdict.
     #[arg(long, value_name = "SHARE", default_value_t = Thresholds::default().wrong, value_parser = share, help_heading = "Limits")]
     pub wrong: f64,
 }
@@ -682,7 +682,7 @@ pub struct ScreenArguments {
     /// Print format, columns, spacing and held particles of the files, and stop.
     #[arg(long, help_heading = "Reading")]
     pub check: bool,
-    /// Amplitude, in spacings, at which short waves of the positions count as observed.
+    /// Amplitude, in particle spacings, above which short waves in the particle positions count as observed.
     #[arg(long, value_name = "A", value_parser = share, allow_negative_numbers = true, default_value_t = THRESHOLD)]
     pub threshold: f64,
     /// Amplitude of the waves when growth begins, in spacings [default: the short waves in the files].
@@ -761,7 +761,7 @@ pub struct FitArguments {
     /// Weights of the points: relative (errors over measured stress) or absolute.
     #[arg(long, value_name = "KIND", value_parser = ["relative", "absolute"], default_value = "relative", help_heading = "Fit")]
     pub weights: String,
-    /// Smallest stress in the denominator of relative errors, as a part of the largest stress of the test.
+    /// Smallest stress in the denominator of relative errors, as a fraction of the largest stress of the test.
     #[arg(long, value_name = "PART", value_parser = share, allow_negative_numbers = true, help_heading = "Fit")]
     pub floor: Option<f64>,
     /// Fix a constant, for example alpha1=2 (may be given several times).
@@ -783,7 +783,7 @@ pub struct FitArguments {
     /// Criterion that must hold: drucker, ellipticity or both.
     #[arg(long, value_name = "NAME", value_parser = ["drucker", "ellipticity", "both"], default_value = "both", help_heading = "Stability")]
     pub criterion: String,
-    /// Least value of a criterion, as a part of its value in the reference.
+    /// Smallest value of a criterion, as a fraction of its value in the reference configuration.
     #[arg(long, value_name = "PART", value_parser = share, allow_negative_numbers = true, default_value_t = 1e-6, help_heading = "Stability")]
     pub margin: f64,
     /// Exit with code 3 if no fitted law is stable: unstable.

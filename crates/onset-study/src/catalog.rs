@@ -396,7 +396,7 @@ const ROWS: &[Row] = &[
                 "diamond",
                 "3D: a1 = 2h/sqrt(3) (0, 1, 1), a2 = 2h/sqrt(3) (1, 0, 1), a3 = 2h/sqrt(3) (1, 1, 0), second particle at \
                  (a1 + a2 + a3)/4; 4 neighbors, cell 16/sqrt(27) h^3",
-                "carbon's; two particles in a cell",
+                "structure of diamond; two particles per cell",
             ),
             (
                 "triclinic",
@@ -488,7 +488,7 @@ const ROWS: &[Row] = &[
         &[
             (
                 "membrane",
-                "a law of the plane itself: invariants of the two-by-two F, increments held in the plane",
+                "a two-dimensional law: invariants of the two-by-two F, in-plane increments",
                 "Naghdi and Tang, Phil. Trans. R. Soc. A 287 (1977) 145",
             ),
             (

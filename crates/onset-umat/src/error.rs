@@ -127,7 +127,7 @@ pub enum UmatError {
     },
     /// Request of the routine for a smaller increment.
     #[error(
-        "the UMAT asks for a smaller increment (PNEWDT = {factor} in increment {increment} of {increments}){}\n  hint: set \
+        "the UMAT requests a smaller increment (PNEWDT = {factor} in increment {increment} of {increments}){}\n  hint: set \
          material.increments to a larger number",
         at_state(state)
     )]

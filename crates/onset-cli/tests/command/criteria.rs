@@ -179,7 +179,7 @@ fn incompressible_response_has_surfaces_and_no_pressure() {
         ),
         (
             "criteria --incompressible --mode hydrostatic",
-            "keeps its volume",
+            "needs a traction-free face",
         ),
     ] {
         let arguments: Vec<&str> = arguments.split(' ').collect();

@@ -472,7 +472,7 @@ fn broken_cells_and_headers_are_refused() {
                 "# mode: planar\nstretch,stress",
                 &["1.1,.1", "1.3,.25", "2,.6"],
             ),
-            ["its comment says planar", "its name uniaxial", "--planar"],
+            ["comment gives the loading planar", "file name uniaxial", "--planar"],
         ),
         (
             rows(
@@ -571,7 +571,7 @@ fn broken_decks_are_refused() {
         ),
         (
             deck(&["0.1, 10.", "0.3, 30.", "0.6, 100."]),
-            ["line 5", "the stretch is 31", "not percents"],
+            ["line 5", "the stretch is 31", "not percentages"],
         ),
         (
             deck(&["0., 1.", "0.1, 1.1", "0.6, 2."]),

@@ -422,7 +422,7 @@ fn impossible_bodies_are_refused() {
             bar.replace("total-lagrangian-sph", "kernel")
                 .replace("penalty = 0.5\n", ""),
             "--steps 9",
-            "has no bodies",
+            "does not support bodies",
         ),
         (bar.replace("[body]", "[bodies]"), "--steps 9", "bodies"),
         (format!("{bar}contact = 0"), "--steps 9", "body.contact"),
@@ -441,7 +441,7 @@ fn impossible_bodies_are_refused() {
                 .replace("total-lagrangian-sph", "kernel")
                 .replace("penalty = 0.5\n", ""),
             "--steps 9",
-            "has no bodies",
+            "does not support bodies",
         ),
     ] {
         let told = refused(&study, line);

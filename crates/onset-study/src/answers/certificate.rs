@@ -13,9 +13,9 @@ pub struct CertificateAnswer {
     pub tolerance: f64,
     /// Whether the verdict differs from the verdict of the search.
     pub corrects_the_search: bool,
-    /// Proof of strong ellipticity; the measures are acoustic eigenvalues over `rho0 c^2`.
+    /// Proof of strong ellipticity; the measures are acoustic eigenvalues divided by `rho0 c^2`.
     pub material: ProofAnswer,
-    /// Proof of strong ellipticity in 3D; the measures are acoustic eigenvalues over the largest one of the reference configuration. `None` for a
+    /// Proof of strong ellipticity in 3D; the measures are acoustic eigenvalues divided by the largest acoustic eigenvalue of the reference configuration. `None` for a
     /// sheet or bar in plane stress.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material_3d: Option<ProofAnswer>,
@@ -146,7 +146,7 @@ impl ProofAnswer {
             match self.smallest_seen {
                 Some(seen) => {
                     format!(
-                        "{certainty} ({reason}); the smallest measure seen is {}",
+                        "{certainty} ({reason}); the smallest measure found is {}",
                         told(seen)
                     )
                 }

@@ -156,7 +156,7 @@ impl Course {
         let held = held_across(loading, material.dimension()).filter(|_| !is_membrane);
         if is_membrane && loading.mode == Mode::Hydrostatic {
             return Err(refused(
-                "a law of the plane has no third direction\n  hint: --mode equibiaxial".to_owned(),
+                "a two-dimensional (membrane) law has no third direction\n  hint: --mode equibiaxial".to_owned(),
             ));
         }
         if let Some(reason) = held {
@@ -185,7 +185,7 @@ impl Course {
             let why = starts_late.as_ref().or(ends_early.as_ref());
             let why = why.map_or("", String::as_str);
             return Err(refused(format!(
-                "the path that begins in the reference ends at {} {}: {why}",
+                "the path that begins in the reference configuration ends at {} {}: {why}",
                 loading.mode.imposes(),
                 told(start)
             )));

@@ -43,9 +43,9 @@ pub struct MovingParticle {
     pub site: usize,
     /// Position in the deformed state; length.
     pub place: [f64; 3],
-    /// Displacement, real part, over the largest amplitude of all particles.
+    /// Displacement, real part, divided by the largest amplitude of all particles.
     pub re: [f64; 3],
-    /// Displacement, imaginary part, over the largest amplitude of all particles.
+    /// Displacement, imaginary part, divided by the largest amplitude of all particles.
     pub im: [f64; 3],
 }
 

@@ -59,7 +59,7 @@ pub(super) fn buckling(
     let is_compressed = least < -UNSTRESSED * response.tangent.largest();
     is_compressed.then(|| {
         format!(
-            "the {what} is compressed (least principal Cauchy stress {}): if it is thin, it buckles laterally, which waves within it do not show",
+            "the {what} is compressed (smallest principal Cauchy stress {}): if it is thin, it buckles laterally, which waves within it do not show",
             units.of(told(least), "Pa")
         )
     })

@@ -417,7 +417,7 @@ fn waves_in_the_plane(problem: &Problem, strain: &Strain) -> Option<String> {
             Family::MaterialPoints => "lattice=simple-cubic",
             _ => "lattice=face-centered-cubic",
         };
-        format!("plane strain, waves in the plane; for 3D: --set discretization.{setting}")
+        format!("plane strain, in-plane waves; for 3D: --set discretization.{setting}")
     })
 }
 

@@ -392,19 +392,19 @@ fn moduli(reference: &Measured) -> Check {
         told_of(young, largest),
         told_of(poisson, 1.0)
     );
-    // Noise of the stress may exceed rounding; then the sign of the least modulus stays open.
+    // Noise of the stress may exceed rounding; then the sign of the smallest eigenvalue is undecided.
     let noise = 10.0 * reference.uncertainty * largest;
     let (outcome, finding) = match least {
         _ if least.abs() > rounding && least.abs() <= noise && noise.is_finite() => (
             Outcome::Undetermined,
             format!(
-                "{values}; positive definiteness is undecided: least modulus {least:.3e}, accurate to {noise:.0e}"
+                "{values}; positive definiteness is undecided: smallest eigenvalue {least:.3e}, accurate to {noise:.0e}"
             ),
         ),
         _ if least > rounding => (Outcome::Passed, values),
         _ if least < -rounding => (
             Outcome::Failed,
-            format!("{values}; not positive definite: least modulus {least:.3e}"),
+            format!("{values}; not positive definite: smallest eigenvalue {least:.3e}"),
         ),
         _ if shear.abs() <= rounding && bulk > rounding => (
             Outcome::Noted,
@@ -412,7 +412,7 @@ fn moduli(reference: &Measured) -> Check {
         ),
         _ => (
             Outcome::Failed,
-            format!("{values}; semidefinite: the least modulus is zero to rounding"),
+            format!("{values}; semidefinite: the smallest eigenvalue is zero to rounding"),
         ),
     };
     Check {

@@ -202,7 +202,7 @@ impl TangentFinding {
                     "The stress is not smooth enough at these states to identify {name}: its differences are accurate only to {:.0e}",
                     self.uncertainty
                 ),
-                (_, false) => format!("{name} is {}, as it should be", self.expected.meaning()),
+                (_, false) => format!("{name} is {}, as expected", self.expected.meaning()),
             },
         }
     }
@@ -221,7 +221,7 @@ impl TangentFinding {
             (_, Some(in_part), ..) => {
                 let fits = match in_part.reading.reading == Reading::plain(self.expected) {
                     true => format!(
-                        "{name} is {expected}, as it should be, at {} of {} states",
+                        "{name} is {expected}, as expected, at {} of {} states",
                         in_part.fits, in_part.of
                     ),
                     false => format!(

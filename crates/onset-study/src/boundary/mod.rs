@@ -328,8 +328,8 @@ impl CurveSummary {
 fn place(end: &str) -> &str {
     match end {
         "edge" => "the edge of the window",
-        "budget" => "where the search was ended",
-        "lost" => "where it could not be followed",
+        "budget" => "the point at which the search ended",
+        "lost" => "the point at which tracing failed",
         "meets" => "another curve",
         "phase" => "a third phase",
         other => other,

@@ -70,7 +70,7 @@ pub struct Measured {
     /// Critical time step of the body in the study, in the reference state; omitted for methods without bodies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<BodyStepAnswer>,
-    /// Courant number: critical time step times the speed of sound over the particle spacing.
+    /// Courant number: critical time step times the speed of sound divided by the particle spacing.
     pub courant: f64,
     /// Courant number of the body in the study.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -7,7 +7,7 @@ use serde::Serialize;
 pub struct Thresholds {
     /// Smallest acceptable ratio of a wave's frequency to the frequency of the slowest material wave; slower waves are weakly controlled.
     pub weak: f64,
-    /// Largest share of the window of states with wrong verdicts.
+    /// Largest fraction of the window of states with wrong verdicts.
     pub wrong: f64,
     /// Largest relative error of the long-wavelength moduli.
     pub long_waves: f64,

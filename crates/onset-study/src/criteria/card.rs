@@ -386,7 +386,7 @@ impl Display for CardAnswer {
         } else if self.material.in_plane {
             writeln!(
                 formatter,
-                "(A law of the plane: no boxes of three stretches.)"
+                "(A two-dimensional law has no boxes of three stretches.)"
             )?;
         } else if self.symmetric_box.is_none() {
             writeln!(

@@ -49,14 +49,14 @@ pub enum CriteriaError {
         /// Name of the law.
         law: String,
     },
-    /// Every requested loading changes the volume.
+    /// No requested loading preserves the volume and has a traction-free face.
     #[error(
-        "an incompressible material keeps its volume; expected --mode uniaxial, equibiaxial, planar or simple-shear"
+        "the incompressible response needs a traction-free face, which determines the pressure; expected --mode uniaxial, equibiaxial, planar or simple-shear"
     )]
     ChangesVolume,
     /// The loading directions do not coincide with the material axes of an anisotropic metal.
     #[error(
-        "{law} {how}: each of some ten thousand states would be integrated along a separate path, for minutes; expected loadings along the \
+        "{law} {how}: about ten thousand states would each be integrated along a separate path, which takes minutes; expected loadings along the \
          axes of the metal, material.angle = 0 or 90, without simple shear\n  hint: `onset path --mode uniaxial` follows a single loading at any angle"
     )]
     Turned {
@@ -87,7 +87,7 @@ fn hint(error: &LoadingError) -> &'static str {
     }
 }
 
-/// Appends notes to a message, one a line.
+/// Appends notes to a message, one per line.
 fn told(notes: &[String]) -> String {
     let lines = notes.iter().map(|note| format!("\n  note: {note}"));
     lines.collect()
@@ -403,7 +403,7 @@ impl Question {
     ///
     /// # Errors
     /// [`CriteriaError::NotIsotropic`] if the law is anisotropic, [`CriteriaError::NoEnergy`] if its stress depends on the path,
-    /// [`CriteriaError::ChangesVolume`] if every mode changes the volume.
+    /// [`CriteriaError::ChangesVolume`] if no mode preserves the volume and has a traction-free face.
     pub fn incompressible(mut self) -> Result<Self, CriteriaError> {
         if !self.law.isotropic {
             return Err(CriteriaError::NotIsotropic {
@@ -510,7 +510,7 @@ impl Question {
             },
             _ if is_of_volume => PolyconvexityAnswer {
                 knowledge,
-                reason: "the recorded statement is about the compressible law".to_owned(),
+                reason: "the known result holds for the compressible law only".to_owned(),
                 source: String::new(),
             },
             _ => PolyconvexityAnswer {

@@ -118,7 +118,7 @@ fn in_a_line(law: &super::LawAnswer, letters: usize) -> String {
         (true, true) => {
             "isotropic, incompressible: the pressure follows from a traction-free face; the volumetric part has no influence"
         }
-        _ if law.in_plane => "a law of the plane: increments are in-plane",
+        _ if law.in_plane => "a two-dimensional law: increments are in-plane",
         (true, false) => "isotropic",
         (false, _) => "not isotropic",
     };

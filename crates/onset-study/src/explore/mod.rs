@@ -42,7 +42,7 @@ use std::time::{Duration, Instant};
 
 /// Time limit for the boundaries of a window.
 const PATIENCE: Duration = Duration::from_secs(20);
-/// Longest piece of work between two checkpoints: eigenvectors of a cell of some hundred particles.
+/// Longest piece of work between two checkpoints: eigenvectors of a cell of about a hundred particles.
 const LAST_PIECE: Duration = Duration::from_secs(2);
 
 /// Reason why a question has no answer.

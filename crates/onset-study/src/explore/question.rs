@@ -54,7 +54,7 @@ impl Question {
     /// [`Refusal`] if the text is not a valid question.
     pub fn parse(text: &str) -> Result<Self, Refusal> {
         serde_json::from_str(text)
-            .map_err(|error| Refusal::Input(format!("the question cannot be read: {error}")))
+            .map_err(|error| Refusal::Input(format!("the request cannot be read: {error}")))
     }
 
     /// Material and discretization; a library is loaded only if the user allows it.

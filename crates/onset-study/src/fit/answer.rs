@@ -643,8 +643,8 @@ impl fmt::Display for FitAnswer {
                 values.collect::<Vec<_>>().join(", ")
             )?;
             let optimum = match own.is_global {
-                true => "the least that constants of this law can reach",
-                false => "the least of many starts",
+                true => "the global minimum for this law",
+                false => "the lowest of many local minima",
             };
             writeln!(
                 formatter,

@@ -46,11 +46,11 @@ pub struct BodyModeAnswer {
     pub growth: f64,
     /// Kind of the mode.
     pub kind: ModeKind,
-    /// Share of the mode that is not linear in the neighborhood of a particle, from 0 to 1.
+    /// Fraction of the mode that is not linear in the neighborhood of a particle, from 0 to 1.
     pub short_waves: f64,
-    /// Share of the particles that strain, `(sum g)^2 / (n sum g^2)` with the squared gradients `g` of the mode.
+    /// Fraction of the particles that strain, `(sum g)^2 / (n sum g^2)` with the squared gradients `g` of the mode.
     pub strained: f64,
-    /// This share of the longest side of the body; spacings.
+    /// Width of the region that strains: the fraction above times the longest side of the body; particle spacings.
     pub width: f64,
     /// Particle with the largest displacement.
     pub particle: usize,

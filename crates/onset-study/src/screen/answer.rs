@@ -146,7 +146,7 @@ pub struct ScreenAnswer {
     pub mechanism: Option<Mechanism>,
     /// Cause, time, place, numbers and remedy in words.
     pub sentence: String,
-    /// Whether two percent decide about the cause.
+    /// Whether a change of the limit by 2 % would change the cause.
     pub at_the_limit: bool,
     /// Place and time at which the cause begins. For a time step, it then exceeds the largest stable step.
     pub first: Option<Event>,
@@ -530,7 +530,7 @@ impl ScreenAnswer {
                 }
             }
             Cause::Physical => remedy.push(
-                "no spacing converges after this state: use a law that stays elliptic there, or one with a length".to_owned(),
+                "results no longer converge under refinement beyond this state: use a law that stays elliptic there, or a regularized law with an internal length".to_owned(),
             ),
             Cause::Numerical => remedy.extend(self.changes.iter().map(Remedy::told)),
             Cause::ZeroEnergy => {}
@@ -647,10 +647,10 @@ impl ScreenAnswer {
             ),
             (false, ..) => String::new(),
             (true, Cause::None, None) => {
-                " The law is at the limit of ellipticity: two percent of its modulus decide."
+                " The law is at the limit of ellipticity: a change of 2 % in its modulus would change the verdict."
                     .to_owned()
             }
-            (true, ..) => " The time step is at the limit: two percent decide.".to_owned(),
+            (true, ..) => " The time step is at the limit: a change of 2 % would change the verdict.".to_owned(),
         };
         let sentence = match self.cause {
             Cause::Physical => format!(

@@ -49,7 +49,7 @@ pub struct Moment {
     pub acoustic: Option<f64>,
     /// Largest growth rate of a wave; 1/time.
     pub growth: Option<f64>,
-    /// Time step over the largest stable step of the body.
+    /// Time step divided by the largest stable step of the body.
     pub step_ratio: Option<f64>,
     /// Number of points without a state: inverted, too few neighbors, or outside of the domain of the law or the method.
     pub undefined: usize,
@@ -668,7 +668,7 @@ impl<'p> Follower<'p> {
         if !(first..=last).contains(&asked) {
             return Err(ScreenError::Run {
                 what: format!(
-                    "the actual state is asked for at t = {}, but the frames are from t = {} to {}",
+                    "--actual is {}, but the frames are from t = {} to {}",
                     told(asked),
                     told(first),
                     told(last)

@@ -136,7 +136,7 @@ pub enum ScreenError {
     Problem(#[from] ProblemError),
     /// The reference state cannot be evaluated.
     #[error(
-        "law or method are not defined in the reference state\n  hint: try `onset state --stretch 1,1` with the same settings"
+        "the law or the method is not defined in the reference configuration\n  hint: try `onset state --stretch 1,1` with the same settings"
     )]
     Reference,
     /// The run and the settings do not belong together, or a frame does not belong to the run.

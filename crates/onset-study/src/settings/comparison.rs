@@ -41,7 +41,7 @@ pub const COMPARISON_KEYS: &[Key] = &[
     key(
         "compare.weak",
         Kind::Number("1", Positive),
-        "waves slower than this share of the material's slowest wave are listed as weakly controlled",
+        "waves slower than this fraction of the material's slowest wave are listed as weakly controlled",
     ),
     key(
         "compare.integrator",

@@ -413,7 +413,7 @@ impl MaterialSettings {
         );
         let library = quoted_file(Path::new(library));
         Err(SettingError::new(origin.clone(), message).hint(format!(
-            "if you trust it: {command}--allow-library {library}, or for good the variable {TRUST_VARIABLE} with libraries or folders"
+            "if you trust it: {command}--allow-library {library}, or permanently with the environment variable {TRUST_VARIABLE} (libraries or folders)"
         )))
     }
 
@@ -485,12 +485,12 @@ impl MaterialSettings {
         Ok(())
     }
 
-    /// Refuses plane stress for questions about the law in three dimensions.
+    /// Refuses plane stress for commands that evaluate the law in three dimensions.
     pub(super) fn check_in_space(&self) -> Result<(), SettingError> {
         match &self.plane {
             Some((Plane::Stress, origin)) => Err(SettingError::new(
                 origin.clone(),
-                "`material.plane` is stress, and this question is about the law in three dimensions",
+                "`material.plane` is stress, but this command evaluates the law in three dimensions",
             )
             .hint(
                 "leave material.plane out, or set material.plane=strain; state, path, map and others of particles read it, and `onset criteria` follows \

@@ -484,7 +484,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.partial-volumes",
         Kind::Words(&["whole", "inside", "tapered"]),
-        "peridynamics: volumes at the horizon",
+        "peridynamics: treatment of particle volumes that the horizon cuts",
     )
     .only_with(PERIDYNAMICS),
     key(
@@ -544,7 +544,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.unknowns",
         Kind::Words(&["total-lagrangian", "updated", "particles"]),
-        "material points: what is displaced",
+        "material points: points that carry the unknowns",
     )
     .only_with(POINTS),
     key(
@@ -568,7 +568,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.grid-mass",
         Kind::Words(&["lumped", "consistent"]),
-        "material points: masses of the nodes",
+        "material points: mass matrix of the grid",
     )
     .only_with(NODES),
     key(

@@ -319,7 +319,7 @@ impl Settings {
         let Some(key) = key.filter(of_problem) else {
             if let Some(key) = study_keys().find(|key| key.name == name) {
                 let message = format!(
-                    "`{name}` has no effect here: this question is not about a map of states"
+                    "`{name}` has no effect here: this command computes no map of states"
                 );
                 return Err(SettingError::new(origin, message)
                     .hint(format!("leave `{name}` out ({})", key.meaning)));
@@ -330,7 +330,7 @@ impl Settings {
                 .any(|key| key.name == name)
             {
                 let message =
-                    format!("`{name}` has no effect here: this question is not about a body");
+                    format!("`{name}` has no effect here: this command computes no body");
                 return Err(SettingError::new(origin, message)
                     .hint("[body] and [[grips]] are written in a study file"));
             }

@@ -24,7 +24,7 @@ pub struct Measured {
     pub difference: f64,
     /// Uncertainty of the rate, relative to the same quantity.
     pub uncertainty: f64,
-    /// Root mean square of the residual over the largest amplitude of the record.
+    /// Root mean square of the residual, divided by the largest amplitude of the record.
     pub residual: f64,
     /// Number of samples in the record.
     pub samples: usize,
@@ -73,7 +73,7 @@ pub struct SimulateAnswer {
     pub measured: Option<Measured>,
     /// Largest relative difference that counts as agreement.
     pub tolerance: f64,
-    /// Largest change of the energy in the history, over the largest sum of the magnitudes of kinetic and potential energy.
+    /// Largest change of the energy in the history, divided by the largest sum of the magnitudes of kinetic and potential energy.
     pub energy_drift: f64,
     /// Largest displacement of a particle from the homogeneous state in the history; length.
     pub largest_displacement: f64,

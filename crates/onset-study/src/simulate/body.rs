@@ -81,7 +81,7 @@ pub struct BodyAnswer {
     pub work_of_grips: f64,
     /// Relative drift of the energy balance in the history.
     ///
-    /// The largest change of kinetic plus strain energy minus the work of the grips, over the largest of these magnitudes. With a penalty the drift
+    /// The largest change of kinetic plus strain energy minus the work of the grips, divided by the largest of these magnitudes. With a penalty the drift
     /// includes the work of the penalty forces, which have no potential.
     pub energy_drift: f64,
     /// Largest displacement of a particle in the history; length.
@@ -159,7 +159,7 @@ fn course(
     };
     let unstarted = |fault| SimulateError::Fault {
         fault,
-        hint: "the body cannot even start: choose a smaller --amplitude, or another --stretch"
+        hint: "the initial state is already inadmissible: choose a smaller --amplitude, or another --stretch"
             .to_owned(),
         checkpoint: None,
     };

@@ -233,9 +233,9 @@ impl TuneAnswer {
             None => panel,
         };
         let shares =
-            Axis::linear("share of the window of states (%)", (0.0, 100.0)).covering([0.0, 100.0]);
+            Axis::linear("fraction of the window of states (%)", (0.0, 100.0)).covering([0.0, 100.0]);
         let unit = || {
-            Axis::linear("frequency over the material's slowest (−)", (0.0, 1.0))
+            Axis::linear("frequency relative to the material's slowest (−)", (0.0, 1.0))
                 .covering([0.0, 1.0])
         };
         let steps = Axis::linear("c Δt / spacing (−)", (0.0, 1.0));

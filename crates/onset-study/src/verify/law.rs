@@ -126,7 +126,7 @@ impl Volumetric {
 /// Pressure, its slope, shear modulus and deviator of a law whose stress rate at a state is a Jaumann rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct JaumannRates {
-    /// Pressure and its slope, as for a law of the volume alone.
+    /// Pressure and its slope, as for a purely volumetric law.
     pub(super) volumetric: Volumetric,
     /// Shear modulus of the rate; stress.
     pub(super) shear: f64,

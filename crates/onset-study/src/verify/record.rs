@@ -78,7 +78,7 @@ impl<'a> Projector<'a> {
             None => Err(self.wrong(
                 line,
                 format!(
-                    "the output does not say that it is of case {}",
+                    "the output does not contain the mark of case {}",
                     self.case.id
                 ),
                 "run the deck as it was written; the page `verify` of the book describes the formats",

@@ -244,7 +244,7 @@ pub trait Analysis: Send + Sync {
     /// Calls `work` with a body of particles of the method. Contact between the pieces of the body is optional.
     ///
     /// # Errors
-    /// [`BodyError`] if the method has no bodies, or if particles or grips are not admissible.
+    /// [`BodyError`] if the method does not support bodies, or if particles or grips are not admissible.
     fn with_body(
         &self,
         particles: &BodyParticles,

@@ -443,9 +443,9 @@ pub enum LoadingError {
          is without stress at F = 1, or near it"
     )]
     NoReference,
-    /// The loading changes the volume, so the incompressible response does not admit it.
+    /// The loading changes the volume or has no traction-free face, so that the pressure of the incompressible response is undetermined.
     #[error(
-        "an incompressible material keeps its volume; expected a loading with a free face: uniaxial, equibiaxial, planar or simple-shear"
+        "the incompressible response needs a traction-free face, which determines the pressure; expected uniaxial, equibiaxial, planar or simple-shear loading with a free face"
     )]
     ChangesVolume,
 }

@@ -395,7 +395,7 @@ impl ForeignLaw {
         )];
         if self.incompressible && !is_set("material.kappa") {
             notes.push(format!(
-                "without a compressibility (D = 0, no bulk modulus, Poisson's ratio 0.5) the material is incompressible; here the bulk modulus is {INCOMPRESSIBLE_BULK_RATIO} shear moduli, and --incompressible asks the incompressible response"
+                "without a compressibility (D = 0, no bulk modulus, Poisson's ratio 0.5) the material is incompressible: a bulk modulus of {INCOMPRESSIBLE_BULK_RATIO} shear moduli is used; for the exact incompressible response add --incompressible"
             ));
         }
         notes.extend(self.unread.notes(self.shear));
