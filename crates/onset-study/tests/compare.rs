@@ -32,7 +32,7 @@ fn good() -> Measured {
             ..Fidelity::default()
         },
         critical_time_step: 0.5,
-        critical_time_step_of: onset_study::answers::OF_LATTICE,
+        critical_time_step_of: onset_study::answers::LATTICE_NOTE,
         body: None,
         courant: 1.0,
         body_courant: None,

@@ -109,7 +109,9 @@ fn a_body_is_refused_by_every_command_for_methods_without_bodies() {
         let answer = onset_line(&line.replace("FILE", &file));
         assert_eq!(answer.code, Some(2), "{line}: {}", answer.stdout);
         assert!(
-            answer.stderr.contains("this method does not support bodies"),
+            answer
+                .stderr
+                .contains("this method does not support bodies"),
             "{line}: {}",
             answer.stderr
         );

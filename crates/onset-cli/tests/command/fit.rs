@@ -472,7 +472,11 @@ fn broken_cells_and_headers_are_refused() {
                 "# mode: planar\nstretch,stress",
                 &["1.1,.1", "1.3,.25", "2,.6"],
             ),
-            ["comment gives the loading planar", "file name uniaxial", "--planar"],
+            [
+                "comment gives the loading planar",
+                "file name uniaxial",
+                "--planar",
+            ],
         ),
         (
             rows(

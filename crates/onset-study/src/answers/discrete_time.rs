@@ -1,6 +1,6 @@
 //! Waves in discrete time, for methods that define their time step, in the answer about a state.
 
-use super::finite_body::OF_LATTICE;
+use super::finite_body::LATTICE_NOTE;
 use super::problem::{Problem, ProblemError};
 use super::state::{ComplexNumber, list};
 use crate::number::{told, told_of, vector};
@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::f64::consts::TAU;
 
 /// Length of the longitudinal wave whose damping is reported, in grid cells.
-const SOUND: f64 = 8.0;
+const DAMPED_WAVELENGTH: f64 = 8.0;
 
 /// Waves of a state in discrete time. Solutions are `exp(s t)` at whole steps.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -70,7 +70,7 @@ impl DiscreteTimeAnswer {
             spatial_wave_vector: list(dimension, &analysis.spatial(f, &k)),
             longitudinal_wave: time_step.and_then(|step| {
                 let mut along = vec![0.0; dimension];
-                along[0] = TAU / (SOUND * problem.settings.discretization.spacing);
+                along[0] = TAU / (DAMPED_WAVELENGTH * problem.settings.discretization.spacing);
                 // The fastest wave is the last one; of its two solutions, the less damped one.
                 let rates = waves.rates(&along, step);
                 let last = rates.iter().rev().take(2);
@@ -104,7 +104,7 @@ impl DiscreteTimeAnswer {
             lines.push((
                 "largest time step",
                 format!(
-                    "the step of the {name} transfer is stable below {} ({OF_LATTICE})",
+                    "the step of the {name} transfer is stable below {} ({LATTICE_NOTE})",
                     time(largest)
                 ),
             ));

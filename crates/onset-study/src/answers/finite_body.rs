@@ -9,7 +9,7 @@ use onset::motion::{BodyError, Start};
 use serde::Serialize;
 
 /// Kind of body for the critical time step of the waves.
-pub const OF_LATTICE: &str = "infinite lattice; free faces and distorted cells need less";
+pub const LATTICE_NOTE: &str = "infinite lattice; free faces and distorted cells need less";
 
 /// Time step for finite bodies of a lattice.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -125,7 +125,9 @@ pub(crate) fn hint_on_body(error: &BodyError) -> &'static str {
         BodyError::Lonely { .. } => {
             "choose a larger discretization.support, or a body of more rows of particles"
         }
-        BodyError::EmptyGrip { .. } => "set grips.from and grips.to to corners of a box that contains particles, in particle spacings of the reference configuration",
+        BodyError::EmptyGrip { .. } => {
+            "set grips.from and grips.to to corners of a box that contains particles, in particle spacings of the reference configuration"
+        }
         BodyError::NoTangent => {
             "available for finite elements, peridynamics, SPH with a support that does not follow the deformation, and kernel methods with nodal quadrature and discretization.frame = \"lagrangian\""
         }
@@ -136,7 +138,9 @@ pub(crate) fn hint_on_body(error: &BodyError) -> &'static str {
         BodyError::TooLarge { .. } => {
             "at most about 50,000 particles fit in 2D and 10,000 in 3D; choose a frame of a coarser run"
         }
-        BodyError::HeldTwice { .. } => "move the boxes of the grips apart: no particle may be in two of them",
+        BodyError::HeldTwice { .. } => {
+            "move the boxes of the grips apart: no particle may be in two of them"
+        }
         BodyError::Method(_)
         | BodyError::Empty
         | BodyError::TooMany { .. }

@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 /// Number of cells of the patch along each primitive vector, by dimension; fewer if cells hold several particles.
 const CELLS: [usize; 3] = [24, 10, 5];
 /// Maximum number of particles of the patch.
-const LARGEST: usize = 700;
+const MAX_PARTICLES: usize = 700;
 /// Number of inverse iterations; each nearly eliminates the components of other modes.
 const INVERSE_ITERATIONS: usize = 4;
 
@@ -113,7 +113,7 @@ impl MovingMode {
 /// Number of cells along an edge that respects the limit on particles.
 fn cells(dimension: usize, sites: usize) -> usize {
     let usual = CELLS[dimension - 1];
-    let is_small = |cells: &usize| cells.pow(dimension as u32) * sites <= LARGEST;
+    let is_small = |cells: &usize| cells.pow(dimension as u32) * sites <= MAX_PARTICLES;
     (1..=usual).rev().find(is_small).unwrap_or(1)
 }
 

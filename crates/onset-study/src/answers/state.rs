@@ -3,7 +3,7 @@
 use super::certificate::CertificateAnswer;
 use super::discrete_time::{DiscreteTimeAnswer, note};
 use super::evidence::Evidence;
-use super::finite_body::{BodyStepAnswer, FiniteBodyAnswer, OF_LATTICE};
+use super::finite_body::{BodyStepAnswer, FiniteBodyAnswer, LATTICE_NOTE};
 use super::mode::{critical_mode, finite_wave_vector};
 use super::mode_name;
 use super::next::next;
@@ -29,7 +29,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// Largest distance of a bound below a small scaled minimum for which the bound is reported.
-const USEFUL: f64 = 1e-3;
+const REPORTED_BOUND_DISTANCE: f64 = 1e-3;
 
 /// Complex number as a pair of real and imaginary part.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -468,7 +468,8 @@ fn discretization_answer(
     let spectrum = &assessment.spectrum;
     // A bound far below the minimum carries no information.
     let minimum = spectrum.softest.scaled;
-    let bound = Some(spectrum.bound).filter(|bound| minimum - bound <= minimum.abs().max(USEFUL));
+    let bound = Some(spectrum.bound)
+        .filter(|bound| minimum - bound <= minimum.abs().max(REPORTED_BOUND_DISTANCE));
     let mode = critical_mode(assessment);
     let wave_vector = finite_wave_vector(mode);
     let spatial = analysis.spatial(f, &mode.wave_vector);
@@ -493,7 +494,7 @@ fn discretization_answer(
         flutter: spectrum.flutters,
         maximum_omega: spectrum.maximum_omega,
         critical_time_step,
-        critical_time_step_of: OF_LATTICE,
+        critical_time_step_of: LATTICE_NOTE,
         grid_cell,
         point_spacing: grid_cell.map(|side| side / f64::from(method.points_per_side)),
         finite_bodies: FiniteBodyAnswer::new(problem, f, critical_time_step)?,
@@ -730,7 +731,7 @@ impl std::fmt::Display for StateAnswer {
         let of_integrators = d.critical_time_step.filter(|_| d.discrete_time.is_none());
         let step = of_integrators.map_or_else(String::new, |step| {
             format!(
-                "; central differences {without}need a time step below {} ({OF_LATTICE})",
+                "; central differences {without}need a time step below {} ({LATTICE_NOTE})",
                 units.of(told(step), "s")
             )
         });

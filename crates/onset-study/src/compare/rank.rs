@@ -1,6 +1,6 @@
 //! Ranking of methods for a material, by rules that are printed.
 
-use super::thresholds::{OF_RECOMMENDATIONS, Thresholds, percent};
+use super::thresholds::{RECOMMENDATION_LIMITS, Thresholds, percent};
 use super::{Measured, Table};
 use crate::csv;
 use crate::number::counted;
@@ -121,7 +121,7 @@ impl Recommendation {
         };
         let own = names(&ranking);
         let dependence = limits
-            .varied(&OF_RECOMMENDATIONS)
+            .varied(&RECOMMENDATION_LIMITS)
             .into_iter()
             .map(|(threshold, value, limits)| {
                 let then = names(&ranked(&table, &limits));

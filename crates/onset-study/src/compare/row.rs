@@ -1,6 +1,6 @@
 //! Measures of one method.
 
-use crate::answers::{BodyStepAnswer, OF_LATTICE, Problem, ProblemError};
+use crate::answers::{BodyStepAnswer, LATTICE_NOTE, Problem, ProblemError};
 use crate::settings::{CompareSettings, Effective, Settings};
 use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
@@ -135,7 +135,7 @@ impl Measured {
             onsets,
             fidelity: analysis.fidelity(&window)?,
             critical_time_step: step,
-            critical_time_step_of: OF_LATTICE,
+            critical_time_step_of: LATTICE_NOTE,
             body,
             courant: step * passage,
             body_courant: body

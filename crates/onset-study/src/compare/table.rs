@@ -2,7 +2,7 @@
 
 use super::row::{Measured, Row, SHORT_WAVELENGTH, WAVELENGTHS};
 use super::thresholds::Thresholds;
-use crate::answers::{Evidence, OF_LATTICE};
+use crate::answers::{Evidence, LATTICE_NOTE};
 use crate::csv;
 use crate::number::counted;
 use crate::settings::CompareSettings;
@@ -172,7 +172,7 @@ impl Table {
             column(
                 "Courant",
                 "courant",
-                format!("critical time step times speed of sound divided by the particle spacing; {OF_LATTICE}"),
+                format!("critical time step times speed of sound divided by the particle spacing; {LATTICE_NOTE}"),
                 |m| m.courant,
                 |x| format!("{x:.3}"),
             )

@@ -644,14 +644,14 @@ fn document(value: Value) -> serde_json::Value {
 }
 
 /// Fractions of the distance to each end of the path at which further equilibria are searched.
-const OTHERS: [f64; 3] = [0.25, 0.5, 1.0];
+const EQUILIBRIUM_SEARCH_FRACTIONS: [f64; 3] = [0.25, 0.5, 1.0];
 
 fn other_states(path: &LoadingPath<'_>) -> Vec<OtherState> {
     let last = |states: &[PathState]| states.last().map_or(0.0, |state| state.parameter);
     let ends = [last(&path.compression), last(&path.tension)];
     let places = ends
         .into_iter()
-        .flat_map(|end| OTHERS.map(|part| part * end));
+        .flat_map(|end| EQUILIBRIUM_SEARCH_FRACTIONS.map(|part| part * end));
     places
         .flat_map(|s| path.other_states(s).into_iter().map(move |f| (s, f)))
         .map(|(s, f)| OtherState {
@@ -701,7 +701,7 @@ fn nominal_stress(loading: Loading, state: &PathState) -> f64 {
 }
 
 /// Relative offsets in `ln lambda` before a change, tried in order if the path has no state at the change itself.
-const BEFORE: [f64; 4] = [1e-12, 1e-11, 1e-9, 1e-7];
+const CHANGE_OFFSETS: [f64; 4] = [1e-12, 1e-11, 1e-9, 1e-7];
 
 fn side(path: &LoadingPath<'_>, loading: Loading, track: Option<&Track>) -> SideAnswer {
     let Some(track) = track else {
@@ -710,9 +710,11 @@ fn side(path: &LoadingPath<'_>, loading: Loading, track: Option<&Track>) -> Side
     let change = |event: &Event| {
         let s = event.stretch.ln();
         // If the equilibrium of the free faces branches at the change, the path has no state there; the state just before it is reported.
-        let state = path
-            .at(s)
-            .or_else(|| BEFORE.iter().find_map(|share| path.at(s * (1.0 - share))));
+        let state = path.at(s).or_else(|| {
+            CHANGE_OFFSETS
+                .iter()
+                .find_map(|share| path.at(s * (1.0 - share)))
+        });
         ChangeAnswer {
             change: event.change,
             stretch: event.stretch,

@@ -170,7 +170,7 @@ impl Explorer {
             }
             "map" => document(&self.maps.shown(question, &self.trust)?),
             "boundary" => {
-                let study = question.study(&self.trust, map::OF_CURVES)?;
+                let study = question.study(&self.trust, map::CURVE_STATES)?;
                 let traced = in_time(|| Boundaries::of(&study, Tracing::default(), &()));
                 let boundaries = traced.ok_or(Refusal::GivenUp)??;
                 document(&boundary::geojson(&boundaries))

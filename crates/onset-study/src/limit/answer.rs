@@ -2,7 +2,7 @@
 
 use super::{LimitQuestion, VALUES};
 use crate::answers::{
-    BodyStepAnswer, Evidence, FiniteBodyAnswer, OF_LATTICE, Problem, ProblemError, Strain, notes,
+    BodyStepAnswer, Evidence, FiniteBodyAnswer, LATTICE_NOTE, Problem, ProblemError, Strain, notes,
 };
 use crate::csv;
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Points, Rule, palette};
@@ -338,7 +338,7 @@ impl LimitAnswer {
                 .then(|| question.integrator.name()),
             deformation_gradient: *strain.0.components(),
             critical_time_step_of: body.map_or_else(
-                || OF_LATTICE.to_owned(),
+                || LATTICE_NOTE.to_owned(),
                 |body| format!("{}, or infinite lattice where smaller", body.words()),
             ),
             finite_bodies,

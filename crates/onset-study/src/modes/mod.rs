@@ -22,7 +22,7 @@ use serde::Serialize;
 use std::fmt;
 
 /// Maximum number of particles of a patch.
-const LARGEST: f64 = 40_000.0;
+const MAX_PARTICLES: f64 = 40_000.0;
 
 /// Options for the list and the export of modes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,10 +128,10 @@ impl ModesAnswer {
         } = Problem::new(settings.clone())?;
         let dimension = analysis.dimension();
         let particles = (question.cells as f64).powi(dimension as i32) * analysis.sites() as f64;
-        if particles > LARGEST {
+        if particles > MAX_PARTICLES {
             return Err(ProblemError::Patch {
                 particles,
-                admitted: LARGEST,
+                admitted: MAX_PARTICLES,
             });
         }
         let found = analysis.spurious_modes(question.weak)?;

@@ -17,7 +17,7 @@ const LEAST_FACE: usize = 3;
 const REGULAR: f64 = 1e-3;
 
 /// Largest coordinate: fits use its square.
-const LARGEST: f64 = 1e100;
+const LARGEST_COORDINATE: f64 = 1e100;
 
 /// Box of the reference configuration.
 #[derive(Clone, Debug, PartialEq)]
@@ -523,11 +523,11 @@ fn time_of(frame: &Read) -> Result<f64, ScreenError> {
 
 /// Reason why a frame is not sound: coordinates that are not finite, or so large that their squares are not.
 fn broken(frame: &Read) -> Option<String> {
-    let is_finite = |x: &[f64; 3]| x.iter().all(|x| x.abs() < LARGEST);
+    let is_finite = |x: &[f64; 3]| x.iter().all(|x| x.abs() < LARGEST_COORDINATE);
     let n = frame.position.iter().position(|x| !is_finite(x))?;
     let number = frame.identity.as_ref().map_or(n as u64, |all| all[n]);
     Some(format!(
-        "{}: particle {number} has no finite position below {LARGEST:e}",
+        "{}: particle {number} has no finite position below {LARGEST_COORDINATE:e}",
         frame.source
     ))
 }

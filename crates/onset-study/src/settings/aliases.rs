@@ -118,7 +118,10 @@ const WORDS: &[(&str, &str, Meaning)] = &[
         "discretization.kernel",
         "quartic",
         OneOf(&[
-            ("quartic-spline", "the polynomial of degree four in the paper"),
+            (
+                "quartic-spline",
+                "the polynomial of degree four in the paper",
+            ),
             ("quartic-b-spline", "the B-spline of degree four"),
         ]),
     ),

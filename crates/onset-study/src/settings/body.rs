@@ -15,7 +15,7 @@ use toml::de::{DeTable, DeValue};
 
 const BLOCKS: &[&str] = &["bar", "block", "plate"];
 const ROUND: &[&str] = &["disk", "ring"];
-const CUT: &[&str] = &["bar", "block", "plate", "disk", "ring"];
+const SHAPES: &[&str] = &["bar", "block", "plate", "disk", "ring"];
 
 /// The keys of a body. Lengths are in units of `discretization.spacing`.
 pub const BODY_KEYS: &[Key] = &[
@@ -65,7 +65,7 @@ pub const BODY_KEYS: &[Key] = &[
         Kind::Numbers("1", Any),
         "shift of a second copy of the shape, a vector in spacings with a number for each dimension",
     )
-    .only_with(&[&[is("body.shape", CUT)]]),
+    .only_with(&[&[is("body.shape", SHAPES)]]),
     key(
         "body.contact",
         Kind::Number("1", Positive),

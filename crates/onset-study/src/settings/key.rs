@@ -229,7 +229,7 @@ pub(super) const STRETCH: Admitted = Within(STRETCHES.0, STRETCHES.1);
 /// Range of support radii and horizons in spacings.
 pub(super) const IN_SPACINGS: Admitted = Within(1e-3, 1e4);
 /// Range of the parameters of a user-defined model.
-pub(super) const OF_ANY_DIMENSION: Admitted = Within(-1e30, 1e30);
+pub(super) const ANY_DIMENSION: Admitted = Within(-1e30, 1e30);
 
 /// Key that sets the support in smoothing lengths; the support is the setting in effect.
 static SMOOTHING_LENGTH: Key = key(
@@ -523,7 +523,7 @@ fn free_parameter(name: &str) -> &'static Key {
         let meaning = "a user-defined parameter";
         Box::leak(Box::new(key(
             name,
-            Kind::Number("1", OF_ANY_DIMENSION),
+            Kind::Number("1", ANY_DIMENSION),
             meaning,
         )))
     })

@@ -1,7 +1,7 @@
 //! The material as set: a model with its parameters.
 
 use super::error::{Origin, SettingError, nearest};
-use super::key::OF_ANY_DIMENSION;
+use super::key::ANY_DIMENSION;
 use super::model::{LIBRARY, sum};
 use super::{
     HandedLaw, Key, Kind, Model, Settings, TRUST_VARIABLE, Trust, Units, Value, aliases, moduli,
@@ -202,7 +202,7 @@ impl MaterialSettings {
         let takes = match key.kind {
             Kind::Number(..) => value
                 .number()
-                .is_some_and(|number| OF_ANY_DIMENSION.holds(number, "1")),
+                .is_some_and(|number| ANY_DIMENSION.holds(number, "1")),
             kind => kind.accepts(value),
         };
         let name = key.parts().1;

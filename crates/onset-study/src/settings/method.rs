@@ -326,7 +326,7 @@ const SMOOTH_FUNCTIONS: Cases = &[&[is(
     "discretization.grid-functions",
     &["gimp", "quadratic-spline", "cubic-spline"],
 )]];
-const OF_POINTS: Cases = &[&[is("discretization.unknowns", &["particles"])]];
+const PARTICLE_UNKNOWNS: Cases = &[&[is("discretization.unknowns", &["particles"])]];
 const FLIP: Cases = &[&[is("discretization.transfer", &["flip"])]];
 const TRANSFERRED: Cases = &[&[is("discretization.transfer", &["flip", "pic", "apic"])]];
 const CURRENT: Cases = &[&[is("discretization.unknowns", &["updated", "particles"])]];
@@ -552,7 +552,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
         Kind::Words(&["continuous", "flip", "pic", "apic"]),
         "material points: transfer of velocities through the grid, in continuous time or once per time step",
     )
-    .only_with(OF_POINTS),
+    .only_with(PARTICLE_UNKNOWNS),
     key(
         "discretization.flip-share",
         Kind::Number("1", Fraction),

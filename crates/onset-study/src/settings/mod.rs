@@ -318,9 +318,8 @@ impl Settings {
         let key = Key::for_setting(name, value.is_measure());
         let Some(key) = key.filter(of_problem) else {
             if let Some(key) = study_keys().find(|key| key.name == name) {
-                let message = format!(
-                    "`{name}` has no effect here: this command computes no map of states"
-                );
+                let message =
+                    format!("`{name}` has no effect here: this command computes no map of states");
                 return Err(SettingError::new(origin, message)
                     .hint(format!("leave `{name}` out ({})", key.meaning)));
             }
@@ -329,8 +328,7 @@ impl Settings {
                 .chain(GRIP_KEYS)
                 .any(|key| key.name == name)
             {
-                let message =
-                    format!("`{name}` has no effect here: this command computes no body");
+                let message = format!("`{name}` has no effect here: this command computes no body");
                 return Err(SettingError::new(origin, message)
                     .hint("[body] and [[grips]] are written in a study file"));
             }

@@ -106,7 +106,7 @@ const MAX_PARTICLES: usize = 1_000_000;
 /// Largest number of waves in a patch; all of them are computed.
 const MAX_WAVES: usize = 200_000;
 /// Largest number of displacements in a page with an animation.
-pub(super) const SHOWN: usize = 100_000;
+pub(super) const MAX_ANIMATED_DISPLACEMENTS: usize = 100_000;
 /// Default number of lines in a history.
 const DEFAULT_LINES: u64 = 400;
 /// Largest number of lines in a history.
@@ -226,7 +226,8 @@ impl Plan {
             "every": every,
             "fields": fields,
         });
-        let is_shown = fields.len() > 1 && start.displacements.len() * fields.len() <= SHOWN;
+        let is_shown = fields.len() > 1
+            && start.displacements.len() * fields.len() <= MAX_ANIMATED_DISPLACEMENTS;
         Ok(Self {
             course: Course {
                 mark: mark(&decisive),

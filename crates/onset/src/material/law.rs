@@ -26,9 +26,9 @@ impl Eq for Admitted {}
 
 /// Largest magnitude of a number with a unit, and reciprocal of the smallest positive one: third powers of products of such numbers neither
 /// overflow nor underflow, and the SI values of atoms and of planets are within.
-const LARGEST_WITH_UNIT: f64 = 1e20;
+const LARGEST_DIMENSIONAL_VALUE: f64 = 1e20;
 /// Largest magnitude of a number without unit, and reciprocal of the smallest positive one.
-const LARGEST_WITHOUT: f64 = 1e6;
+const LARGEST_DIMENSIONLESS_VALUE: f64 = 1e6;
 /// Degrees of a full turn.
 const TURN: f64 = 360.0;
 
@@ -36,10 +36,10 @@ impl Admitted {
     /// The smallest and the largest admitted number in a unit.
     pub fn limits(self, unit: &str) -> [f64; 2] {
         let largest = match unit {
-            "1" => LARGEST_WITHOUT,
+            "1" => LARGEST_DIMENSIONLESS_VALUE,
             "deg" => TURN,
             "rad" => std::f64::consts::TAU,
-            _ => LARGEST_WITH_UNIT,
+            _ => LARGEST_DIMENSIONAL_VALUE,
         };
         match self {
             Self::Any => [-largest, largest],

@@ -25,15 +25,15 @@ const CONTRACTION_FLOOR: f64 = 1e-7;
 /// Smallest step along the branch, as a fraction of the path from the reference to a state. For a stretch of ten thousand it is a small strain.
 const SMALLEST_STRIDE: f64 = 1.0 / (1u32 << 26) as f64;
 /// Stiffness across the sheet, relative to the largest stiffness, that is rounding.
-const NO_STIFFNESS: f64 = 1e-12;
+const STIFFNESS_ROUNDING: f64 = 1e-12;
 /// Cosine of the largest angle between the branch at a state and the chord to the next state.
-const ALONG: f64 = 0.98;
+const BRANCH_ALIGNMENT_COSINE: f64 = 0.98;
 /// Cosine of this angle for a metal, whose branch turns where flow begins.
-const ALONG_FLOW: f64 = 0.9;
+const FLOW_ALIGNMENT_COSINE: f64 = 0.9;
 /// Relative changes of the state smaller than this may turn by any angle, as at a kink of the stress.
-const KINKED: f64 = 1e-6;
+const KINK_STEP: f64 = 1e-6;
 /// Relative step of finite differences of the tractions, for a law whose tangent is not the derivative of its stress.
-const DIFFERENCE: f64 = 1e-6;
+const DIFFERENCE_STEP: f64 = 1e-6;
 /// Largest number of times that an interval of the components across is widened until it contains a root for every state.
 const WIDENINGS: usize = 8;
 
@@ -140,7 +140,7 @@ impl PlaneStress {
     /// Eliminates the components across from slopes and stiffness of the law; `None` unless they are at a minimum.
     fn condensed(&self, response: &Response) -> Option<Condensed<f64>> {
         let tangent = &response.tangent;
-        let least = NO_STIFFNESS * tangent.largest();
+        let least = STIFFNESS_ROUNDING * tangent.largest();
         Condensed::new(
             self.across,
             |i, j| response.first_piola[(i, j)],
@@ -155,17 +155,17 @@ impl PlaneStress {
         let mut columns = [[0.0; 9]; 9];
         for &m in self.across {
             let mut beside = *state;
-            beside[m / 3][m % 3] += DIFFERENCE;
+            beside[m / 3][m % 3] += DIFFERENCE_STEP;
             let there = self
                 .law
                 .response(&DeformationGradient::from_components(beside))?;
             for &p in self.across {
                 let change = there.first_piola - response.first_piola;
-                columns[p][m] = change[(p / 3, p % 3)] / DIFFERENCE;
+                columns[p][m] = change[(p / 3, p % 3)] / DIFFERENCE_STEP;
             }
         }
         let tangent = &response.tangent;
-        let least = NO_STIFFNESS * tangent.largest();
+        let least = STIFFNESS_ROUNDING * tangent.largest();
         let is_across = |n: usize| self.across.contains(&n);
         Ok(Condensed::new(
             self.across,
@@ -230,12 +230,12 @@ impl PlaneStress {
                 let there = way.slope(&settled.condensed, self.across);
                 let chord = chord(&state, settled.response.deformation.components());
                 let least = match self.law.is_path_dependent() {
-                    true => ALONG_FLOW,
-                    false => ALONG,
+                    true => FLOW_ALIGNMENT_COSINE,
+                    false => BRANCH_ALIGNMENT_COSINE,
                 };
                 let along =
                     |slope: &Slope| dot(&chord, slope) >= least * norm(&chord) * norm(slope);
-                let is_short = norm(&chord) < KINKED * (1.0 + norm(&there));
+                let is_short = norm(&chord) < KINK_STEP * (1.0 + norm(&there));
                 match is_short || along(&there) && slope.as_ref().is_none_or(along) {
                     true => Ok((settled, there)),
                     false => Err(Unsettled::Lost),

@@ -32,7 +32,7 @@ const SPACINGS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 /// Largest admissible lattice coordinate.
 const COORDINATES: f64 = 1e6;
 /// Lattice sites that may be examined for each admissible neighbor.
-const PLACES: f64 = 25.0;
+const MAX_SITES_PER_NEIGHBOR: f64 = 25.0;
 /// Largest sum of gradients, times the support radius, that is zero to rounding.
 const TRANSLATION: f64 = 1e-9;
 
@@ -429,12 +429,12 @@ impl MethodError {
         let limit = MAXIMUM_NEIGHBORS;
         let (neighbors, places) = (sites * ball.mean_count(), sites * ball.places());
         // The ball of a thin cell can cover many sites although it holds few particles.
-        if neighbors <= limit as f64 && places <= PLACES * limit as f64 {
+        if neighbors <= limit as f64 && places <= MAX_SITES_PER_NEIGHBOR * limit as f64 {
             return Ok(());
         }
         Err(Self::SupportTooLarge {
             radius,
-            neighbors: neighbors.max(places / PLACES).min(f64::MAX),
+            neighbors: neighbors.max(places / MAX_SITES_PER_NEIGHBOR).min(f64::MAX),
             limit,
         })
     }

@@ -29,7 +29,7 @@ use std::sync::{Arc, OnceLock};
 const ZERO_ENERGY_TEST_LIMIT: f64 = 0.05;
 
 /// Squared frequencies below this fraction of the largest one are zero to rounding.
-const UNRESISTED: f64 = 1e-13;
+const ZERO_FREQUENCY_FRACTION: f64 = 1e-13;
 
 /// Verdict on a state with the measures that maps draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -186,7 +186,7 @@ impl<const D: usize> StateWaves<D> {
         let mut sizes: Vec<f64> = values.map(|value| value.norm()).collect();
         sizes.sort_by(f64::total_cmp);
         let translations = if k.norm() == 0.0 { D } else { 0 };
-        let rounding = UNRESISTED * maximum_omega * maximum_omega;
+        let rounding = ZERO_FREQUENCY_FRACTION * maximum_omega * maximum_omega;
         sizes.get(translations).is_none_or(|size| *size > rounding)
     }
 

@@ -237,11 +237,10 @@ pub(in crate::settings) fn table_from(
     let bulk = bulk.map_or(0.0, |(_, value)| *value);
     match law.energy {
         law::Energy::Table(table) => Ok((table, bulk)),
-        _ => Err(SettingError::new(
-            place(name, law.line),
-            "the block has no test data",
-        )
-        .hint("expected *HYPERELASTIC, MARLOW with *UNIAXIAL TEST DATA below it")),
+        _ => Err(
+            SettingError::new(place(name, law.line), "the block has no test data")
+                .hint("expected *HYPERELASTIC, MARLOW with *UNIAXIAL TEST DATA below it"),
+        ),
     }
 }
 

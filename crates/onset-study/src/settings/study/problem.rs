@@ -120,8 +120,7 @@ impl MaterialSettings {
             let key = assignment.split_once('=').map_or("", |(key, _)| key.trim());
             if Key::named(key).is_some_and(|key| key.parts().0 == "discretization") {
                 let origin = Origin::CommandLine(format!("--set {assignment}"));
-                let message =
-                    format!("`{key}` has no effect: this command uses only the law");
+                let message = format!("`{key}` has no effect: this command uses only the law");
                 return Err(SettingError::new(origin, message).hint(format!(
                     "leave `{key}` out; state, path, dispersion, modes, tune and limit read it"
                 )));
