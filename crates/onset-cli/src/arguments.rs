@@ -682,7 +682,7 @@ pub struct ScreenArguments {
     /// Print format, columns, spacing and held particles of the files, and stop.
     #[arg(long, help_heading = "Reading")]
     pub check: bool,
-    /// Amplitude, in particle spacings, above which short waves in the particle positions count as observed.
+    /// Smallest amplitude of short waves in the particle positions that counts as observed, in particle spacings.
     #[arg(long, value_name = "A", value_parser = share, allow_negative_numbers = true, default_value_t = THRESHOLD)]
     pub threshold: f64,
     /// Amplitude of the waves when growth begins, in spacings [default: the short waves in the files].

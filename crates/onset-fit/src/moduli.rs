@@ -41,7 +41,7 @@ impl Criterion {
 pub(crate) enum Perturbation {
     /// Increment of the logarithmic strains, with unit length.
     Strain([f64; 3]),
-    /// Wave with a unit normal `N` in the reference, and a unit amplitude.
+    /// Wave with a unit normal `N` in the reference configuration, and a unit amplitude.
     Wave([f64; 3], [f64; 3]),
 }
 
@@ -144,7 +144,7 @@ impl<R: Real> Moduli<R> {
         sum
     }
 
-    /// Shear modulus; for the moduli of the reference.
+    /// Shear modulus; for the moduli of the reference configuration.
     pub fn shear_modulus(&self) -> R {
         (self.logarithmic(0, 0) - self.logarithmic(0, 1)) * 0.5
     }

@@ -198,7 +198,7 @@ fn laws_with_exponents_reach_the_best_known_optimum() -> Outcome {
 }
 
 #[test]
-fn stability_costs_what_independent_programs_say() -> Outcome {
+fn the_cost_of_stability_agrees_with_independent_programs() -> Outcome {
     // Ratios of the sums of squares from cutting planes over a grid in NumPy: Drucker alone.
     for (name, law, weights, expected) in [
         ("treloar", "polynomial-2", Weights::Absolute, 1.2241),
@@ -288,7 +288,7 @@ fn a_free_fit_is_refuted_where_the_tangent_of_the_library_is_lost() -> Outcome {
 }
 
 #[test]
-fn constants_of_exact_points_come_back() -> Outcome {
+fn constants_are_recovered_from_exact_data() -> Outcome {
     let cases: [(&str, &[f64]); 7] = [
         ("neo-hooke-isochoric", &[0.4]),
         ("mooney-rivlin-isochoric", &[0.15, 0.02]),

@@ -225,7 +225,7 @@ fn an_archive_with_a_changed_byte_is_refused() {
 }
 
 #[test]
-fn a_grid_that_is_cut_off_is_refused_and_a_list_of_grids_is_reported() {
+fn a_truncated_grid_is_refused_and_a_list_of_grids_is_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     let grid = std::fs::read_to_string(data("meshio-ascii.vtu")).expect("a grid");
     for place in ["<PointData>", "<CellData>", "</Piece>", "</VTKFile>"] {

@@ -864,7 +864,7 @@ impl LawEntry {
         line("symmetry: ", self.symmetry)?;
         line("small strains: ", self.small_strains)?;
         match self.stressed_reference {
-            Some(reason) => line("stressed in the reference: ", reason),
+            Some(reason) => line("reference stress: ", reason),
             None => Ok(()),
         }
     }

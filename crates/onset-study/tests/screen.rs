@@ -327,7 +327,7 @@ fn short_waves_that_no_state_explains_are_forced_or_without_energy() {
 }
 
 #[test]
-fn a_neck_comes_before_the_band() {
+fn necking_precedes_the_shear_band() {
     // Ellipticity is lost at t = 223.6.
     let lowest = |time: f64| {
         let modes = ELEMENTS.modes(time);
@@ -475,7 +475,7 @@ fn a_particle_that_flies_away_is_read_like_others() {
 }
 
 #[test]
-fn a_run_without_particles_whose_short_waves_count_is_refused() {
+fn a_run_with_no_particles_to_judge_is_refused() {
     let (mut run, frames) = stretched(4, |_| 0.0);
     // One particle is more than a neighborhood away from held particles, and none is two.
     for (held, x) in run.held.iter_mut().zip(&run.reference) {

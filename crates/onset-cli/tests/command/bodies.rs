@@ -135,7 +135,7 @@ fn the_spacing_of_material_points_is_the_cell_size() {
 }
 
 #[test]
-fn a_map_of_a_study_with_a_body_says_whose_time_steps_it_stores() {
+fn a_map_of_a_study_with_a_body_reports_which_time_steps_are_stored() {
     let axis =
         |name: &str| format!("[[axes]]\nquantity = '{name}'\nrange = [0.9, 1.1]\nstates = 2\n");
     let text = format!(

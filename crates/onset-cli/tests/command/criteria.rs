@@ -570,7 +570,7 @@ fn tables_have_plain_numbers_in_aligned_columns_and_constants_in_order() {
         let line = text
             .lines()
             .find(|line| line.trim_start().starts_with(start));
-        let words = ["never", "at once", "in the reference"];
+        let words = ["never", "at once", "at F = 1"];
         let line = line.expect("a line");
         words
             .iter()

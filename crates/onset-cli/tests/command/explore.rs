@@ -457,7 +457,7 @@ fn the_page_is_built_from_the_current_sources() {
 }
 
 #[test]
-fn a_study_from_a_stranger_starts_no_library_and_reads_no_file() {
+fn an_untrusted_study_loads_no_library_and_reads_no_file() {
     let folder = folder("stranger");
     let library = folder.join("stranger.so");
     // Reading it would block forever: it is a pipe without a writer.
@@ -593,7 +593,7 @@ fn a_link_contains_the_question_of_the_command() {
     ), "{}", page.address);
     let plain = Page::serve(&[]);
     assert!(plain.address.ends_with(&format!("/#token={}", plain.token)));
-    // A link of another run, with another token and port, asks the same question.
+    // A link of another run, with another token and port, opens the same problem.
     let again = Page::serve(&[&page.address]);
     assert_ne!(again.token, page.token);
     let asked = |page: &Page| {

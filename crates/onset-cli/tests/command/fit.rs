@@ -449,7 +449,11 @@ fn broken_cells_and_headers_are_refused() {
         ),
         (
             rows(HEADER, &["1,0", "1.1,.1", "1.3,.25"]),
-            ["2 strains", "expected at least 3", "besides the reference"],
+            [
+                "2 strains",
+                "expected at least 3",
+                "other than the reference configuration",
+            ],
         ),
         (
             rows(HEADER, &["1.5,.3"; 6]),

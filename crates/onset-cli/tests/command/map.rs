@@ -452,7 +452,7 @@ fn most_memory(mut child: std::process::Child) -> u64 {
     }
 }
 
-/// Results of a tile are kept until it is finished: some 300 MB for a million states.
+/// Results of a tile are kept until it is finished: about 300 MB for a million states.
 #[test]
 #[cfg(target_os = "linux")]
 fn the_memory_of_a_map_of_large_tiles_does_not_grow_with_its_threads() {

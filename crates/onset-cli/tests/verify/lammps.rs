@@ -472,7 +472,7 @@ fn the_rubber_strip_moves_as_in_lammps() {
     assert!(largest[0] > 0.55 && largest[1] > 1.45, "{largest:?}");
     assert!(widest[0] < 0.003 && widest[1] < 0.005, "{widest:?}");
 
-    // The Hencky law has as Kirchhoff stress what LAMMPS integrates as Cauchy stress, so that its force is larger by a volume ratio.
+    // LAMMPS integrates the Kirchhoff stress of the Hencky law as its Cauchy stress. Its force is therefore larger by the volume ratio.
     let line = theirs
         .stdout
         .lines()

@@ -464,7 +464,7 @@ impl Subject {
     }
 }
 
-/// A run of some tenths of a second with checkpoints, histories and fields.
+/// A run of a few tenths of a second with checkpoints, histories and fields.
 const RUN: &str = "--stretch 1.2,0.9 --set discretization.method=total-lagrangian-sph --cells 4 --mode noise --steps 600 --checkpoint 20 --fields 5 --seed 7 --tolerance 1 --quiet";
 
 /// A run of material points with affine velocity fields.

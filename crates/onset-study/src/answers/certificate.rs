@@ -32,7 +32,7 @@ pub struct ProofAnswer {
     pub bound: Option<f64>,
     /// If unstable: a growing wave.
     pub witness: Option<WitnessAnswer>,
-    /// If there are zero-energy modes: the reference wave vector of one.
+    /// If the method has zero-energy modes: reference wave vector of one such mode; 1/length.
     pub zero_energy_wave_vector: Option<Vec<f64>>,
     /// If undecided: the reason.
     pub reason: Option<&'static str>,
@@ -43,7 +43,7 @@ pub struct ProofAnswer {
 /// Wave that is proved to grow.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WitnessAnswer {
-    /// Reference wave vector; for the material, the direction.
+    /// Reference wave vector, 1/length; for the material, the unit vector of the direction.
     pub wave_vector: Vec<f64>,
     /// Lower and upper bound of the measure.
     pub measure: [f64; 2],

@@ -19,24 +19,24 @@ const DAMPED_WAVELENGTH: f64 = 8.0;
 pub struct DiscreteTimeAnswer {
     /// The transfer of velocities.
     pub transfer: Velocities,
-    /// Largest stable step; in an unstable state, for the waves that do not grow at any step. `null` if nothing oscillates.
+    /// Largest stable step, time; in an unstable state, for the waves that do not grow at any step. `null` if no wave oscillates.
     pub largest_time_step: Option<f64>,
-    /// The largest stable step of an isolated, unstressed material point; `null` for laws with stress at `F = 1`.
+    /// Largest stable step of an isolated, unstressed material point, time; `null` for laws with stress at `F = 1`.
     pub isolated_point_time_step: Option<f64>,
-    /// Step for the rates below: `discretization.time-step`, or half of the largest step; `null` without either.
+    /// Time step for which growth rate and frequency are given: `discretization.time-step`, or half of the largest step; time. `null` if neither exists.
     pub time_step: Option<f64>,
-    /// The largest growth rate over the zone; zero if no wave grows.
+    /// Largest growth rate over the zone, 1/time; zero if no wave grows, `null` without a time step.
     pub growth_rate: Option<f64>,
-    /// Frequency of the fastest growing wave.
+    /// Frequency of the fastest growing wave; 1/time.
     pub frequency: Option<f64>,
-    /// Reference wave vector of the fastest growing wave; zero if no wave grows.
+    /// Reference wave vector of the fastest growing wave, zero if no wave grows; 1/length.
     pub wave_vector: Vec<f64>,
-    /// Wave vector in the deformed lattice.
+    /// Wave vector of the fastest growing wave in the deformed lattice; 1/length.
     pub spatial_wave_vector: Vec<f64>,
     /// Whether the user set the step.
     #[serde(skip)]
     is_step_set: bool,
-    /// Rate `s` of the fastest wave with a length of eight cells along the first axis: minus its damping, and its frequency.
+    /// Complex rate `s` of the fastest wave with a length of eight cells along the first axis; 1/time. The real part is minus the damping.
     pub longitudinal_wave: Option<ComplexNumber>,
 }
 

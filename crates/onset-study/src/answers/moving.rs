@@ -200,7 +200,7 @@ mod tests {
                 "{own:?}: {}",
                 rest.norm()
             );
-            // The particle that moves most moves as the answer says; if two move equally, one of them.
+            // The particle with the largest displacement has the reported polarization; if two displacements are equal, one of them.
             let most = of_sites.iter().map(|own| own.norm()).fold(0.0, f64::max);
             let is_shown = of_sites.iter().any(|own| {
                 let along: Complex = (0..3).map(|i| own[i] * mode.polarization[i].conj()).sum();

@@ -102,9 +102,9 @@ pub struct DiscretizationOnset {
     pub phase: Phase,
     /// Whether the critical wave is infinitely long.
     pub long_wave: bool,
-    /// Reference wave vector of the critical mode; zero in the limit of long waves.
+    /// Reference wave vector of the critical mode, zero in the limit of long waves; 1/length.
     pub wave_vector: Vec<f64>,
-    /// Wave vector of the critical mode in the deformed lattice.
+    /// Wave vector of the critical mode in the deformed lattice; 1/length.
     pub spatial_wave_vector: Vec<f64>,
     /// Reference direction of the critical wave.
     pub direction: Vec<f64>,

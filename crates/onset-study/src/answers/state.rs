@@ -195,7 +195,7 @@ pub struct DiscretizationAnswer {
     /// `min Re omega^2 / (c^2 |k|_h^2)` over the zone and the long-wave limit. If a mode grows at `k = 0`, this has no minimum; then the lowest `Re
     /// omega^2` over the largest `c^2 |k|_h^2`.
     pub minimum_scaled: f64,
-    /// Reference wave vector of the fastest growing mode, or of the softest mode if stable. Zero in the limit of long waves.
+    /// Reference wave vector of the fastest growing mode, or of the softest mode if stable; 1/length. Zero in the limit of long waves.
     pub wave_vector: Vec<f64>,
     /// Wave vector of this mode in the deformed lattice, `F^-T k`.
     pub spatial_wave_vector: Vec<f64>,
@@ -207,7 +207,7 @@ pub struct DiscretizationAnswer {
     pub growth_rate: f64,
     /// Whether modes grow with a complex `omega^2`.
     pub flutter: bool,
-    /// Largest frequency over the zone.
+    /// Largest frequency over the zone; rad/time.
     pub maximum_omega: f64,
     /// Critical time step of undamped central differences, `2 / maximum_omega`; for methods that define their time step, its largest stable value.
     /// `null` if no mode oscillates.
@@ -258,7 +258,7 @@ pub struct DiscretizationAnswer {
 /// Mode of the reference configuration, compared with the material wave that it approximates.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WeakestModeAnswer {
-    /// Reference wave vector of the material wave.
+    /// Reference wave vector of the material wave; 1/length.
     pub wave_vector: Vec<f64>,
     /// Frequency relative to the slowest wave of the material.
     pub relative_frequency: f64,

@@ -22,7 +22,7 @@ pub struct Sample {
     pub deformation: DeformationGradient,
     /// Cauchy stress. Units of stress.
     pub cauchy: Matrix3<f64>,
-    /// Energy per reference volume.
+    /// Energy per reference volume. Units of stress.
     pub energy: f64,
     /// Tangent as the material delivers it.
     pub delivery: Delivery,

@@ -87,7 +87,7 @@ pub struct CriterionLimits {
     pub criterion: Criterion,
     /// Whether the criterion is defined for this law.
     pub defined: bool,
-    /// Whether it holds in the reference configuration.
+    /// Whether the criterion holds in the reference configuration.
     pub holds_in_reference: bool,
     /// State at which the criterion is lost in compression; `null` if it is kept.
     pub compression: Option<LimitPoint>,
@@ -126,7 +126,7 @@ const CARD_CRITERIA: [Criterion; 5] = [
     Criterion::LoadMaximum,
 ];
 
-const METHOD: &str = "dense search from the reference with local improvement; no proof. Limits in loadings: every sign change between \
+const METHOD: &str = "dense search from the reference configuration with local improvement; no proof. Limits in loadings: every sign change between \
                       states along the path and dips between them, refined to rounding";
 
 impl Question {
@@ -275,7 +275,7 @@ impl CriterionLimits {
         match limit {
             _ if !self.defined => ["not defined".to_owned(), none(), none()],
             None => ["never".to_owned(), none(), none()],
-            Some(_) if !self.holds_in_reference => ["in the reference".to_owned(), none(), none()],
+            Some(_) if !self.holds_in_reference => ["at F = 1".to_owned(), none(), none()],
             Some(limit) if limit.stretch == 1.0 => ["at once".to_owned(), none(), none()],
             Some(limit) => [
                 told(limit.stretch),

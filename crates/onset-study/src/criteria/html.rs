@@ -67,7 +67,7 @@ impl CardAnswer {
         let mut page = String::from("<h2>All principal stretches within a box</h2>\n");
         if self.symmetric_box.is_none() {
             page.push_str(
-                "<p>The law is not elliptic in the reference: there is no safe box.</p>\n",
+                "<p>The law is not elliptic in the reference configuration: there is no safe box.</p>\n",
             );
         }
         page.push_str(

@@ -144,7 +144,7 @@ pub struct Definition {
 }
 
 /// Meaning of a limit of rank-one convexity.
-const UPPER_BOUND: &str = "a limit is an upper bound of the distance from the reference: jumps that gain energy earlier may exist and not have been \
+const UPPER_BOUND: &str = "a limit is an upper bound of the distance from the reference configuration: jumps that gain energy earlier may exist and not have been \
                            found (so the signs ≤ and ≥); at the limit the jump that is named gains energy";
 
 /// Answer of `onset criteria`: every criterion for every loading.
@@ -260,7 +260,7 @@ pub struct CriterionAnswer {
     pub criterion: Criterion,
     /// Whether the criterion is defined for this law.
     pub defined: bool,
-    /// Whether it holds in the reference configuration.
+    /// Whether the criterion holds in the reference configuration.
     pub holds_in_reference: bool,
     /// Result for stretches below 1.
     pub compression: SideAnswer,

@@ -170,7 +170,7 @@ pub(super) fn cell(answer: &CriterionAnswer, side: &SideAnswer, digits: usize) -
     match side.limit {
         _ if !answer.defined => "not defined".to_owned(),
         None => "never".to_owned(),
-        Some(_) if !answer.holds_in_reference => "in the reference".to_owned(),
+        Some(_) if !answer.holds_in_reference => "at F = 1".to_owned(),
         Some(1.0) => "at once".to_owned(),
         Some(limit) => {
             let again = side

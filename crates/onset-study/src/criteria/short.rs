@@ -100,7 +100,7 @@ fn line(loading: &LoadingAnswer) -> String {
                 .map(|side| {
                     let text = match side.limit {
                         None => "-".to_owned(),
-                        Some(_) => cell(own, side, DIGITS).replace("in the reference", "at F = 1"),
+                        Some(_) => cell(own, side, DIGITS),
                     };
                     format!("{text:>9}")
                 })

@@ -57,7 +57,7 @@ pub enum TableError {
 /// Test data as given by the user.
 #[derive(Clone, Debug)]
 pub enum Source {
-    /// File, with the loading that was named for it.
+    /// Table in a file, and its loading if the user named it; `None` if a comment or the file name gives it.
     File(PathBuf, Option<Mode>),
     /// Arrays of the same length.
     Arrays(Arrays),
@@ -85,7 +85,7 @@ pub struct Reading {
     pub unit: Option<String>,
     /// Area of the undeformed cross-section, which turns forces into nominal stresses.
     pub area: Option<f64>,
-    /// Stretches of the points that are used.
+    /// Smallest and largest stretch of the points to use; `None` for all points.
     pub range: Option<[f64; 2]>,
 }
 
@@ -175,7 +175,7 @@ impl Tests {
                             counted(distinct.len(), "strain"),
                             match reading.range {
                                 Some(_) => " in the range of --range",
-                                None => " besides the reference",
+                                None => " other than the reference configuration",
                             },
                         ),
                         match reading.range {
@@ -818,7 +818,7 @@ impl Table<'_> {
         self.test(own.mode, rows, Column::Array)
     }
 
-    /// Test of rows whose signs and order are checked, without the points in the reference.
+    /// Test of rows whose signs and order are checked, without the points in the reference configuration.
     fn test(
         &self,
         mode: Mode,
@@ -1034,7 +1034,7 @@ impl Table<'_> {
                 match (self.is_deck(), mode) {
                     (true, _) => "data lines of Abaqus hold nominal stress and nominal strain, not percentages or stretches",
                     (_, Mode::SimpleShear) => "if they are percentages, name the column gamma [%]; otherwise add points of small strains",
-                    _ => "if they are percentages, name the column strain [%]; if they are stretches, name it stretch; otherwise give stretches",
+                    _ => "name a column of percentages strain [%] and a column of stretches stretch; otherwise give stretches",
                 },
             ));
         }

@@ -111,7 +111,7 @@ pub fn stable_range(text: &str) -> Result<Option<Range>, String> {
         let [low, high] = stretches_between(own)?;
         match low < 1.0 && high > 1.0 {
             true => Ok((low, high)),
-            false => Err("expected limits on both sides of 1, the reference".to_owned()),
+            false => Err("expected limits on both sides of 1".to_owned()),
         }
     };
     Ok(match text.split_once('=') {

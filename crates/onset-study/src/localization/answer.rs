@@ -29,7 +29,7 @@ pub struct LocalizationAnswer {
     pub closest: PointAnswer,
     /// Reason why the path ends.
     pub end: End,
-    /// Critical moduli by direction at the closest state, in the plane of the largest and the smallest principal stress.
+    /// Critical moduli by direction at the state closest to localization, in the plane of the largest and the smallest principal stress.
     pub directions: Vec<DirectionAnswer>,
     /// States of the path.
     pub path: Vec<PointAnswer>,
@@ -68,11 +68,11 @@ pub struct PointAnswer {
     pub mean_stress: f64,
     /// Plastic modulus `h`. Units of stress.
     pub plastic_modulus: f64,
-    /// Critical modulus of localization, maximized over all directions.
+    /// Critical modulus of localization `h_cr`, the maximum over all normals. Units of stress.
     pub critical_modulus: f64,
-    /// Upper bound of the critical modulus over all directions.
+    /// Upper bound of the critical modulus `h_cr` over all normals. Units of stress.
     pub critical_modulus_bound: f64,
-    /// Critical modulus of strong ellipticity.
+    /// Critical modulus of strong ellipticity, the maximum over all normals. Units of stress.
     pub strong_critical_modulus: f64,
     /// Band at the critical modulus of localization.
     pub band: BandAnswer,
@@ -98,9 +98,9 @@ pub struct BandAnswer {
 pub struct DirectionAnswer {
     /// Angle in degrees of the normal from the axis of the smallest principal stress, toward the axis of the largest.
     pub angle: f64,
-    /// Critical modulus of ellipticity.
+    /// Critical modulus of ellipticity. Units of stress.
     pub critical_modulus: f64,
-    /// Critical modulus of strong ellipticity.
+    /// Critical modulus of strong ellipticity. Units of stress.
     pub strong_critical_modulus: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Answer to a run: the first cause, with its evidence, its limits and the remedy.
+//! Answer of `onset screen`: the first cause of an instability in a run, with its evidence, its limits and the remedy.
 
 use super::actual::Actual;
 use super::course::{
@@ -137,12 +137,12 @@ impl fmt::Display for ScreenChecks {
     }
 }
 
-/// Answer to a run.
+/// Answer of `onset screen`: the first cause of an instability in a run, with its evidence.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ScreenAnswer {
     /// First cause of the instability.
     pub cause: Cause,
-    /// Mechanism of a numerical instability.
+    /// Mechanism of a numerical instability; `None` for other causes.
     pub mechanism: Option<Mechanism>,
     /// Cause, time, place, numbers and remedy in words.
     pub sentence: String,

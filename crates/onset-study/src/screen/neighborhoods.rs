@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn homogeneous_deformations_have_their_gradient_and_no_short_waves() {
+    fn the_gradient_of_a_homogeneous_deformation_is_exact_and_no_short_waves_are_found() {
         let reference = lattice(9);
         let near = Neighborhoods::new(&reference, 2, 2.01);
         let x: Vec<[f64; 3]> = reference

@@ -87,7 +87,7 @@ pub const GRIP_KEYS: &[Key] = &[
     key(
         "grips.from",
         Kind::Numbers("1", Any),
-        "lower corner of the box that holds the gripped particles in the reference state, in spacings",
+        "lower corner of the box that contains the gripped particles in the reference configuration, in spacings",
     ),
     key(
         "grips.to",

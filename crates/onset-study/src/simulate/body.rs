@@ -73,11 +73,11 @@ pub struct BodyAnswer {
     pub steps: u64,
     /// Number of steps taken.
     pub steps_taken: u64,
-    /// Kinetic energy at the end; energy.
+    /// Kinetic energy at the end; energy, in 2D per unit thickness.
     pub kinetic_energy: f64,
-    /// Strain energy at the end; energy.
+    /// Strain energy at the end; energy, in 2D per unit thickness.
     pub strain_energy: f64,
-    /// Work of the grips up to the end; energy.
+    /// Work of the grips up to the end; energy, in 2D per unit thickness.
     pub work_of_grips: f64,
     /// Relative drift of the energy balance in the history.
     ///

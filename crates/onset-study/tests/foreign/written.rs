@@ -197,7 +197,7 @@ fn equal_stresses(
 }
 
 #[test]
-fn what_is_written_reads_back_as_the_same_law() {
+fn written_blocks_read_back_as_the_same_law() {
     for case in cases() {
         let law = own(&case).build().expect("a law");
         for program in Program::ALL {
@@ -247,7 +247,7 @@ fn what_is_written_reads_back_as_the_same_law() {
 
 /// Limits of the incompressible response, which no volumetric function changes.
 #[test]
-fn what_is_written_reads_back_with_equal_limits() {
+fn written_blocks_read_back_with_equal_limits() {
     let limits = |settings: &MaterialSettings| {
         let range = Range::new(0.3, 4.0).expect("a range");
         let question = Question::new(settings, range, &[Mode::Equibiaxial]).expect("a question");

@@ -22,7 +22,7 @@ const CONTRACTION: f64 = 0.25;
 const STEP_ROUNDING: f64 = 1e-15;
 /// Relative steps smaller than this count as rounding if they do not contract.
 const CONTRACTION_FLOOR: f64 = 1e-7;
-/// Smallest step along the branch, as a fraction of the path from the reference to a state. For a stretch of ten thousand it is a small strain.
+/// Smallest step along the branch, as a fraction of the path from the reference configuration to a state. For a stretch of ten thousand it is a small strain.
 const SMALLEST_STRIDE: f64 = 1.0 / (1u32 << 26) as f64;
 /// Stiffness across the sheet, relative to the largest stiffness, that is rounding.
 const STIFFNESS_ROUNDING: f64 = 1e-12;
@@ -51,7 +51,7 @@ const WIDENINGS: usize = 8;
 ///
 /// `Q` is the acoustic tensor of waves across the sheet, so the stationary point is a minimum if these waves have real speeds. For isotropic laws, or
 /// if the plane of the sheet is a plane of mirror symmetry, `F_13` and `F_23` are zero and one stretch is computed; otherwise all three components
-/// are. A bar has the second column too, up to a rotation about its axis. If several minima exist, the minimum that continues from the reference
+/// are. A bar has the second column too, up to a rotation about its axis. If several minima exist, the minimum that continues from the reference configuration
 /// along `R ((1 - t) 1 + t U)` is used, with the in-plane `F = R U`.
 ///
 /// Components of a state beyond its dimensions are not read: [`Response::deformation`] contains the computed components. Stress and tangent beyond
@@ -86,8 +86,8 @@ impl PlaneStress {
     /// Creates the law of a sheet (`dimension` 2) or a bar (1).
     ///
     /// # Errors
-    /// [`MaterialError::NoPlaneStress`] if the law has no stiffness against strains across the reference, like a fluid, if codes integrate its stress
-    /// in time, and in three dimensions.
+    /// [`MaterialError::NoPlaneStress`] if the law has no out-of-plane stiffness in the reference configuration, like a fluid, if codes integrate its
+    /// stress in time, and in three dimensions.
     pub fn new(law: Arc<dyn Hyperelastic>, dimension: usize) -> Result<Self, MaterialError> {
         let refused = |reason| Err(MaterialError::NoPlaneStress { reason });
         let across = match dimension {
@@ -214,11 +214,11 @@ impl PlaneStress {
         Err(Unsettled::Lost)
     }
 
-    /// Plane-stress state that continues from the reference.
+    /// Plane-stress state that continues from the reference configuration.
     fn found(&self, f: &DeformationGradient) -> Result<Settled, MaterialError> {
         let way = Way::to(f, self.dimension);
         let mut state = way.turned(&self.reference);
-        // A law with a kink at the reference has no slope there.
+        // A law with a kink at the reference configuration has no slope there.
         let mut slope = self
             .settled(state)
             .ok()
@@ -511,7 +511,7 @@ fn norm(a: &Slope) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// Path from the reference to a state, `R ((1 - t) 1 + t U)` within the dimensions.
+/// Path from the reference configuration to a state, `R ((1 - t) 1 + t U)` within the dimensions.
 struct Way {
     dimension: usize,
     rotation: [[f64; 2]; 2],

@@ -89,7 +89,7 @@ pub enum CurrentLattice {
     serde(rename_all = "kebab-case")
 )]
 pub enum SupportSize {
-    /// Constant radius `R0` in space, independent of the deformation.
+    /// Constant radius `R0` in the current configuration, independent of the deformation.
     Fixed,
     /// Radius `R0 J^(1/D)`, with a constant mean number of neighbors.
     Scaled,
@@ -828,8 +828,8 @@ impl<const D: usize> Method<D> {
             || !linearization.moves_points_with_plane_wave()
     }
 
-    /// Map from the reference lattice to the lattice of the kernels in a state, whose zone holds the wave vectors: `F` for Eulerian kernels on the
-    /// convected lattice, otherwise the identity.
+    /// Linear map from the reference lattice to the lattice whose Brillouin zone is searched: `F` for Eulerian kernels on the convected lattice,
+    /// otherwise the identity.
     pub fn home_map(&self, f: &DeformationGradient) -> nalgebra::SMatrix<f64, D, D> {
         let KernelMethodChoices {
             frame,

@@ -100,15 +100,15 @@ pub struct PathPoint {
     pub slip: f64,
     /// Strains along the axes since the confined state; logarithmic at finite strain.
     pub strain: [f64; 3],
-    /// Cauchy stresses along the axes.
+    /// Cauchy stresses along the axes. Units of stress.
     pub stress: [f64; 3],
-    /// Plastic modulus `h` of the state.
+    /// Plastic modulus `h`. Units of stress.
     pub modulus: f64,
-    /// Critical modulus and band of localization.
+    /// Critical modulus `h_cr` of localization, in units of stress, and its band.
     pub ellipticity: Critical,
-    /// Critical modulus of strong ellipticity.
+    /// Critical modulus of strong ellipticity, in units of stress, and its band.
     pub strong_ellipticity: Critical,
-    /// Rate moduli of the state.
+    /// Rate moduli of the state. Units of stress.
     pub moduli: RateModuli,
 }
 

@@ -354,7 +354,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         Arc::clone(&self.ground)
     }
 
-    /// Prepares the survey for many states, in some hundredths of a second.
+    /// Prepares the survey for many states, in about 0.05 s.
     ///
     /// For Lagrangian kernels in the plane, [`Survey::states`] then takes about two microseconds per state. Other discretizations need no preparation
     /// and are returned unchanged.

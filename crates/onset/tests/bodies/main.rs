@@ -651,8 +651,8 @@ fn invalid_bodies_are_rejected_with_the_reason() {
 }
 
 #[test]
-fn shear_bands_have_the_direction_of_lost_ellipticity() {
-    // Waves grow for which the acoustic tensor has a negative eigenvalue: `delta F = g (x) N`, with both signs of one component of `N` by symmetry.
+fn shear_bands_follow_the_direction_in_which_ellipticity_is_lost() {
+    // Waves whose acoustic tensor has a negative eigenvalue grow: `delta F = g (x) N`, with both signs of one component of `N` by symmetry.
     let material: Arc<dyn Hyperelastic> = Arc::from(
         Law::named("blatz-ko")
             .expect("a law")

@@ -345,7 +345,7 @@ fn tracing_of_noise_ends_within_its_budget() {
 }
 
 #[test]
-fn what_the_probe_reports_ends_the_tracing() {
+fn an_error_of_the_probe_ends_the_tracing() {
     let probe = |[x, _]: [f64; 2]| if x > 1.0 { Err("far") } else { Ok(signed(x)) };
     assert_eq!(
         trace_boundary(WINDOW, &Fineness::default(), &probe),
@@ -356,7 +356,7 @@ fn what_the_probe_reports_ends_the_tracing() {
 /// Chords cut off a little of what they enclose: between the tips of two sets that nearly coincide, the middle of a strip without
 /// chords may still lie in one of them.
 #[test]
-fn sets_that_nearly_coincide_differ_by_nearly_nothing() {
+fn nearly_equal_domains_have_small_area_and_distance() {
     for n in 0..12 {
         let turn = 0.1 * f64::from(n);
         let ellipse = |a: f64| {

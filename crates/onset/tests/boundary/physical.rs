@@ -219,7 +219,7 @@ fn the_areas_of_an_eulerian_kernel_agree_with_a_dense_map() {
 }
 
 #[test]
-fn a_ragged_boundary_is_cut_and_says_so() {
+fn tracing_of_a_ragged_boundary_stops_with_a_note() {
     // A convected lattice with a support of fixed size: neighbors enter and leave it, and the boundary has many teeth.
     let material = ModifiedMooneyRivlin::default();
     let discretization = KernelMethodChoices {

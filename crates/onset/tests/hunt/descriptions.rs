@@ -208,7 +208,7 @@ fn differences<const D: usize>(
         told("verdict", word(a), word(b));
     }
     let fastest = a.spectrum.maximum_omega;
-    // The lattice Laplacian takes as many of the shortest vectors as there are dimensions; where there are more, it knows directions.
+    // The lattice Laplacian uses `D` shortest vectors. If more vectors are equally short, it depends on which are chosen.
     let k = SVector::<f64, D>::from_fn(|i, _| [0.3, 0.7, 1.1][i]);
     let is_measured = {
         let [own, mapped] = [lattice.laplacian(&k), other.laplacian(&(map * k))];

@@ -60,7 +60,7 @@ fn nodal_integration_on_squares_has_three_wave_vectors_without_energy() {
 }
 
 #[test]
-fn nodal_integration_on_triangles_has_the_middles_of_the_edges_and_the_corners() {
+fn nodal_integration_on_the_hexagonal_lattice_has_zero_energy_modes_at_m_and_k() {
     // Where the sum of odd gradients vanishes: three M by inversion, K by the threefold axis. No minimum lies between them.
     let method = method::<2>(nodal(LatticeKind::Hexagonal));
     let modes = found(&method, 0.5);
@@ -372,7 +372,7 @@ fn nothing_is_compared_with_waves_without_energy() {
 
 /// Waves along the short side of a long cell are much shorter than those across it.
 #[test]
-fn elongated_cells_have_their_short_waves() {
+fn short_waves_of_elongated_cells_are_found() {
     let of_cell = |aspect: f64, cells: u32| {
         let choices = KernelMethodChoices {
             lattice: LatticeKind::Rectangular,
@@ -421,7 +421,7 @@ fn a_rule_of_points_is_the_same_in_a_larger_cell() {
 
 #[test]
 fn two_particles_in_a_cell_can_move_against_each_other_without_energy() {
-    // Nodal integration on a honeycomb: each particle sees a threefold star of the others, whose gradients cancel.
+    // Nodal integration on a honeycomb: the three neighbors of a particle have threefold symmetry, and their gradients cancel.
     let honeycomb = on_crystal::<2>(&nodal(LatticeKind::Honeycomb));
     let modes = found(&honeycomb, 0.5).modes;
     assert_eq!(zeros(&honeycomb, &found(&honeycomb, 0.5)), [[0.0, 0.0]]);

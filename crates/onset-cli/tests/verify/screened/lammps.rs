@@ -244,7 +244,7 @@ const LOOSE: Deck = Deck {
 };
 
 #[test]
-fn runs_of_lammps_have_their_cause() {
+fn the_cause_of_lammps_runs_is_identified() {
     let Some(program) = lammps() else { return };
     let plate = |x, y| Deck {
         held: Held::Grips([x, y]),

@@ -62,7 +62,7 @@ fn pysph() -> Option<std::path::PathBuf> {
 }
 
 #[test]
-fn runs_of_pysph_have_their_cause() {
+fn the_cause_of_pysph_runs_is_identified() {
     let Some(python) = pysph() else { return };
     let variants = [
         (

@@ -589,7 +589,7 @@ impl Grids {
         ) {
             let ends = read(offsets, piece.cells)?;
             let shapes = read(shapes, piece.cells)?;
-            // A cell has at most some tens of points; polyhedra with more are not needed.
+            // A cell has at most a few tens of points; polyhedra with more are not needed.
             let connectivity = read(connectivity, piece.cells.saturating_mul(64))?;
             let fits = connect(to, piece, &connectivity, &ends, &shapes);
             fits.ok_or_else(|| {

@@ -22,7 +22,7 @@ pub(super) struct ForeignLaw {
     pub notes: Vec<String>,
     /// Name of a law whose energy is a table.
     pub name: Option<String>,
-    /// Shear modulus at zero strain, if it follows from the constants.
+    /// Shear modulus at zero strain, if it follows from the constants; stress.
     pub shear: Option<f64>,
     /// Parts of the text that are not read.
     pub unread: Unread,

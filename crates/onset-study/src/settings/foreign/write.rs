@@ -313,7 +313,7 @@ impl Given<'_> {
 }
 
 impl Sheet {
-    /// Shear modulus at small strains; of Arruda-Boyce and Gent the modulus of the chains.
+    /// Shear modulus at small strains, in units of stress; for Arruda-Boyce and Gent the modulus of the chains.
     pub fn shear(&self) -> f64 {
         match &self.form {
             Form::Polynomial(constants) => {
@@ -326,7 +326,7 @@ impl Sheet {
         }
     }
 
-    /// Bulk modulus, for programs that need one.
+    /// Bulk modulus, in units of stress, for programs that need one.
     pub fn required_bulk(&self) -> Result<f64, Refusal> {
         self.bulk.ok_or_else(|| {
             Refusal::Constants(

@@ -67,7 +67,7 @@ pub(crate) fn fastest_mode<const D: usize>(
     let ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][D - 1];
     let neighbors = (regular.neighbors() / ball).powf(1.0 / D as f64);
     let spacing = regular.crystal().spacing();
-    // Compression brings more particles into the support of a kernel in space.
+    // Compression brings more particles into the support of a kernel in current coordinates.
     let leading = f.leading::<D>();
     let singular = DMatrix::from_fn(D, D, |i, j| leading[(i, j)]).singular_values();
     let shortest = singular.min().clamp(f64::MIN_POSITIVE, 1.0);
@@ -404,7 +404,7 @@ mod tests {
     }
 
     #[test]
-    fn divided_bodies_have_the_step_of_whole_ones() {
+    fn dividing_a_body_does_not_change_its_time_step() {
         let (choices, law) = (total_lagrangian(), ModifiedMooneyRivlin::default());
         let f = DeformationGradient::identity();
         let stepping = Stepping::ExtrapolatedStress;

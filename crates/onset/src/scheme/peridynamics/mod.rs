@@ -138,7 +138,7 @@ pub enum ZeroEnergyControl {
     },
 }
 
-/// Force model of the particles.
+/// Peridynamic force model: bond-based or correspondence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -183,7 +183,7 @@ pub struct PeridynamicsChoices {
     pub influence: Influence,
     /// Rule for the volumes at the horizon.
     pub partial_volumes: PartialVolumes,
-    /// Force model of the particles.
+    /// Peridynamic force model: bond-based or correspondence.
     pub model: BondModel,
 }
 
