@@ -697,13 +697,13 @@ def fit(
     margin
         Smallest value of a criterion, as a fraction of its value in the reference configuration.
     starts
-        Number of first guesses for constants in which a law is not linear.
+        Number of initial guesses for constants in which a law is nonlinear.
     fix, bound
         Values, and lower and upper bounds, of constants by name.
     bulk
         Bulk modulus of the fitted law; stress. From a volumetric test, or 1000 shear moduli, if omitted.
     unit
-        Unit of stress of tests that name none, for example ``MPa``.
+        Unit of stress of tests without a unit, for example ``MPa``.
     area
         Undeformed area of the cross-section, which turns the forces of a table into nominal stresses; length^2.
     range

@@ -653,7 +653,7 @@ pub struct ScreenArguments {
     /// Libraries that the file may load.
     #[command(flatten)]
     pub trust: TrustArguments,
-    /// Time step of the code; it turns steps into times where a format has steps only.
+    /// Time step of the code; converts step numbers into times for formats without times.
     #[arg(long, value_name = "DT", value_parser = positive, help_heading = "Time")]
     pub time_step: Option<f64>,
     /// Time stepping of the code: velocity-verlet (also leapfrog, central-differences), extrapolated-stress (LAMMPS smd/tlsph), late-density
@@ -740,7 +740,7 @@ pub struct FitArguments {
     /// Table of a volumetric test.
     #[arg(long, value_name = "FILE", help_heading = "Tests")]
     pub volumetric: Vec<PathBuf>,
-    /// Unit of stress of tables that name none, for example MPa.
+    /// Unit of stress of tables without a unit, for example MPa.
     #[arg(long, value_name = "UNIT", help_heading = "Tests")]
     pub unit: Option<String>,
     /// Area of the undeformed cross-section, which turns forces into nominal stresses.
@@ -758,7 +758,7 @@ pub struct FitArguments {
         help_heading = "Fit"
     )]
     pub law: Vec<String>,
-    /// Weights of the points: relative (errors over measured stress) or absolute.
+    /// Weights of the points: relative (errors divided by the measured stress) or absolute.
     #[arg(long, value_name = "KIND", value_parser = ["relative", "absolute"], default_value = "relative", help_heading = "Fit")]
     pub weights: String,
     /// Smallest stress in the denominator of relative errors, as a fraction of the largest stress of the test.
@@ -773,7 +773,7 @@ pub struct FitArguments {
     /// Bulk modulus of the fitted law [default: from a volumetric test, or 1000 shear moduli].
     #[arg(long, value_name = "KAPPA", value_parser = positive, help_heading = "Fit")]
     pub bulk: Option<f64>,
-    /// First guesses for constants in which a law is not linear.
+    /// Number of initial guesses for constants in which a law is nonlinear.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=10_000), default_value_t = 64, help_heading = "Fit")]
     pub starts: u16,
     /// Range in which the law must be stable: data (up to 1.25 times the largest stretch of the tests), data=FACTOR, box=LOW,HIGH (all principal

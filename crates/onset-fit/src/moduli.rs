@@ -5,11 +5,11 @@
 //!
 //! `Q_jj = (4 e_j W_jj + 2 W_j) N_j^2 + sum_(i != j) (2 W_j + e_i T_ij) N_i^2`, `Q_ij = lambda_i lambda_j (4 W_ij + T_ij) N_i N_j`.
 //!
-//! These are the moduli of Ogden, Non-linear elastic deformations (1984), section 6.1. Strong ellipticity says that `Q(N)` is positive definite; for
+//! These are the moduli of Ogden, Non-linear elastic deformations (1984), section 6.1. Strong ellipticity means that `Q(N)` is positive definite; for
 //! incompressible response, on amplitudes normal to `n = F^-T N`. Only the squares `p_i = N_i^2` enter the condition: `|n|^2 tr Q - n . Q n` is a quadratic and
 //! `n . adj(Q) n` a cubic form of `p`, whose coefficients in the Bernstein basis bound them over all directions.
 //!
-//! Drucker's inequality says that `4 e_i e_j W_ij + 4 d_ij e_i W_i`, the second derivative by the logarithms of the stretches, is positive definite; for
+//! Drucker's inequality means that `4 e_i e_j W_ij + 4 d_ij e_i W_i`, the second derivative by the logarithms of the stretches, is positive definite; for
 //! incompressible response, on increments without change of volume.
 
 use nalgebra::{Matrix2, Matrix3, Vector3};

@@ -441,7 +441,7 @@ fn data_sets_of_hdf5_have_frames_as_their_first_axis() {
 }
 
 #[test]
-fn hdf5_files_of_pysph_are_frames_of_one_body() {
+fn hdf5_files_of_pysph_are_read_as_frames_of_one_body() {
     let reading = Reading {
         time_step: Some(0.1),
         ..Reading::default()

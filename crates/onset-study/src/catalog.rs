@@ -493,12 +493,12 @@ const ROWS: &[Row] = &[
             ),
             (
                 "strain",
-                "the stretch out of the plane is given: plane strain; of a chain uniaxial strain",
+                "the out-of-plane stretch is prescribed: plane strain; for a chain uniaxial strain",
                 "the paper",
             ),
             (
                 "stress",
-                "P_i3 = 0, the stretch out of the plane is found: plane stress of a thin sheet; of a chain uniaxial stress",
+                "P_i3 = 0, the out-of-plane stretch is computed: plane stress of a thin sheet; for a chain uniaxial stress",
                 "Le Dret and Raoult, J. Math. Pures Appl. 74 (1995) 549",
             ),
         ],
@@ -539,7 +539,7 @@ const ROWS: &[Row] = &[
             (
                 "regular",
                 "particles at X, carrying the stress of F",
-                "section 6.2 of the paper, a reading",
+                "an interpretation of section 6.2 of the paper",
             ),
         ],
     ),
@@ -640,12 +640,12 @@ const ROWS: &[Row] = &[
         &[
             (
                 "everything",
-                "x, F and rho follow T v, T v_I = v_I + epsilon sum_J m_J/rho_IJ (v_J - v_I) W_IJ: K T in the place of K",
+                "x, F and rho follow T v, T v_I = v_I + epsilon sum_J m_J/rho_IJ (v_J - v_I) W_IJ: K T instead of K",
                 "Monaghan, J. Comput. Phys. 82 (1989) 1",
             ),
             (
                 "positions",
-                "x follows T v; F and rho follow v: K_x T + K_F in the place of K = K_x + K_F",
+                "x follows T v; F and rho follow v: K_x T + K_F instead of K = K_x + K_F",
                 "PySPH, XSPHCorrection with SolidMechStep or WCSPHStep; Monaghan 1992",
             ),
         ],
@@ -752,7 +752,7 @@ fn language() -> Topic {
         ),
         (
             "+ - * / ^",
-            "-x^2 is -(x^2), 2^3^2 is 2^(3^2); products need their *",
+            "-x^2 is -(x^2), 2^3^2 is 2^(3^2); products need an explicit *",
         ),
         (
             "let name = ...;",
@@ -827,7 +827,7 @@ impl KernelEntry {
         };
         line("smoothness over space", smoothness.join(", "))?;
         line(
-            "support radius over smoothing length 2 sigma",
+            "support radius divided by the smoothing length 2 sigma",
             numbers(self.support_over_smoothing_length),
         )?;
         line("integral over R0^D", numbers(self.integral))?;

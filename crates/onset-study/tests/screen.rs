@@ -172,7 +172,7 @@ fn the_corners_of_a_notch_limit_the_time_step() {
 }
 
 #[test]
-fn a_band_in_elements_belongs_to_the_material() {
+fn a_shear_band_in_finite_elements_is_a_physical_instability() {
     let answer = ELEMENTS.answer();
     assert_eq!(answer.cause, Cause::Physical);
     let first = answer.first.as_ref().expect("a first cause");
@@ -416,7 +416,7 @@ fn a_step_that_distorted_states_exceed_after_the_first_short_waves_is_not_the_ca
         time_step: 0.6,
         ..HEALTHY
     };
-    // Alternating particles show until t = 8; compression then stiffens the plate.
+    // Alternating particles are visible until t = 8; compression then stiffens the plate.
     let (run, mut frames) = stretched(13, |time| 0.007 * time);
     for frame in &mut frames {
         let factor = 1.0 - 0.15 * (frame.time - 8.0).max(0.0);

@@ -114,7 +114,7 @@ pub enum UmatError {
     /// Library that has changed since it was first loaded.
     #[error(
         "{path} has changed since it was first loaded: its SHA-256 was {wanted} and is {found}\n  hint: a library must not be \
-         compiled anew while it is used; to resume a map, put the first one back; without it, start afresh",
+         recompiled while it is used; to resume a map, restore the first version; otherwise start afresh",
         path = path.display()
     )]
     Changed {

@@ -119,7 +119,7 @@ fn block(name: &str, text: &str) -> Written {
 
 /// Treloar's rubber with the constants of Abaqus, `mu_i alpha_i / 2` in Ogden's, is the default of `ogden`.
 #[test]
-fn a_block_of_abaqus_is_the_law_with_the_constants_of_ogden() {
+fn an_ogden_block_of_abaqus_gives_the_ogden_law() {
     let text = "** Treloar\n*MATERIAL, NAME=RUBBER\n*Hyperelastic, n=3, OGDEN\n0.40157, 1.3, 0.0029425, 5.0, 0.009807, -2.0, 0.02, 0.0\n0.0\n*DENSITY\n1e-9\n";
     let file = block("abaqus-ogden", text);
     let read = document(&format!("criteria {file} --from abaqus --mode equibiaxial"));

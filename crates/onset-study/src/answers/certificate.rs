@@ -141,7 +141,7 @@ impl ProofAnswer {
         } else {
             let reason = self.reason.unwrap_or("no reason");
             if reason == Reason::Method.name() {
-                return format!("{certainty} ({reason}): its waves are searched, and not proved");
+                return format!("{certainty} ({reason}): its waves are searched without a proof");
             }
             match self.smallest_seen {
                 Some(seen) => {

@@ -40,7 +40,7 @@ pub struct Diagram {
     pub corners: Vec<Corner>,
     /// Samples along the path. If the dynamical matrix is not periodic, they are taken at the equivalent wave vectors of the first zone.
     pub samples: Vec<DispersionAnswer>,
-    /// Position along the path of each sample; two samples at one position are a jump.
+    /// Length of the path up to each sample, 1/length; two samples at one position are a jump.
     pub lengths: Vec<f64>,
     /// Plotted values of each sample.
     pub heights: Vec<Heights>,
@@ -190,7 +190,7 @@ impl Diagram {
             }
             (true, true) => line(
                 "softest waves",
-                "long ones: no wave vector is marked".to_owned(),
+                "long waves: no wave vector is marked".to_owned(),
             ),
         }
         text

@@ -14,7 +14,7 @@ pub const LATTICE_NOTE: &str = "infinite lattice; free faces and distorted cells
 /// Time step for finite bodies of a lattice.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FiniteBodyAnswer {
-    /// Finite bodies are stable under central differences for smaller time steps. Time.
+    /// Bound on the time step of central differences, below which finite bodies are stable; time.
     pub time_step: f64,
     /// Whether the bound is proved.
     pub proved: bool,

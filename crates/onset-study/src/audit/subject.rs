@@ -36,7 +36,7 @@ pub fn deformation(matrix: &Matrix3<f64>) -> Result<DeformationGradient, Kinemat
 }
 
 impl Subject<'_> {
-    /// Convention in which the tangent should be.
+    /// Expected convention of the tangent.
     pub fn convention(&self) -> Convention {
         match self {
             Self::Law(_, convention) => *convention,

@@ -27,11 +27,11 @@ pub struct Fidelity {
     pub elliptic_area: f64,
     /// Area where the material is elliptic and the particles are unstable.
     pub false_instability_area: f64,
-    /// False-instability area as a share of the elliptic area; `null` without an elliptic area.
+    /// False-instability area as a fraction of the elliptic area; `null` without an elliptic area.
     pub false_instability_share: Option<f64>,
     /// Area where the material is not elliptic and the particles are stable.
     pub suppressed_instability_area: f64,
-    /// Suppressed-instability area as a share of the elliptic area; `null` without an elliptic area.
+    /// Suppressed-instability area as a fraction of the elliptic area; `null` without an elliptic area.
     pub suppressed_instability_share: Option<f64>,
     /// Area where the discretization is undefined.
     pub undefined_area: f64,

@@ -45,11 +45,11 @@ const PATIENCE: Duration = Duration::from_secs(20);
 /// Longest piece of work between two checkpoints: eigenvectors of a cell of about a hundred particles.
 const LAST_PIECE: Duration = Duration::from_secs(2);
 
-/// Reason why a question has no answer.
+/// Reason why a request has no answer.
 #[derive(Debug, thiserror::Error)]
 pub enum Refusal {
-    /// Unknown name of a question.
-    #[error("there is no question `{0}`")]
+    /// Unknown name of a request.
+    #[error("there is no request `{0}`")]
     Unknown(String),
     /// Invalid input, with the message and the hint of the command.
     #[error("{0}")]

@@ -168,7 +168,7 @@ pub(super) fn opened(text: &str) -> Result<Opened, Refusal> {
 }
 
 impl Question {
-    /// Question about the reference state with the given settings.
+    /// Problem of the page in the reference configuration with the given settings.
     pub fn of_settings(settings: &Settings) -> Self {
         of_settings(settings)
     }

@@ -895,7 +895,7 @@ impl Table<'_> {
                 true => Err(self.line(
                     line,
                     format!(
-                        "the {what} is {}, more than any rubber bears ({LARGEST})",
+                        "the {what} is {}, more than any rubber can bear ({LARGEST})",
                         told(stretch)
                     ),
                     percents,
@@ -925,7 +925,7 @@ impl Table<'_> {
             return Err(self.line(
                 line,
                 format!(
-                    "the {what} is {}, more than any rubber bears ({LARGEST})",
+                    "the {what} is {}, more than any rubber can bear ({LARGEST})",
                     told(stretch)
                 ),
                 match column {

@@ -339,7 +339,12 @@ impl LimitAnswer {
             deformation_gradient: *strain.0.components(),
             critical_time_step_of: body.map_or_else(
                 || LATTICE_NOTE.to_owned(),
-                |body| format!("{}, or infinite lattice where smaller", body.words()),
+                |body| {
+                    format!(
+                        "{}, or of the infinite lattice if that is smaller",
+                        body.words()
+                    )
+                },
             ),
             finite_bodies,
             present,
@@ -589,13 +594,17 @@ impl LimitAnswer {
             ));
         }
         if step.is_infinite() {
-            return Some(format!("It is {value} now, with no critical step."));
+            return Some(format!(
+                "Its present value is {value}, with no critical step."
+            ));
         }
         if step == 0.0 {
-            return Some(format!("It is {value} now, with no stable step."));
+            return Some(format!(
+                "Its present value is {value}, with no stable step."
+            ));
         }
         Some(format!(
-            "It is {value} now, with a critical step of {}; the ratio of the given to the critical step is {}.",
+            "Its present value is {value}, with a critical step of {}; the ratio of the given to the critical step is {}.",
             self.step(step),
             told(self.time_step / step)
         ))

@@ -32,7 +32,7 @@ fn hint(error: &PlasticityError) -> String {
     let hint = match error {
         PlasticityError::Parameter { name, .. } => format!("set it with --set plasticity.{name}=..."),
         PlasticityError::SnapBack { .. } => {
-            "soften less (plasticity.hardening-modulus, a larger plasticity.reference-slip), or raise the stiffness"
+            "reduce the softening (plasticity.hardening-modulus, a larger plasticity.reference-slip), or raise the stiffness"
                 .to_owned()
         }
         PlasticityError::NeverYields { .. } => {

@@ -348,7 +348,7 @@ impl ModesAnswer {
         }
         writeln!(
             formatter,
-            "spurious modes of the reference configuration, wave vectors in units of the reciprocal vectors (of k and -k one)\n"
+            "spurious modes of the reference configuration, wave vectors in units of the reciprocal vectors (k and -k counted once)\n"
         )?;
         for (n, mode) in self.modes.iter().enumerate() {
             writeln!(

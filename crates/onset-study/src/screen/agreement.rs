@@ -177,7 +177,7 @@ impl Agreement {
                 told(factor)
             ),
             _ if method.method == Family::UpdatedSph && !method.corrected => {
-                "uncorrected gradients of SPH measure other strains than the positions".to_owned()
+                "uncorrected SPH gradients differ from the gradients of the positions".to_owned()
             }
             _ => "check the law, its parameters, and whether the run is in plane strain".to_owned(),
         };

@@ -437,7 +437,7 @@ impl ScreenAnswer {
         }
         let moment = |time: f64| self.moments.iter().find(|moment| moment.time >= time);
         if self.cause == Cause::Numerical {
-            // Growth from the begin of the exponential part to the time at which it shows.
+            // Growth from the beginning of the exponential part to the time at which it is observed.
             let begun = self
                 .moments
                 .iter()
@@ -507,7 +507,7 @@ impl ScreenAnswer {
                 .map(|moment| moment.observed)
                 .fold(0.0, f64::max);
             evidence.push(format!(
-                "short waves of the positions stay below {} spacings (threshold {})",
+                "short waves in the positions stay below {} spacings (threshold {})",
                 told(most),
                 told(self.threshold)
             ));
@@ -568,7 +568,7 @@ impl ScreenAnswer {
             && event.time < end
         {
             limits.push(format!(
-                "after t = {} the neighbors are not those of the reference configuration",
+                "after t = {} the neighbors differ from the neighbors in the reference configuration",
                 told(event.time)
             ));
         }

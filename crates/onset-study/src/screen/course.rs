@@ -79,7 +79,7 @@ pub struct StepLimit {
     pub body: Option<f64>,
     /// Smallest value of the largest stable step during the run, until the first event; time.
     pub least: f64,
-    /// Time at which the step of the run first exceeds it.
+    /// Time at which the step of the run first exceeds this limit.
     pub exceeded: Option<f64>,
     /// Growth rate of the fastest oscillation at that time; 1/time.
     pub growth: f64,

@@ -202,9 +202,8 @@ impl Recording {
             let written = frame.len();
             let fault = own.ordered(&mut frame).or_else(|| broken(&frame));
             if let Some(fault) = fault {
-                own.notes.push(format!(
-                    "{fault}: this frame and those after it are left out"
-                ));
+                own.notes
+                    .push(format!("{fault}: this and all later frames are left out"));
                 break;
             }
             if written > frame.len() && !has_others {
@@ -297,7 +296,7 @@ impl Recording {
         if let Some(fault) = broken(frame) {
             return Err(wrong(
                 fault,
-                "a run begins with a frame that is sound; choose frames with --frames FIRST:END",
+                "the first frame must be complete and valid; choose frames with --frames FIRST:END",
             ));
         }
         if let Some(id) = frame.doubled().first() {

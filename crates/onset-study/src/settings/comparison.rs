@@ -62,7 +62,7 @@ pub struct CompareSettings {
     pub tension: f64,
     /// Smallest stretch in compression.
     pub compression: f64,
-    /// Largest relative frequency of weak waves.
+    /// Largest frequency of weakly controlled waves, relative to the slowest material wave.
     pub weak: f64,
     /// Time integrator for the critical time step.
     pub integrator: Integrator,

@@ -468,7 +468,7 @@ impl MaterialSettings {
         }
         if dimension > 2 {
             return refused(
-                "`material.plane` is stress, and the discretization has three dimensions, with no faces across it".to_owned(),
+                "`material.plane` is stress, and the discretization has three dimensions and no out-of-plane direction".to_owned(),
                 "leave material.plane out, or set a lattice of two dimensions (a sheet) or a chain (a bar)",
             );
         }

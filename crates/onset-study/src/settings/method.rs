@@ -508,7 +508,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.control-coefficient",
         Kind::Number("1", NotNegative),
-        "correspondence peridynamics: coefficient of the control",
+        "correspondence peridynamics: coefficient of the control of zero-energy modes",
     )
     .only_with(CONTROL),
     key(

@@ -161,7 +161,7 @@ pub(super) fn parameters(
         .find(|(n, ..)| was_set(start[*n].0))
     {
         return Err(format!(
-            "material.{} is set, and follows from the moduli ({}) too",
+            "material.{} is set, but also follows from the moduli ({})",
             start[*n].0,
             given
                 .iter()

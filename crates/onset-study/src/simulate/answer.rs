@@ -187,7 +187,7 @@ fn explained(
     let fastest = others.fold(0.0, f64::max);
     let overrun = match fastest > rate + 1e-6 * fastest {
         true => format!(
-            "; other waves of the patch grow at up to {}, and overrun it: choose a shorter --time",
+            "; other waves of the patch grow at up to {} and dominate it: choose a shorter --time",
             told(fastest)
         ),
         false => String::new(),
@@ -196,7 +196,7 @@ fn explained(
         return (
             Outcome::Undecided,
             format!(
-                "the particles have moved by up to {} spacings, beyond what is linear: choose a smaller --amplitude or --time{overrun}",
+                "the particles have moved by up to {} spacings, beyond the linear range: choose a smaller --amplitude or --time{overrun}",
                 told(displacement)
             ),
         );
@@ -205,7 +205,7 @@ fn explained(
         Outcome::Differs if is_noise => (
             Outcome::Undecided,
             format!(
-                "in noise the other waves of the patch are measured too: let it grow longer, or seed the wave alone{overrun}"
+                "with noise the record also contains other waves of the patch: choose a longer --time, or seed the wave alone{overrun}"
             ),
         ),
         _ if reason.is_empty() => (outcome, reason),

@@ -241,7 +241,7 @@ impl Plan {
                 is_shown,
                 columns: COLUMNS,
                 start,
-                grown: "a wave that grows has left the small perturbations, or --amplitude is large: choose fewer --steps or a smaller --amplitude",
+                grown: "a growing wave has left the linear range, or --amplitude is large: choose fewer --steps or a smaller --amplitude",
             },
             stepper,
             integrator,

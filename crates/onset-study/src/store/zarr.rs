@@ -305,7 +305,7 @@ impl ZarrStore {
             };
             if found != Some(values) {
                 let key = format!("{name}/c/0");
-                return Err(self.damaged(&key, "it does not hold the coordinates".to_owned()));
+                return Err(self.damaged(&key, "it does not contain the coordinates".to_owned()));
             }
         }
         Ok(())

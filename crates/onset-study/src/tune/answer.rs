@@ -179,7 +179,7 @@ impl TuneAnswer {
                 format!("; {key} is a stiffness that can be tuned")
             });
             notes.push(format!(
-                "{} is a damping without stiffness: it slows waves that grow, and leaves zero-energy modes and the frequencies of weak ones as they are{stiffness}",
+                "{} is a damping without stiffness: it slows the growth of waves, but changes neither zero-energy modes nor the frequencies of weakly controlled modes{stiffness}",
                 question.key()
             ));
         }

@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn a_law_of_the_volume_is_recognized_with_its_pressure() {
+    fn a_purely_volumetric_law_is_recognized_with_its_pressure() {
         let law = law(&VOLUMETRIC_LAW);
         let f = DeformationGradient::from_stretches([1.2, 0.9, 1.1]).expect("a state");
         let own = Volumetric::of(&*law, &f)

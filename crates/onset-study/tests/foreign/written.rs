@@ -288,7 +288,7 @@ fn written_blocks_read_back_with_equal_limits() {
 
 /// Blocks in the words of the manuals, with constants converted by hand.
 #[test]
-fn blocks_have_the_constants_of_the_manuals() {
+fn written_blocks_use_the_constants_of_the_manuals() {
     let ogden = [
         ("mu1", 0.6),
         ("alpha1", 1.3),

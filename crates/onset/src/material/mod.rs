@@ -80,7 +80,7 @@ pub enum MaterialError {
     /// The wave speed is so large or small that its powers over- or underflow.
     #[error(
         "the squared speed of sound is {stiffness:e} / {density:e}, the largest acoustic eigenvalue of the material in the reference configuration \
-         over its density; expected a number from {:e} to {:e}: choose other units of stress or density",
+         divided by its density; expected a number from {:e} to {:e}: choose other units of stress or density",
         .range[0], .range[1]
     )]
     WaveSpeed {
@@ -93,7 +93,7 @@ pub enum MaterialError {
     },
     /// Some strain of the reference state has no stress, so that Young's modulus is zero or undefined.
     #[error(
-        "the law has no stiffness against some strain at F = 1 (a fluid has none against shear), so that what is scaled with Young's modulus has no size"
+        "the law has no stiffness against some strain at F = 1 (a fluid has none against shear), so that Young's modulus, with which the stabilization is scaled, is not positive"
     )]
     NoYoungsModulus,
     /// The law is not applicable to a sheet in plane stress, or to a bar in uniaxial stress.

@@ -338,7 +338,7 @@ impl PathPoint {
 }
 
 impl PathPoint {
-    /// Equivalent shear `sqrt(s:s/2)` of the Cauchy stress.
+    /// Equivalent shear `sqrt(s:s/2)` of the Cauchy stress. Units of stress.
     pub fn equivalent_shear(&self) -> f64 {
         let stress = Matrix3::from_diagonal(&Vector3::from(self.stress));
         equivalent_shear(&deviator(&stress))

@@ -38,7 +38,7 @@ pub struct SurveyedState<const D: usize> {
     pub verdict: Verdict,
     /// Stability of the discretization: stable, or unstable by divergence or flutter.
     pub stability: Stability,
-    /// Smallest acoustic eigenvalue of the material, with any complex eigenvalues. They decide whether plane waves of the material grow.
+    /// Smallest acoustic eigenvalue of the material, with any complex eigenvalues. They determine whether plane waves of the material grow.
     pub acoustic: AcousticMinimum<D>,
     /// Smallest scaled measure `Re omega^2 / (c^2 |k|_h^2)`, long waves included; see [`SpectrumSummary::softest`].
     pub scaled_minimum: f64,

@@ -178,7 +178,7 @@ fn the_box_of_gent_ends_where_its_chains_lock() {
 }
 
 #[test]
-fn the_widest_box_may_end_at_the_reference() {
+fn the_widest_box_may_end_at_stretch_one() {
     let law = Law::named("hencky").expect("a law of the library");
     let hencky = law.build(&[]).expect("admissible");
     let range = Range::default();

@@ -235,7 +235,7 @@ fn nothing_is_proved_at_a_kink_and_a_laminate_there_has_less_energy() {
 }
 
 #[test]
-fn a_law_with_a_kink_in_the_reference_has_a_wave_speed_but_no_stress() {
+fn a_law_with_a_kink_at_f_equal_to_one_has_a_wave_speed_but_no_stress() {
     let law = law(&format!("{RUBBER} - 5*abs(J - 1)"));
     assert!(law.undeformed().is_ok());
     assert_eq!(

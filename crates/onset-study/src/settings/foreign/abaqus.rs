@@ -538,7 +538,7 @@ fn fibers(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         return Err(Trouble::new(
             block.line,
             "this form of *ANISOTROPIC HYPERELASTIC is not read",
-            "read is HOLZAPFEL, with C10, D, k1, k2, kappa",
+            "supported: HOLZAPFEL with C10, D, k1, k2, kappa",
         ));
     }
     let families = block.count("LOCALDIRECTIONS", 2)?;

@@ -227,9 +227,7 @@ impl Given<'_> {
         }
         match terms.iter().any(|term| term[1] == 0.0) {
             true => Err("an exponent alpha is 0".to_owned()),
-            false if terms.is_empty() => {
-                Err("there is no term with a modulus other than 0".to_owned())
-            }
+            false if terms.is_empty() => Err("all moduli are zero".to_owned()),
             false => Ok(terms),
         }
     }
@@ -343,7 +341,7 @@ impl Sheet {
         match poisson < 0.5 && poisson != 0.0 {
             true => Ok(poisson),
             false => Err(Refusal::Constants(format!(
-                "the bulk modulus {bulk} has no Poisson's ratio between 0 and 0.5 in the digits of a number"
+                "the bulk modulus {bulk} has no Poisson's ratio between 0 and 0.5 in double precision"
             ))),
         }
     }

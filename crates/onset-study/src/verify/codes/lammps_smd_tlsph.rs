@@ -2,8 +2,8 @@
 //!
 //! Periodic boxes cannot be used: the code does not wrap relative positions, and freezes particles at a periodic boundary. The block therefore has a
 //! held rim, and its core is measured before waves from the rim arrive. In the reference configuration the linear elasticity of the code represents
-//! any isotropic law; at a stretched state it is a hypoelastic law with the Green-Naghdi rate. The polynomial equation of state represents a law of
-//! the volume alone. Affine velocities with all forces switched off bring the particles to the state.
+//! any isotropic law; at a stretched state it is a hypoelastic law with the Green-Naghdi rate. The polynomial equation of state represents a
+//! purely volumetric law. Affine velocities with all forces switched off bring the particles to the state.
 //!
 //! Source: Ganzenmueller, "Smooth Mach Dynamics package for LAMMPS" (manual); `pair_smd_tlsph.cpp`, `fix_smd_integrate_tlsph.cpp`.
 
