@@ -87,7 +87,7 @@ fn an_archive_of_numpy_has_frames_as_first_axis_and_static_arrays() {
 }
 
 #[test]
-fn points_that_stay_are_reference_positions() {
+fn positions_that_never_change_are_reference_positions() {
     let series = open("fem-tension.pvd");
     assert_eq!(series.recognized().assumed.len(), 1);
     let frames = all(series);
@@ -361,7 +361,7 @@ fn pickled_arrays_and_other_formats_are_refused_with_a_hint() {
 }
 
 #[test]
-fn formats_that_are_not_read_are_named() {
+fn unsupported_formats_are_named_in_the_error() {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, start, told) in [
         ("run.h5", &b"\x89HDF\r\n\x1a\n"[..], "HDF5"),

@@ -124,7 +124,7 @@ fn within(time: Option<f64>, window: std::ops::RangeInclusive<f64>) {
 }
 
 #[test]
-fn a_healthy_plate_has_no_cause() {
+fn no_cause_is_reported_for_a_healthy_plate() {
     let answer = HEALTHY.answer();
     assert_eq!(answer.cause, Cause::None);
     assert!(answer.observed.is_none() && !answer.at_the_limit);
@@ -316,7 +316,7 @@ fn asked_of_arrays(
 }
 
 #[test]
-fn short_waves_that_no_state_explains_are_forced_or_without_energy() {
+fn unexplained_short_waves_are_reported_as_forced_or_zero_energy() {
     // Total-Lagrangian SPH in small strain: alternating particles that grow linearly.
     let run = stretched(12, |time| 0.01 * time);
     let none = ["discretization.penalty=0"];

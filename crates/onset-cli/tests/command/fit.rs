@@ -551,7 +551,7 @@ fn broken_cells_and_headers_are_refused() {
 
 #[cfg(unix)]
 #[test]
-fn pipes_are_refused() {
+fn named_pipes_are_refused_as_tables() {
     let pipe = Scratch::new("uniaxial.csv");
     let made = std::process::Command::new("mkfifo").arg(&pipe).status();
     assert!(made.is_ok_and(|own| own.success()));
@@ -603,7 +603,7 @@ fn broken_decks_are_refused() {
 }
 
 #[test]
-fn tables_that_say_the_same_give_the_same_constants() {
+fn equivalent_tables_give_the_same_constants() {
     let constant = |name: &str, text: String, line: &str| {
         let (answer, _) = fit_of(name, text, &format!("{line} --json"));
         assert_eq!(answer.code, Some(0), "{}", answer.stderr);

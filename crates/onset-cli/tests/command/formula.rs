@@ -241,7 +241,7 @@ fn two_laws_for_one_problem_are_refused() {
 }
 
 #[test]
-fn the_language_is_listed() {
+fn the_language_of_formulas_is_listed() {
     let answer = onset(&["list", "formula"]);
     assert_eq!(answer.code, Some(0));
     for word in [

@@ -176,7 +176,7 @@ fn exactly_the_choices_in_effect_are_listed() {
 }
 
 #[test]
-fn one_study_file_serves_every_question() {
+fn one_study_file_serves_every_command() {
     let study = file(&format!("{CHAIN}{AXES}"));
     let place = Scratch::new("answers");
     let out = place.display().to_string();

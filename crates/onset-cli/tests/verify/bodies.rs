@@ -248,7 +248,7 @@ fn the_bodies_of_the_book_behave_as_described() {
 }
 
 #[test]
-fn an_isolated_particle_flies_on_or_is_reported_if_gradients_are_corrected() {
+fn an_isolated_particle_moves_freely_or_is_reported_if_gradients_are_corrected() {
     let thrown = |corrected: bool| {
         pulled()
             .replace("total-lagrangian-sph", "updated-sph")

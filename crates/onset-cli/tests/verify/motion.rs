@@ -681,7 +681,7 @@ fn a_motion_that_breaks_down_is_reported_with_time_particle_and_state() {
 }
 
 #[test]
-fn questions_that_cannot_be_run_are_refused() {
+fn motions_that_cannot_be_run_are_refused() {
     let cases = [
         ("--stretch 1,1 --cells 0", "--cells"),
         ("--stretch 1,1 --cells 8,8,8", "--cells"),

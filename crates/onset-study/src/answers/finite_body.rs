@@ -14,7 +14,7 @@ pub const LATTICE_NOTE: &str = "infinite lattice; free faces and distorted cells
 /// Time step for finite bodies of a lattice.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FiniteBodyAnswer {
-    /// Bound on the time step of central differences, below which finite bodies are stable; time.
+    /// Time step of central differences that is stable for finite bodies; time.
     pub time_step: f64,
     /// Whether the bound is proved.
     pub proved: bool,

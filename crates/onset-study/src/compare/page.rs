@@ -123,7 +123,7 @@ impl Table {
                     StretchOnset::At(stretch) => (format!("at {stretch:.4}"), true),
                     StretchOnset::NotBefore(end) => (format!("up to {end}"), false),
                     StretchOnset::Undefined(stretch) => (
-                        format!("up to {stretch:.4}, beyond which the law is undefined,"),
+                        format!("up to {stretch:.4}, the end of the domain of the law,"),
                         false,
                     ),
                 };

@@ -278,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn a_law_of_the_volume_has_jaumann_rates_without_shear() {
+    fn a_purely_volumetric_law_has_jaumann_rates_without_shear() {
         let law = law(&VOLUMETRIC_LAW);
         let f = DeformationGradient::from_stretches([1.2, 0.9, 1.1]).expect("a state");
         let own = JaumannRates::of(&*law, &f, 1.0).expect("a response");

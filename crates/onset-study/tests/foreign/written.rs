@@ -373,7 +373,7 @@ fn written_blocks_use_the_constants_of_the_manuals() {
 }
 
 #[test]
-fn laws_and_constants_that_cannot_be_written_are_refused_in_words() {
+fn laws_and_constants_that_cannot_be_written_are_refused_with_a_reason() {
     let kappa = ("kappa", 1.0);
     for (program, law, parameters, fact) in [
         (

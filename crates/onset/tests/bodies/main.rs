@@ -486,7 +486,7 @@ fn motion_is_bounded_at_the_critical_step_and_unbounded_at_twice_the_step() {
 }
 
 #[test]
-fn a_resumed_run_is_bitwise_identical() {
+fn a_resumed_run_of_a_body_is_bitwise_identical() {
     let method = method(
         LatticeKind::SimpleCubic,
         &choices(2.01, 0.5, PenaltyForm::Smd),

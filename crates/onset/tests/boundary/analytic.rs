@@ -166,7 +166,7 @@ fn a_sharp_tip_is_rounded() {
 }
 
 #[test]
-fn all_components_are_found_and_none_twice() {
+fn every_component_is_found_exactly_once() {
     let measure = |x: f64, y: f64| {
         let disc = |center: f64, radius: f64| radius - (x - center).hypot(y);
         disc(-1.0, 0.6).max(disc(0.9, 0.8))

@@ -249,7 +249,7 @@ fn the_angle_of_a_law_rotates_its_response() {
 }
 
 #[test]
-fn the_reference_is_free_of_stress_and_has_the_moduli_of_the_closed_form() {
+fn the_reference_configuration_is_free_of_stress_and_has_the_moduli_of_the_closed_form() {
     const VOIGT: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)];
     for (law, given, material) in laws() {
         let response = material

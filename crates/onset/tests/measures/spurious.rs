@@ -50,7 +50,7 @@ fn zeros<const D: usize>(
 }
 
 #[test]
-fn nodal_integration_on_squares_has_three_wave_vectors_without_energy() {
+fn nodal_integration_on_squares_has_three_zero_energy_wave_vectors() {
     let method = method::<2>(nodal(LatticeKind::Square));
     let modes = found(&method, 0.5);
     assert_eq!(zeros(&method, &modes), [[0.0, 0.5], [0.5, 0.0], [0.5, 0.5]]);
@@ -75,7 +75,7 @@ fn nodal_integration_on_the_hexagonal_lattice_has_zero_energy_modes_at_m_and_k()
 }
 
 #[test]
-fn nodal_integration_on_cubes_has_seventeen_and_on_a_chain_one() {
+fn nodal_integration_has_seventeen_zero_energy_wave_vectors_on_cubes_and_one_on_a_chain() {
     // sin x (w1 + 2 w2 (b + c) + 4 w3 b c) = 0 and so on in turn, a, b, c the cosines, w = W'/q of the three distances. All sines zero:
     // 7. One, with the cosine -1: a = b = -0.786, 6. None: a = b = c = -0.898, 4.
     let cubes = method::<3>(nodal(LatticeKind::SimpleCubic));
@@ -356,7 +356,7 @@ fn translations_of_disordered_cells_are_not_short_waves() {
 
 /// Shear waves of a fluid have no energy: nothing is compared with what rounding leaves of it.
 #[test]
-fn nothing_is_compared_with_waves_without_energy() {
+fn modes_are_not_compared_with_waves_of_zero_energy() {
     let choices = KernelMethodChoices::default();
     let scheme = method::<2>(choices);
     for kappa in [3.0, 99.0, 100.0] {
@@ -400,7 +400,7 @@ fn short_waves_of_elongated_cells_are_found() {
 
 /// Gauss points are those of the cells between particles, however many cells are taken together.
 #[test]
-fn a_rule_of_points_is_the_same_in_a_larger_cell() {
+fn a_quadrature_rule_gives_the_same_modes_in_a_larger_cell() {
     let of_cells = |cells: u32| KernelMethodChoices {
         quadrature: Quadrature::Gauss,
         approximation: Approximation::Mls,

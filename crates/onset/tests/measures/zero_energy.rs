@@ -480,7 +480,7 @@ fn supercells_have_every_zero_energy_mode_of_their_lattice() {
 
 /// Of particles in disorder no wave is without strain, and nothing is left open.
 #[test]
-fn disordered_particles_are_known_to_have_no_zero_energy_modes() {
+fn disordered_particles_have_no_zero_energy_modes() {
     fn assert_none<const D: usize>(
         kind: LatticeKind,
         radius: f64,
@@ -654,7 +654,7 @@ fn assert_crossing_lines(scheme: &dyn Discretization<3>, edge: f64, points: usiz
 /// Nearest neighbors of face-centered cubes: `s_x (c_y + c_z) = 0` and cyclic, `s` and `c` of half the phases. Beside L these are the lines X-W-X, the
 /// shortest wave X.
 #[test]
-fn lines_that_cross_are_one_set_and_no_surface() {
+fn crossing_lines_are_one_connected_set_and_not_a_surface() {
     let edge = 2.0_f64.sqrt();
     let faces = Crystal::of(LatticeKind::FaceCenteredCubic, 1.0).expect("a crystal");
     assert_crossing_lines(&total_lagrangian(faces, 1.2), edge, 4, 1.0);

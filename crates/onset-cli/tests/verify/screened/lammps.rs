@@ -332,7 +332,7 @@ fn the_cause_of_lammps_runs_is_identified() {
 }
 
 #[test]
-fn remedies_leave_healthy_runs_of_lammps() {
+fn lammps_runs_with_the_remedies_are_healthy() {
     let Some(program) = lammps() else { return };
     let remedy = |answer: &Value, beginning: &str| -> String {
         let all = answer["remedy"].as_array().expect("remedies");

@@ -117,7 +117,7 @@ fn the_cause_of_pysph_runs_is_identified() {
 }
 
 #[test]
-fn artificial_stress_leaves_a_healthy_run_of_pysph() {
+fn a_pysph_run_with_artificial_stress_is_healthy() {
     let Some(python) = pysph() else { return };
     let answer = PULLED.screened(&python);
     let setting = answer["changes"][0]["settings"][0].as_str();
