@@ -78,12 +78,19 @@ def of_script(text, is_python):
 
 
 def of_rust(text, is_test):
-    """Docs (of functions: `fn`; paragraphs after the first: `more`), comments, messages and constants outside tests, and names of tests."""
+    """Docs (of functions: `fn`; paragraphs after the first: `more`), comments, messages and constants; of tests names and comments."""
     doc, comment, begin, is_code = [], [], 0, False
     for number, line in enumerate([*text.split("\n"), ""], 1):
         code = line.strip()
         is_test |= code.startswith("#[cfg(test)]")
         if is_test:
+            if re.match(r"//[/!]? ", code):
+                begin = begin if comment else number
+                comment.append(code.lstrip("/!"))
+                continue
+            if comment:
+                yield "comment", begin, plain(" ".join(comment))
+                comment = []
             name = re.match(r"(?:async )?fn (\w+_\w+_\w+)\(\)", code)
             if name:
                 yield "test", number, name.group(1).replace("_", " ")

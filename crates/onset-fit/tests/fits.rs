@@ -61,7 +61,7 @@ fn material(fit: &Fit) -> Result<Box<dyn Hyperelastic>, Box<dyn Error>> {
     })
 }
 
-/// Numbers from 0 to 1 that look random, the same in each run.
+/// Pseudorandom numbers from 0 to 1, equal in each run.
 fn numbers() -> impl FnMut() -> f64 {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     move || {
@@ -430,7 +430,7 @@ fn a_stable_law_is_proved_and_an_unstable_one_has_no_constants() -> Outcome {
     let proved = fit(&tests, &of("yeoh")?, &Options::default())?;
     assert!(proved.stable.is_none());
     assert!(matches!(proved.proof, Some(Proof::Proved { .. })));
-    // Hencky's law has one constant and is not elliptic at large stretches, whatever its value.
+    // Hencky's law has one constant and is not elliptic at large stretches for any value.
     let hencky = fit(&tests, &of("hencky")?, &Options::default());
     assert!(matches!(hencky, Err(FitError::NotStable { .. })));
     Ok(())

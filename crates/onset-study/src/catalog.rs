@@ -918,7 +918,7 @@ mod tests {
         let mut of_words = 0;
         for topic in topics() {
             let Some(key) = KEYS.iter().find(|key| key.name == topic.key) else {
-                // The aliases contain words of several keys, the criteria those of answers.
+                // The aliases contain words of several keys, the criteria words of answers.
                 assert!(["aliases", "criteria"].contains(&topic.name));
                 continue;
             };

@@ -131,7 +131,7 @@ fn no_cause_is_reported_for_a_healthy_plate() {
     let recording = answer.recording.as_ref().expect("a recording");
     assert_eq!((recording.particles, recording.digits), (392, Some(6)));
     assert!(recording.held_by.contains("type 2"), "{recording:?}");
-    // Stresses of the law agree with those of the file.
+    // Stresses of the law agree with the stresses of the file.
     assert!(!answer.notes.iter().any(|note| note.contains("stresses")));
 }
 
@@ -256,7 +256,7 @@ fn the_recommended_time_step_is_stable() {
         time_step: 0.9 * step,
         ..NOTCH
     };
-    // The same frames with a smaller step: nothing is above the limit any more.
+    // The same frames with a smaller step: no step is above the limit.
     let mut source = known.source(known.path());
     source.reading.time_step = Some(NOTCH.time_step);
     let answer = known.screened(&source);
@@ -477,7 +477,7 @@ fn a_particle_that_flies_away_is_read_like_others() {
 #[test]
 fn a_run_with_no_particles_to_judge_is_refused() {
     let (mut run, frames) = stretched(4, |_| 0.0);
-    // One particle is more than a neighborhood away from held particles, and none is two.
+    // One particle is more than a neighborhood away from held particles, and no particle is two neighborhoods away.
     for (held, x) in run.held.iter_mut().zip(&run.reference) {
         *held = (x[0] - 7.0).hypot(x[1] - 7.0) > 2.5;
     }

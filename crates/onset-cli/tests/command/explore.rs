@@ -1,4 +1,4 @@
-//! `onset explore`: its answers equal those of the command, and only its page receives them.
+//! `onset explore`: its answers equal the answers of the command, and only its page receives them.
 
 use crate::{Scratch, command, onset};
 use serde_json::{Value, json};
@@ -347,7 +347,7 @@ fn other_users_of_the_machine_are_refused() {
     assert!(!page.get("/", &[]).1.contains(&page.token));
 }
 
-/// Other users can see the arguments of a program: the token given to the browser at its start is valid only once.
+/// Other users can read the arguments of a program: the token given to the browser at its start is valid only once.
 #[test]
 #[cfg(target_os = "linux")]
 fn the_address_given_to_the_browser_opens_the_page_only_once() {

@@ -99,7 +99,7 @@ fn the_cost_of_stability_is_in_the_answer() {
 #[test]
 fn unstable_laws_end_with_exit_code_3() {
     fitted(&ALL, "--law polynomial-2 --fail-on unstable", 0);
-    // Hencky's law loses ellipticity at large stretches, whatever its modulus.
+    // Hencky's law loses ellipticity at large stretches for any modulus.
     fitted(&ALL, "--law hencky --fail-on unstable", 3);
     fitted(&ALL, "--law hencky", 2);
     fitted(&ALL, "--law yeoh --fail-on unstable --stable none", 2);

@@ -278,7 +278,7 @@ fn numbers_have_six_significant_digits_in_any_system_of_units() {
                     .replace('.', "");
                 let digits = digits.trim_end_matches('0');
                 assert!(digits.len() <= 6, "{line}: {number}");
-                // No number is truncated to zero, and none is rounding noise.
+                // No number is truncated to zero, and no number is rounding noise.
                 assert!(
                     !mantissa.starts_with("0.0000") && !mantissa.starts_with("-0.0000"),
                     "{line}: {number}"

@@ -89,7 +89,7 @@ fn a_pulled_bar_writes_all_its_files() {
     assert!(tree(&place.out()) == files);
 }
 
-/// Kills a run after each of several parts of its duration except the last, and resumes it: its files equal those of an undisturbed run.
+/// Kills a run after each of several parts of its duration except the last, and resumes it: its files equal the files of an undisturbed run.
 fn assert_kills_change_nothing(
     study: &str,
     duration: Duration,

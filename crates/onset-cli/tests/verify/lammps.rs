@@ -365,7 +365,7 @@ fn noisy_and_truncated_dumps_of_lammps_are_undecided_and_invalid_dumps_refused()
     }
 }
 
-/// The strip of LAMMPS' example `rubber_strip_pull`, with fixed steps and velocities that increase as those of a grip.
+/// The strip of LAMMPS' example `rubber_strip_pull`, with fixed steps and velocities that increase as in a grip.
 const STRIP: &str = "units si
 dimension 2
 boundary sm sm p

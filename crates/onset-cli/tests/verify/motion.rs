@@ -652,7 +652,7 @@ fn a_full_disk_preserves_the_last_checkpoint() {
     assert!(matches!(answer.code, Some(0 | 3)), "{}", answer.stderr);
 }
 
-/// All waves of such a patch are rigid translations or alternating displacements, on which nodal integration has no effect.
+/// All waves of such a patch are rigid translations or alternating displacements, and nodal integration resists neither.
 #[test]
 fn a_patch_of_zero_energy_modes_has_no_largest_stable_step() {
     let line =

@@ -357,7 +357,7 @@ impl Settings {
         let meant = aliases::meant(key, typed, &origin)?;
         let value = measured.as_ref().unwrap_or(&*meant);
         self.check_support_is_set_once(name, &origin)?;
-        // The law itself restricts its parameters, because a user-defined model may use the name for another one.
+        // The law itself restricts its parameters, because a user-defined model may use the name for another parameter.
         let accepted = Some(value).filter(|value| key.kind.accepts(value));
         let number = accepted.and_then(Value::number);
         let numbers = || accepted.and_then(Value::numbers).map(<[f64]>::to_vec);
@@ -540,7 +540,7 @@ fn kernel(value: &Value) -> Option<Result<Kernel, KernelError>> {
     }
 }
 
-/// Assigns a value if there is one, and returns whether there was.
+/// Assigns a value if it exists, and returns whether it exists.
 fn assign<T>(target: &mut T, read: Option<T>) -> bool {
     let done = read.is_some();
     if let Some(value) = read {

@@ -219,7 +219,7 @@ fn a_line_ends_exactly_on_the_edges_of_the_window() {
         panic!("{} curves", boundary.curves.len());
     };
     assert_eq!(curve.ends, Some([End::Edge; 2]));
-    // The stable side, above, is to the left: the line runs to the right.
+    // The stable side is above and on the left, so that the curve runs to the right.
     let ends: Vec<[f64; 2]> = curve.points().collect();
     let (first, last) = (ends[0], ends[ends.len() - 1]);
     assert_eq!((first[0], last[0]), (-2.0, 2.0));
@@ -252,7 +252,7 @@ fn curves_that_cross_end_or_turn_there_and_are_traced_once() {
     };
     let boundary = trace(|x, y| signed(measure(x, y)));
     let total: f64 = boundary.curves.iter().map(Curve::length).sum();
-    // Of half width a = sqrt 2: length 2 * 2.62205755... a, area a^2.
+    // Half width a = sqrt 2: length 2 * 2.62205755... a, area a^2.
     let expected = 2.0 * 2.622_057_554_292_119 * 2.0_f64.sqrt();
     assert!((total - expected).abs() < 2e-3, "{total} is not {expected}");
     for curve in &boundary.curves {
@@ -293,7 +293,7 @@ fn a_curve_ends_where_a_third_phase_begins() {
     assert_eq!(curve.ends, Some([End::Edge, End::Phase(Phase::Undefined)]));
     let last = curve.vertices[curve.vertices.len() - 1].point;
     assert!((last[0] - 0.513).abs() < 1e-8, "{last:?}");
-    // The edges of the undefined part are curves of their own, which end where the first one does.
+    // The edges of the undefined part are separate curves, which end at the end of the first curve.
     let others: Vec<&Curve> = boundary
         .curves
         .iter()
@@ -353,7 +353,7 @@ fn an_error_of_the_probe_ends_the_tracing() {
     );
 }
 
-/// Chords cut off a little of what they enclose: between the tips of two sets that nearly coincide, the middle of a strip without
+/// Chords cut off a little of the enclosed area: between the tips of two sets that nearly coincide, the middle of a strip without
 /// chords may still lie in one of them.
 #[test]
 fn nearly_equal_domains_have_small_area_and_distance() {

@@ -43,7 +43,7 @@ fn trouble(text: &str, stretches: [f64; 3]) -> Option<(Trouble, usize)> {
     refusal(&law(text), &state(stretches)).map(|error| (error.trouble, error.place.column))
 }
 
-/// Simple rubber energy to which parts are added.
+/// Simple rubber energy, for formulas with additional parts.
 const RUBBER: &str = "10*(I1 - 3 - 2*ln(J))";
 
 #[test]

@@ -311,7 +311,7 @@ fn enclosures_contain_sampled_responses() {
                     let tangent = enclosure.tangent[i][j][k][l];
                     let value = response.tangent[(i, j, k, l)];
                     assert!(near(tangent, value), "{}", law.name);
-                    // For a law in principal stretches the bounds are as close as those of the principal axes.
+                    // For a law in principal stretches the bounds are as close as the bounds in principal axes.
                     let is_near = width > 0.0 || tangent.width() < 1e-6 * scale;
                     let known = is_sharp(tangent, value) || (of_stretches && is_near);
                     assert!(known, "{}: {tangent:?}", law.name);

@@ -1,7 +1,7 @@
 //! Runs of LAMMPS: plates of `smd/tlsph` between grips, and squares of `smd/ulsph` with a prescribed rim.
 //!
 //! Causes are known from variants in the code itself: a plate of 28 x 14 stays quiet in steps up to 0.76 and not in 0.79, a notched plate in 0.70 and
-//! not in 0.71; hourglass control and half the step leave the others as they are.
+//! not in 0.71. Hourglass control and half the step keep the other runs healthy.
 
 use super::{Found, check, in_pairs, onset, screened, sets};
 use crate::{Place, program};
@@ -30,7 +30,7 @@ struct Deck {
 /// Particles with prescribed velocities.
 #[derive(Clone, Copy)]
 enum Held {
-    /// Two columns at each side, of which the right ones have this velocity.
+    /// Two columns at each side, and the velocity of the right columns.
     Grips([f64; 2]),
     /// Three rows around a square, with these rates of stretching.
     Rim([f64; 2]),
