@@ -49,13 +49,13 @@ pub struct LoadingOfPath {
     pub from: f64,
     /// The imposed stretch, or amount of shear, at the end.
     pub to: f64,
-    /// Requested start of the path.
+    /// Requested imposed stretch, or amount of shear, at the start.
     pub asked_from: f64,
-    /// Requested end of the path.
+    /// Requested imposed stretch, or amount of shear, at the end.
     pub asked_to: f64,
     /// Reason why the path begins after the requested start.
     pub starts_late: Option<String>,
-    /// Reason why the path ends before the requested end.
+    /// Reason why the path ends before the requested end; `None` if the path is complete.
     pub ends_early: Option<String>,
     /// Folds at which the path begins or ends: limit points of the equilibrium of the free faces.
     pub folds: Vec<f64>,
@@ -313,7 +313,7 @@ pub struct PathSample {
 /// Response of the law at a state on a path, even if the method is undefined there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MaterialSample {
-    /// Smallest acoustic eigenvalue in the dimensions of the lattice; zero if it is within rounding of zero.
+    /// Smallest acoustic eigenvalue in the dimensions of the lattice; zero if it is within rounding of zero. Units of stress.
     pub minimum_acoustic_eigenvalue: f64,
     /// Cauchy stress `sigma_ij`. Units of stress.
     pub cauchy: [[f64; 3]; 3],

@@ -104,15 +104,15 @@ pub struct MaterialAnswer {
     /// Waves of the material that oscillate and grow, or `None`; only tangents without major symmetry have them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flutter: Option<FlutterAnswer>,
-    /// Whether the state is strongly elliptic for waves in all directions of 3D space, (60) instead of (62).
+    /// Whether the state is strongly elliptic for waves in all directions of 3D space, (60) instead of (62). `null` if the state has no three-dimensional waves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub elliptic_3d: Option<bool>,
-    /// Smallest eigenvalue of the acoustic tensor over all directions of 3D space.
+    /// Smallest eigenvalue of the acoustic tensor over all directions of 3D space. Units of stress; `null` if the state has no three-dimensional waves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub minimum_acoustic_eigenvalue_3d: Option<f64>,
-    /// Smallest eigenvalue of the acoustic tensor over all directions in the dimensions of the lattice; zero if it is within rounding of zero.
+    /// Smallest eigenvalue of the acoustic tensor over all directions in the dimensions of the lattice; zero if it is within rounding of zero. Units of stress.
     pub minimum_acoustic_eigenvalue: f64,
-    /// Rounding error of the smallest eigenvalue.
+    /// Rounding error of the smallest eigenvalue; stress.
     pub rounding: f64,
     /// Reference direction of the slowest wave.
     pub direction: Vec<f64>,
@@ -123,7 +123,7 @@ pub struct MaterialAnswer {
 /// Complex eigenvalue of an acoustic tensor.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FlutterAnswer {
-    /// Complex eigenvalue with the largest imaginary part that was found.
+    /// Complex eigenvalue with the largest imaginary part that was found; stress.
     pub eigenvalue: ComplexNumber,
     /// Reference direction of the wave.
     pub direction: Vec<f64>,
@@ -148,14 +148,14 @@ pub struct SpaceAnswer {
     /// Waves that oscillate and grow, or `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flutter: Option<FlutterAnswer>,
-    /// Smallest eigenvalue of the acoustic tensor over all directions; zero if it is within rounding of zero.
+    /// Smallest eigenvalue of the acoustic tensor over all directions; zero if it is within rounding of zero. Units of stress.
     pub minimum_acoustic_eigenvalue: f64,
     /// Sign of the smallest eigenvalue.
     #[serde(skip)]
     pub growth: Ellipticity,
-    /// Rounding error of the smallest eigenvalue.
+    /// Rounding error of the smallest eigenvalue; stress.
     pub rounding: f64,
-    /// Lower bound of the eigenvalues over all directions, in floating point. The certificate contains proofs in interval arithmetic.
+    /// Lower bound of the eigenvalues over all directions, in floating point. The certificate contains proofs in interval arithmetic. Units of stress.
     pub bound: f64,
     /// Reference direction `N` of the wave.
     pub direction: [f64; 3],
@@ -190,7 +190,7 @@ pub struct DiscretizationAnswer {
     pub stable: bool,
     /// Description of the fastest growing mode, or of the softest one if stable.
     pub mode: String,
-    /// `omega^2` of smallest real part over the whole Brillouin zone; zero (the translation) when stable.
+    /// `omega^2` of smallest real part over the whole Brillouin zone; zero (the translation) when stable. 1/time^2.
     pub minimum_omega_squared: ComplexNumber,
     /// `min Re omega^2 / (c^2 |k|_h^2)` over the zone and the long-wave limit. If a mode grows at `k = 0`, this has no minimum; then the lowest `Re
     /// omega^2` over the largest `c^2 |k|_h^2`.
@@ -203,7 +203,7 @@ pub struct DiscretizationAnswer {
     pub polarization: Vec<f64>,
     /// Polarization of this mode, imaginary part.
     pub polarization_imaginary: Vec<f64>,
-    /// Growth rate of the fastest growing mode, `max(-Im omega)`; zero when stable.
+    /// Growth rate of the fastest growing mode, `max(-Im omega)`; zero when stable. 1/time.
     pub growth_rate: f64,
     /// Whether modes grow with a complex `omega^2`.
     pub flutter: bool,
@@ -219,13 +219,13 @@ pub struct DiscretizationAnswer {
     /// The body of the study.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<BodyStepAnswer>,
-    /// Side of a grid cell of material points; length.
+    /// Side of a grid cell of material points; length; `null` for other methods.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid_cell: Option<f64>,
-    /// Mean spacing of material points along a side of a grid cell; length.
+    /// Mean spacing of material points along a side of a grid cell; length; `null` for other methods.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub point_spacing: Option<f64>,
-    /// Waves in discrete time, for methods that define their time step.
+    /// Waves in discrete time, for methods that define their time step; `null` for other methods.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub discrete_time: Option<DiscreteTimeAnswer>,
     /// Critical time steps of integrators with damping, by their names; zero if no step is stable.

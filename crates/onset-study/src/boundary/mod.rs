@@ -296,7 +296,7 @@ pub struct CurveSummary {
     pub right: Phase,
     /// Whether the curve is closed.
     pub closed: bool,
-    /// Reasons why an open curve starts and ends: `edge`, `phase`, `meets`, `lost`, `budget`.
+    /// Reasons why an open curve starts and ends: `edge`, `phase`, `meets`, `lost`, `budget`; `null` for a closed curve.
     pub ends: Option<[&'static str; 2]>,
     /// Arc length in the coordinates of the axes.
     pub length: f64,

@@ -81,7 +81,7 @@ pub struct Dependence {
     pub threshold: &'static str,
     /// Changed value of the limit.
     pub value: f64,
-    /// Best method with the changed limit.
+    /// Best method with the changed limit; `null` if no method can be recommended.
     pub best: Option<String>,
     /// Methods that would become recommended.
     pub more: Vec<String>,

@@ -72,7 +72,7 @@ pub struct Measured {
     pub body: Option<BodyStepAnswer>,
     /// Courant number: critical time step times the speed of sound divided by the particle spacing.
     pub courant: f64,
-    /// Courant number of the body in the study.
+    /// Courant number of the body in the study; `null` without a body.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body_courant: Option<f64>,
     /// Number of particles visited by an evaluation of the forces on one particle.

@@ -64,9 +64,9 @@ pub struct Limits {
     pub compression: Option<f64>,
     /// Stretch at which ellipticity is lost in tension; `null` if it is kept.
     pub tension: Option<f64>,
-    /// Critical wave at the limit in compression.
+    /// Critical wave at the limit in compression; `null` if the criterion is kept.
     pub compression_witness: Option<Witness>,
-    /// Critical wave at the limit in tension.
+    /// Critical wave at the limit in tension; `null` if the criterion is kept.
     pub tension_witness: Option<Witness>,
     /// End of the path in compression.
     pub compression_end: EndAnswer,

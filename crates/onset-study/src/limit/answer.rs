@@ -37,13 +37,13 @@ pub struct Tried {
     pub critical_time_step: f64,
     /// Verdict on the state. For an unstable state the step belongs to the waves that do not grow.
     pub verdict: Option<Verdict>,
-    /// Critical step of the body of the study at this state.
+    /// Critical step of the body of the study at this state; `None` without a body.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<BodyStepAnswer>,
     /// Critical step of an isolated material point, for methods with a transfer. Time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub isolated_point_time_step: Option<f64>,
-    /// Reason why the value cannot be evaluated.
+    /// Reason why the value cannot be evaluated; `None` if it can be evaluated.
     pub note: Option<String>,
     /// Whether the value was added by the refinement, between values of the grid.
     #[serde(skip)]
@@ -88,10 +88,10 @@ pub struct End {
     pub value: f64,
     /// Reason why the interval ends.
     pub kind: EndKind,
-    /// Nearest value found that cannot be evaluated.
+    /// Nearest value found that cannot be evaluated; `None` if all values can be evaluated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub undefined_at: Option<f64>,
-    /// Reason why it cannot be evaluated.
+    /// Reason why this value cannot be evaluated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }

@@ -21,9 +21,9 @@ pub struct LocalizationAnswer {
     pub told: String,
     /// State at first yield.
     pub first_yield: PointAnswer,
-    /// State at which strong ellipticity is lost: the symmetric part of the acoustic tensor becomes singular.
+    /// State at which strong ellipticity is lost: the symmetric part of the acoustic tensor becomes singular. `null` if it is not lost on the path.
     pub strong_ellipticity_lost: Option<PointAnswer>,
-    /// State at which ellipticity is lost and a band can form.
+    /// State at which ellipticity is lost and a band can form; `null` if it is not lost on the path.
     pub localization: Option<PointAnswer>,
     /// State with the smallest `h - h_cr`, which is the onset if localization occurs.
     pub closest: PointAnswer,
@@ -36,7 +36,7 @@ pub struct LocalizationAnswer {
     /// For incremental laws: the onset with half the number of increments, as a measure of convergence.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub with_half_the_increments: Option<HalfAnswer>,
-    /// Message of an incremental law whose failure ends the path.
+    /// Message of an incremental law whose failure ends the path; `null` for other ends.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refusal: Option<String>,
     /// Elastic shear stiffness, the scale for moduli.
@@ -47,9 +47,9 @@ pub struct LocalizationAnswer {
 /// Onset of localization with half the number of increments; `None` in each field without localization.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HalfAnswer {
-    /// Plastic shear strain at the onset.
+    /// Plastic shear strain at the onset; `null` if the path does not localize.
     pub localization_slip: Option<f64>,
-    /// Strain along axis 1 at the onset.
+    /// Strain along axis 1 at the onset; `null` if the path does not localize.
     pub localization_strain: Option<f64>,
 }
 

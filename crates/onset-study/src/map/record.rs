@@ -9,7 +9,7 @@ use onset::verdict::Verdict;
 pub struct Finding {
     /// Origin of the first instability; `None` if the support holds too few or too many particles for the method.
     pub verdict: Option<Verdict>,
-    /// Stability of the particles: stable, flutter or divergence.
+    /// Stability of the particles: stable, flutter or divergence; `None` if the method cannot be evaluated.
     pub stability: Option<Stability>,
 }
 
@@ -80,7 +80,7 @@ pub struct Proof {
     pub particles: Certainty,
     /// Bound on the scaled minimum: a lower bound if stable, an upper bound if unstable.
     pub bound: f64,
-    /// Reason why the particles are undecided.
+    /// Reason why the particles are undecided; `None` if they are not undecided.
     pub reason: Option<Reason>,
     /// Whether the proof contradicts verdict or stability of the search.
     pub corrects: bool,

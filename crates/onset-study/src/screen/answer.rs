@@ -150,13 +150,13 @@ pub struct ScreenAnswer {
     pub at_the_limit: bool,
     /// Place and time at which the cause begins. For a time step, it then exceeds the largest stable step.
     pub first: Option<Event>,
-    /// Time at which short waves are expected to show.
+    /// Time at which short waves are expected to show; `null` if they are not expected.
     pub expected: Option<f64>,
-    /// First short waves above the threshold in the positions.
+    /// First short waves above the threshold in the positions; `null` if all short waves stay below it.
     pub observed: Option<Event>,
-    /// Wavelength of the fastest-growing wave in the reference configuration, in spacings.
+    /// Wavelength of the fastest-growing wave in the reference configuration, in spacings; `null` unless the cause is numerical.
     pub wavelength: Option<f64>,
-    /// Growth rate of this wave; 1/time.
+    /// Growth rate of this wave; 1/time; `null` unless the cause is numerical or the time step.
     pub growth: Option<f64>,
     /// Facts that support the cause.
     pub evidence: Vec<String>,
@@ -166,7 +166,7 @@ pub struct ScreenAnswer {
     pub changes: Vec<Remedy>,
     /// Limits of the theory in this run.
     pub limits: Vec<String>,
-    /// Lowest modes of the body in one frame.
+    /// Lowest modes of the body in one frame; `null` if they were not requested.
     pub actual: Option<Actual>,
     /// Largest stable time steps.
     pub time_step: Option<StepLimit>,
@@ -176,7 +176,7 @@ pub struct ScreenAnswer {
     pub seed: f64,
     /// Width of the bins of stretch.
     pub bin: f64,
-    /// Time at which growth is expected to show with bins of twice the width.
+    /// Time at which growth is expected to show with bins of twice the width; `null` unless the cause is numerical.
     pub expected_in_wide_bins: Option<f64>,
     /// Number of states that were evaluated.
     pub states: usize,

@@ -45,11 +45,11 @@ pub struct Moment {
     pub observed: f64,
     /// Root mean square of the amplitudes of short waves in the positions; spacings.
     pub observed_mean: f64,
-    /// Smallest acoustic eigenvalue over the modulus of the reference state.
+    /// Smallest acoustic eigenvalue, divided by the modulus of the reference configuration; `None` if no particle has a state.
     pub acoustic: Option<f64>,
-    /// Largest growth rate of a wave; 1/time.
+    /// Largest growth rate of a wave; 1/time. `None` if no particle has a state.
     pub growth: Option<f64>,
-    /// Time step divided by the largest stable step of the body.
+    /// Time step divided by the largest stable step of the body; `None` without a time step.
     pub step_ratio: Option<f64>,
     /// Number of points without a state: inverted, too few neighbors, or outside of the domain of the law or the method.
     pub undefined: usize,
@@ -79,7 +79,7 @@ pub struct StepLimit {
     pub body: Option<f64>,
     /// Smallest value of the largest stable step during the run, until the first event; time.
     pub least: f64,
-    /// Time at which the step of the run first exceeds this limit.
+    /// Time at which the step of the run first exceeds this limit; `None` if it stays below.
     pub exceeded: Option<f64>,
     /// Growth rate of the fastest oscillation at that time; 1/time.
     pub growth: f64,

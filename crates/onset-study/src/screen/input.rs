@@ -113,7 +113,7 @@ pub struct Source {
     pub reference: Reference,
     /// Particles with prescribed motion.
     pub held: Held,
-    /// The answer is restricted to this box.
+    /// The answer is restricted to this box; `None` for all particles.
     pub region: Option<Region>,
 }
 

@@ -61,7 +61,7 @@ pub struct Question {
     pub seed: Option<f64>,
     /// Width of the bins of stretch in which particles share a state. The expected time is also computed with twice this width.
     pub bin: f64,
-    /// Time at whose nearest frame the lowest modes of the body are found.
+    /// Time at whose nearest frame the lowest modes of the body are found; `None` for no modes.
     pub actual: Option<f64>,
 }
 
@@ -97,7 +97,7 @@ pub struct Run {
     pub cells: Option<Vec<Vec<usize>>>,
     /// Rounding of positions in the file; length.
     pub rounding: f64,
-    /// The answer is restricted to this box.
+    /// The answer is restricted to this box; `None` for all particles.
     pub region: Option<Region>,
 }
 

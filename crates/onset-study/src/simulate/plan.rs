@@ -42,7 +42,7 @@ pub struct Pace {
     pub duration: Duration,
     /// Ratio of the step to the largest stable step; `None` for one half, or less if the wave requires it.
     pub fraction: Option<f64>,
-    /// Time step, in place of `fraction`; time.
+    /// Time step, in place of `fraction`; time. `None` to use `fraction`.
     pub time_step: Option<f64>,
     /// Whether a step above the largest stable step is intended.
     pub is_supercritical: bool,

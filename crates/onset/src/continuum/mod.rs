@@ -45,7 +45,7 @@ pub struct AcousticMinimum<const D: usize> {
     pub bound: f64,
     /// Eigenvalues smaller than this in magnitude can be rounding: [`ACOUSTIC_ROUNDING`] of the largest component of the stiffness. Units of the stiffness.
     pub rounding: f64,
-    /// Waves with complex eigenvalues, from [`Stiffness::flutter`].
+    /// Waves with complex eigenvalues, from [`Stiffness::flutter`]; `None` if all eigenvalues are real.
     pub flutter: Option<AcousticFlutter<D>>,
 }
 

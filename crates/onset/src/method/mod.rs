@@ -180,7 +180,7 @@ pub struct KernelMethodChoices {
     pub approximation: Approximation,
     /// Type of quadrature points.
     pub quadrature: Quadrature,
-    /// Stress points: fraction of the cell's volume at the stress points, in place of Voronoi volumes.
+    /// Stress points: fraction of the cell's volume at the stress points, in place of Voronoi volumes; `None` for Voronoi volumes.
     pub stress_point_weight: Option<f64>,
     /// Gauss quadrature: points per direction.
     pub gauss_points: u32,

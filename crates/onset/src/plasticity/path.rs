@@ -167,9 +167,9 @@ impl End {
 pub struct Localization {
     /// States from first yield on.
     pub points: Vec<PathPoint>,
-    /// First state at which ellipticity is lost, `h <= h_cr`.
+    /// First state at which ellipticity is lost, `h <= h_cr`. `None` if it is kept.
     pub onset: Option<PathPoint>,
-    /// First state at which strong ellipticity is lost.
+    /// First state at which strong ellipticity is lost; `None` if it is kept.
     pub strong_ellipticity_lost: Option<PathPoint>,
     /// Reason why the path ends.
     pub end: End,

@@ -74,7 +74,7 @@ const NAMES: [&str; 8] = [
 /// Law in the form that the writers of all programs take.
 pub(super) struct Sheet {
     pub form: Form,
-    /// Bulk modulus; `None` for an incompressible material.
+    /// Bulk modulus; `None` for an incompressible material. Units of stress.
     pub bulk: Option<f64>,
     /// Volumetric function of the law.
     pub function: &'static str,
