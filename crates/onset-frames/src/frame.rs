@@ -20,9 +20,9 @@ pub struct Frame {
     pub position: Vec<[f64; 3]>,
     /// Reference position of each particle; length. `None` if the file has no reference positions.
     pub reference: Option<Vec<[f64; 3]>>,
-    /// Current minus reference position of each particle; length; `None` if the file has no displacements.
+    /// Current minus reference position of each particle; length. `None` if the file has no displacements.
     pub displacement: Option<Vec<[f64; 3]>>,
-    /// Velocity of each particle; length/time; `None` if the file has no velocities.
+    /// Velocity of each particle; length/time. `None` if the file has no velocities.
     pub velocity: Option<Vec<[f64; 3]>>,
     /// Deformation gradients F_iJ, row by row as in the file; see [`ColumnUse::order_is_assumed`](crate::ColumnUse::order_is_assumed).
     pub gradient: Option<Vec<[f64; 9]>>,

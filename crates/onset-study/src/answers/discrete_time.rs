@@ -27,7 +27,7 @@ pub struct DiscreteTimeAnswer {
     pub time_step: Option<f64>,
     /// Largest growth rate over the zone, 1/time; zero if no wave grows, `null` without a time step.
     pub growth_rate: Option<f64>,
-    /// Frequency of the fastest growing wave; 1/time; `null` without a time step.
+    /// Frequency of the fastest growing wave; 1/time. `null` without a time step.
     pub frequency: Option<f64>,
     /// Reference wave vector of the fastest growing wave, zero if no wave grows; 1/length.
     pub wave_vector: Vec<f64>,
@@ -36,7 +36,8 @@ pub struct DiscreteTimeAnswer {
     /// Whether the user set the step.
     #[serde(skip)]
     is_step_set: bool,
-    /// Complex rate `s` of the fastest wave with a length of eight cells along the first axis; 1/time. The real part is minus the damping. `null` without a time step.
+    /// Complex rate `s` of the fastest wave with a length of eight cells along the first axis; 1/time. The real part is minus the damping. `null`
+    /// without a time step.
     pub longitudinal_wave: Option<ComplexNumber>,
 }
 

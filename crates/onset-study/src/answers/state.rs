@@ -219,10 +219,10 @@ pub struct DiscretizationAnswer {
     /// The body of the study.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<BodyStepAnswer>,
-    /// Side of a grid cell of material points; length; `null` for other methods.
+    /// Side of a grid cell of material points; length. `null` for other methods.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid_cell: Option<f64>,
-    /// Mean spacing of material points along a side of a grid cell; length; `null` for other methods.
+    /// Mean spacing of material points along a side of a grid cell; length. `null` for other methods.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub point_spacing: Option<f64>,
     /// Waves in discrete time, for methods that define their time step; `null` for other methods.

@@ -156,7 +156,7 @@ pub struct ScreenAnswer {
     pub observed: Option<Event>,
     /// Wavelength of the fastest-growing wave in the reference configuration, in spacings; `null` unless the cause is numerical.
     pub wavelength: Option<f64>,
-    /// Growth rate of this wave; 1/time; `null` unless the cause is numerical or the time step.
+    /// Growth rate of this wave; 1/time. `null` unless the cause is numerical or the time step.
     pub growth: Option<f64>,
     /// Facts that support the cause.
     pub evidence: Vec<String>,
