@@ -197,7 +197,7 @@ impl Measured {
             .iter()
             .map(|derivative| derivative.uncertainty)
             .fold(0.0, f64::max);
-        // Jumps of the derivative show as the difference between the mean of both sides and their common limit, over the step.
+        // A jump of the derivative is the difference between the mean of both sides and their common limit, divided by the step.
         let (mut kink, mut jump): (f64, f64) = (0.0, 0.0);
         let nearest = steps().last().unwrap_or_default();
         for (plus, minus) in &sides {

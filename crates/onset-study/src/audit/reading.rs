@@ -23,7 +23,7 @@ pub enum Shear {
     Engineering,
     /// Tensor component of the shear strain: columns twice too large.
     Tensor,
-    /// Columns half of the correct value.
+    /// Columns of shear with half of the correct value.
     Halved,
 }
 

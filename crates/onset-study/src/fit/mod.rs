@@ -60,7 +60,7 @@ pub enum FittingError {
     Output(#[from] crate::output::OutputError),
 }
 
-/// Weights by their name, with the smallest scale of relative errors as a part of the largest stress of the test.
+/// Weights by their name, with the smallest scale of relative errors as a fraction of the largest stress of the test.
 ///
 /// # Errors
 /// [`FittingError::Choice`] if there are no such weights.

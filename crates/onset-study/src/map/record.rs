@@ -74,7 +74,7 @@ impl From<&certificate::Certainty<3>> for Certainty {
 pub struct Proof {
     /// Certainty for the material, on strong ellipticity.
     pub material: Certainty,
-    /// Bound on the acoustic eigenvalue over `rho0 c^2`: a lower bound if elliptic, an upper bound otherwise.
+    /// Bound on the acoustic eigenvalue, divided by `rho0 c^2`: a lower bound if elliptic, an upper bound otherwise.
     pub material_bound: f64,
     /// Certainty for the waves of the particles.
     pub particles: Certainty,
