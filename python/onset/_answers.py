@@ -793,7 +793,7 @@ class Screening(Answer):
 
 
 class Mapped(Answer):
-    """Summary of a map: number and share of states for each verdict in ``verdicts``, and the store."""
+    """Summary of a map: number and fraction of states for each verdict in ``verdicts``, and the store."""
 
     __slots__ = ()
 

@@ -688,22 +688,22 @@ def fit(
     weights
         ``relative`` (``s_i`` is the measured stress) or ``absolute``.
     floor
-        Smallest scale of relative errors as a part of the largest stress of the test, from 0 to 1.
+        Smallest scale of relative errors, as a fraction of the largest stress of the test, from 0 to 1.
     stable
         Range of demanded stability: ``data`` (up to 1.25 times the largest stretch of the tests), ``data=FACTOR``, ``box=LOW,HIGH`` (all
         principal stretches), ``loadings=LOW,HIGH`` (uniaxial, equibiaxial and planar), or ``None``.
     criterion
         Demanded criterion: ``drucker``, ``ellipticity`` or ``both``.
     margin
-        Least value of a criterion, as a part of its value in the reference.
+        Smallest value of a criterion, as a fraction of its value in the reference configuration.
     starts
-        Number of first guesses for constants in which a law is not linear.
+        Number of initial guesses for constants in which a law is nonlinear.
     fix, bound
         Values, and lower and upper bounds, of constants by name.
     bulk
         Bulk modulus of the fitted law; stress. From a volumetric test, or 1000 shear moduli, if omitted.
     unit
-        Unit of stress of tests that name none, for example ``MPa``.
+        Unit of stress of tests without a unit, for example ``MPa``.
     area
         Undeformed area of the cross-section, which turns the forces of a table into nominal stresses; length^2.
     range
@@ -913,7 +913,7 @@ def tune(
     weak
         Limit of weakly controlled waves, relative to the frequency of the slowest material wave.
     wrong
-        Largest accepted share of states with a wrong verdict.
+        Largest accepted fraction of states with a wrong verdict.
     later
         Largest accepted delay of the onset, relative to the strain at the onset of the material.
     """

@@ -63,7 +63,11 @@ class Cell:
 
     @staticmethod
     def of(problem: _onset.Problem, stretch: str | None, components: str | None, states: Floats | None = None) -> Cell:
-        """Returns the cell of a problem at a state in the notation of the command line. Dynamical matrices also need its nine components."""
+        """Returns the cell of a problem.
+
+        ``stretch`` or ``components`` give the state as text, as on the command line. Dynamical matrices also need ``states``, the nine
+        components of ``F`` of this state.
+        """
         sites, masses, spacing, F = problem.cell(stretch, components)
 
         def matrix(k: Floats) -> Complexes:

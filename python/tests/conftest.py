@@ -1,4 +1,4 @@
-"""What the tests share: the command, which answers the same questions."""
+"""Shared fixtures: the command line as reference."""
 
 from __future__ import annotations
 
@@ -9,27 +9,27 @@ import subprocess
 
 import pytest
 
-#: The command, as `cargo xtask python` names it.
+#: Path or name of the `onset` command; `cargo xtask python` sets it.
 COMMAND = os.environ.get("ONSET_COMMAND", "onset")
 REPOSITORY = Path(__file__).resolve().parents[2]
-# What a type checker knows of other packages is found once.
+# Stubs of other packages are located once.
 os.environ["MYPY_CACHE_DIR"] = str(REPOSITORY / "target" / "mypy")
 
 
 @dataclass(frozen=True)
-class Told:
-    """What the command has said."""
+class Output:
+    """Exit code and output of the command."""
 
     code: int
     document: str
     error: str
 
 
-def command(*arguments: str, cwd: Path | None = None) -> Told:
-    """Asks the command for a document."""
+def command(*arguments: str, cwd: Path | None = None) -> Output:
+    """Runs the command with `--json`."""
     done = subprocess.run([COMMAND, *arguments, "--json"], capture_output=True, text=True, cwd=cwd, check=False)
     error = done.stderr.removeprefix("error: ").removesuffix("\n")
-    return Told(done.returncode, done.stdout.removesuffix("\n"), error)
+    return Output(done.returncode, done.stdout.removesuffix("\n"), error)
 
 
 @pytest.fixture(autouse=True)

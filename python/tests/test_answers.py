@@ -1,4 +1,4 @@
-"""Documents and messages are those of the command, byte for byte, on random settings."""
+"""Documents and messages agree with the command, byte for byte, for random settings."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ import warnings
 import onset
 import pytest
 
-from conftest import Told, command
+from conftest import Output, command
 
-#: How many settings are tried.
+#: Number of random settings.
 CASES = int(os.environ.get("ONSET_PYTHON_CASES", "200"))
 
-#: A question as it is asked here and there.
-Question = tuple[Callable[[], onset.Answer], list[str]]
+#: Call in Python, and the arguments of the same command.
+Call = tuple[Callable[[], onset.Answer], list[str]]
 
 METHODS: list[tuple[dict[str, object], int]] = [
     ({}, 2),
@@ -60,7 +60,7 @@ MATERIALS: list[tuple[str | None, dict[str, object]]] = [
 
 
 def material(chance: random.Random) -> tuple[onset.Material, list[str]]:
-    """A material here and there."""
+    """Random material, for Python and for the command line."""
     model, parameters = chance.choice(MATERIALS)
     here = onset.Material(model, **parameters)  # type: ignore[arg-type]
     sets = [f"material.{name.rstrip('_')}={value}" for name, value in parameters.items()]
@@ -72,14 +72,14 @@ def material(chance: random.Random) -> tuple[onset.Material, list[str]]:
 
 
 def method(chance: random.Random) -> tuple[onset.Method, list[str], int]:
-    """A method here and there, and its number of dimensions."""
+    """Random method, for Python and for the command line, and its number of dimensions."""
     choices, dimension = chance.choice(METHODS)
     sets = [f"discretization.{name.replace('_', '-')}={value}" for name, value in choices.items()]
     return onset.Method(**choices), [word for one in sets for word in ("--set", one)], dimension  # type: ignore[arg-type]
 
 
 def state(chance: random.Random, dimension: int) -> tuple[dict[str, object], list[str]]:
-    """A state here and there; some are none."""
+    """Random state, for Python and for the command line; some states are invalid."""
     if chance.random() < 0.6:
         stretches = [chance.uniform(0.6, 1.8) for _ in range(chance.choice([dimension, 3]))]
         if chance.random() < 0.05:
@@ -90,7 +90,7 @@ def state(chance: random.Random, dimension: int) -> tuple[dict[str, object], lis
     return {"F": F}, ["--deformation-gradient", ",".join(repr(x) for row in F for x in row)]
 
 
-def of_state(chance: random.Random) -> Question:
+def of_state(chance: random.Random) -> Call:
     law, law_words = material(chance)
     own, own_words, dimension = method(chance)
     given, words = state(chance, dimension)
@@ -101,7 +101,7 @@ def of_state(chance: random.Random) -> Question:
     return lambda: onset.state(law, own, certify=certify, weak=weak, **given), typed  # type: ignore[arg-type]
 
 
-def of_waves(chance: random.Random) -> Question:
+def of_waves(chance: random.Random) -> Call:
     law, law_words = material(chance)
     own, own_words, dimension = method(chance)
     given, words = state(chance, dimension)
@@ -110,14 +110,14 @@ def of_waves(chance: random.Random) -> Question:
     return lambda: onset.waves(law, own, wave_vector=k, **given), ["dispersion", *law_words, *own_words, *words, *typed]  # type: ignore[arg-type]
 
 
-def of_bands(chance: random.Random) -> Question:
+def of_bands(chance: random.Random) -> Call:
     law, law_words = material(chance)
     own, own_words, dimension = method(chance)
     given, words = state(chance, dimension)
     return lambda: onset.bands(law, own, **given), ["dispersion", *law_words, *own_words, *words, "--path"]  # type: ignore[arg-type]
 
 
-def of_path(chance: random.Random) -> Question:
+def of_path(chance: random.Random) -> Call:
     law, law_words = material(chance)
     own, own_words, dimension = method(chance)
     words = ["path", *law_words, *own_words]
@@ -130,7 +130,7 @@ def of_path(chance: random.Random) -> Question:
     return lambda: onset.path(law, own, mode=mode, to=end_stretch), [*words, "--mode", mode, "--to", repr(end_stretch)]
 
 
-def of_criteria(chance: random.Random) -> Question:
+def of_criteria(chance: random.Random) -> Call:
     law, words = material(chance)
     mode = chance.choice(["uniaxial", "planar", "equibiaxial"])
     incompressible = chance.random() < 0.3
@@ -138,38 +138,38 @@ def of_criteria(chance: random.Random) -> Question:
     return lambda: onset.criteria(law, modes=[mode], incompressible=incompressible), ["criteria", *words, *typed]
 
 
-def of_card(chance: random.Random) -> Question:
+def of_card(chance: random.Random) -> Call:
     law, words = material(chance)
     return lambda: onset.card(law, range=(0.5, 2.0), modes=["uniaxial"]), ["card", *words, "--range", "0.5,2", "--mode", "uniaxial"]
 
 
-def of_audit(chance: random.Random) -> Question:
+def of_audit(chance: random.Random) -> Call:
     law, words = material(chance)
     strain = chance.uniform(0.02, 0.3)
     return lambda: onset.audit(law, strain=strain), ["audit", *words, "--strain", repr(strain)]
 
 
-def of_localize(chance: random.Random) -> Question:
+def of_localize(chance: random.Random) -> Call:
     model = chance.choice(["drucker-prager", "j2", "mohr-coulomb", "gurson", "no-such-law"])
     path = chance.choice(["plane-strain", "uniaxial-stress", "triaxial-compression"])
     return lambda: onset.localize(model, path), ["localize", "--model", model, "--path", path]
 
 
-def of_modes(chance: random.Random) -> Question:
+def of_modes(chance: random.Random) -> Call:
     law, law_words = material(chance)
     own, own_words, _ = method(chance)
     weak = chance.uniform(0.1, 0.9)
     return lambda: onset.modes(own, law, weak=weak), ["modes", *law_words, *own_words, "--weak", repr(weak)]
 
 
-def of_tune(chance: random.Random) -> Question:
+def of_tune(chance: random.Random) -> Call:
     key = chance.choice(["penalty", "support", "frame"])
     own = onset.Method("total-lagrangian-sph", lattice="square")
     words = ["--set", "discretization.method=total-lagrangian-sph", "--set", "discretization.lattice=square"]
     return lambda: onset.tune(own, key, range=(0.0, 2.0)), ["tune", f"discretization.{key}", *words, "--range", "0,2"]
 
 
-def of_limit(chance: random.Random) -> Question:
+def of_limit(chance: random.Random) -> Call:
     law, law_words = material(chance)
     own, own_words, dimension = method(chance)
     given, words = state(chance, dimension)
@@ -179,7 +179,7 @@ def of_limit(chance: random.Random) -> Question:
     return lambda: onset.limit(law, own, vary=key, time_step=step, **given), ["limit", *law_words, *own_words, *words, *typed]  # type: ignore[arg-type]
 
 
-def of_simulate(chance: random.Random) -> Question:
+def of_simulate(chance: random.Random) -> Call:
     law, law_words = material(chance)
     own, own_words, dimension = method(chance)
     given, words = state(chance, dimension)
@@ -188,8 +188,8 @@ def of_simulate(chance: random.Random) -> Question:
     return lambda: onset.simulate(law, own, cells=4, mode=mode, steps=200, **given), ["simulate", *law_words, *own_words, *words, *typed]  # type: ignore[arg-type]
 
 
-#: Questions by how often each is asked of a hundred.
-SHARES: list[tuple[int, Callable[[random.Random], Question]]] = [
+#: Calls with their percentages.
+PERCENTAGES: list[tuple[int, Callable[[random.Random], Call]]] = [
     (30, of_state),
     (14, of_waves),
     (4, of_bands),
@@ -206,7 +206,7 @@ SHARES: list[tuple[int, Callable[[random.Random], Question]]] = [
 
 
 def answered(ask: Callable[[], onset.Answer]) -> tuple[int, str]:
-    """The document, or the message, as the command has them; by its exit code."""
+    """Exit code, and document or message as printed by the command."""
     try:
         return 0, ask().json
     except onset.InputError as error:
@@ -215,21 +215,21 @@ def answered(ask: Callable[[], onset.Answer]) -> tuple[int, str]:
         return 1, str(error)
 
 
-def test_documents_and_messages_are_those_of_the_command() -> None:
+def test_python_and_command_line_give_identical_documents_and_messages() -> None:
     chance = random.Random(17)
-    weights = [weight for weight, _ in SHARES]
-    # Each question at least once, the others by their shares.
-    makers = [make for _, make in SHARES] + chance.choices([make for _, make in SHARES], weights, k=CASES - len(SHARES))
-    questions = [make(chance) for make in makers]
+    weights = [weight for weight, _ in PERCENTAGES]
+    # Each call at least once, the others at random by percentage.
+    makers = [make for _, make in PERCENTAGES] + chance.choices([make for _, make in PERCENTAGES], weights, k=CASES - len(PERCENTAGES))
+    calls = [make(chance) for make in makers]
     with ThreadPoolExecutor(2) as pool:
-        told: list[Told] = list(pool.map(lambda question: command(*question[1]), questions))
+        outputs: list[Output] = list(pool.map(lambda call: command(*call[1]), calls))
     codes = []
-    for (ask, words), there in zip(questions, told, strict=True):
+    for (ask, words), there in zip(calls, outputs, strict=True):
         code, here = answered(ask)
         codes.append(code)
         if code == 0:
             assert here == there.document, words
-            # A simulation that differs is told with an answer.
+            # A simulation that disagrees with the prediction still prints a document.
             assert there.code in (0, 1, 3), words
         else:
             assert (code, here) == (there.code, there.error), words
@@ -252,7 +252,7 @@ frame = "eulerian"
 """
 
 
-def test_comparisons_are_those_of_the_command(tmp_path: Path) -> None:
+def test_comparisons_agree_with_the_command(tmp_path: Path) -> None:
     file = tmp_path / "two.toml"
     file.write_text(COMPARISON)
     words = ["compare", str(file), "--set", "compare.states=5"]
@@ -267,9 +267,9 @@ def test_comparisons_are_those_of_the_command(tmp_path: Path) -> None:
         "neo-hooke",
         states=6,
     )
-    told = own.to_dict()
-    told["title"] = "Two"
-    assert told == onset.compare(file).to_dict()
+    document = own.to_dict()
+    document["title"] = "Two"
+    assert document == onset.compare(file).to_dict()
 
 
 STUDY = """[material]
@@ -295,7 +295,7 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
-def test_boundaries_and_maps_are_those_of_the_command(tmp_path: Path) -> None:
+def test_boundaries_and_maps_agree_with_the_command(tmp_path: Path) -> None:
     file = tmp_path / "study.toml"
     file.write_text(STUDY)
     assert onset.boundary(file).json == command("boundary", str(file)).document
@@ -303,14 +303,14 @@ def test_boundaries_and_maps_are_those_of_the_command(tmp_path: Path) -> None:
     here = onset.map_into(tmp_path / "here.zarr", file)
 
     def without_time(document: str) -> str:
-        told = re.sub(r'"(seconds|states_per_second)": [^,\n]*', r'"\1": 0', document)
-        return re.sub(r"(here|there)\.zarr", "zarr", told)
+        timeless = re.sub(r'"(seconds|states_per_second)": [^,\n]*', r'"\1": 0', document)
+        return re.sub(r"(here|there)\.zarr", "zarr", timeless)
 
     assert without_time(here.json) == without_time(there.document)
     assert contents(tmp_path / "here.zarr") == contents(tmp_path / "there.zarr")
 
 
-def test_a_study_of_objects_has_the_store_of_its_file(tmp_path: Path) -> None:
+def test_a_study_built_from_objects_gives_the_same_store_as_its_file(tmp_path: Path) -> None:
     study = onset.Study.of(
         "neo-hooke",
         onset.Method(frame="eulerian", support=1.6),
@@ -321,7 +321,7 @@ def test_a_study_of_objects_has_the_store_of_its_file(tmp_path: Path) -> None:
     assert study.shape == (10, 12)
     study.save(tmp_path / "study.toml")
     command("map", str(tmp_path / "study.toml"), "--out", str(tmp_path / "there.zarr"))
-    # Part after part, and what is left with `resume`.
+    # Tiles in parts, the remaining tiles with `resume`.
     onset.map_into(tmp_path / "here.zarr", study, tiles=(1, 3))
     onset.map_into(tmp_path / "here.zarr", study, tiles="2/2")
     with pytest.raises(onset.InputError, match="for example 1/8"):
@@ -343,8 +343,8 @@ def kill_when_begun(process: int, store: Path) -> None:
 
 
 def mapped(study: onset.Study, here: Path, workers: int, *, kill: bool) -> onset.Mapped:
-    """A map whose tiles are computed by processes, of which one may be killed in the middle."""
-    # Forked processes would have the threads of this one only by name.
+    """Map whose tiles are computed by processes; `kill` ends one of them during the computation."""
+    # Forked processes would not inherit the running threads.
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, mp_context=context) as executor:
         if kill:
@@ -355,7 +355,7 @@ def mapped(study: onset.Study, here: Path, workers: int, *, kill: bool) -> onset
 
 
 @pytest.mark.parametrize("kill", [False, True])
-def test_an_executor_makes_the_same_store(tmp_path: Path, kill: bool) -> None:
+def test_an_executor_writes_the_same_store(tmp_path: Path, kill: bool) -> None:
     study = onset.Study.of(
         "neo-hooke",
         onset.Method("updated-sph", lattice="square", support=2.6),
@@ -367,13 +367,13 @@ def test_an_executor_makes_the_same_store(tmp_path: Path, kill: bool) -> None:
         warnings.simplefilter("ignore" if kill else "error", RuntimeWarning)
         summary = mapped(study, tmp_path / "here.zarr", 2, kill=kill)
     assert summary.tiles_done == summary.tiles == 36
-    # What the lost worker left was computed here, and nothing else.
+    # The tiles of the killed worker, and only these, were computed here.
     assert (0 < summary.tiles_computed < 36) if kill else summary.tiles_found == 36
     onset.map_into(tmp_path / "there.zarr", study)
     assert contents(tmp_path / "here.zarr") == contents(tmp_path / "there.zarr")
 
 
-def test_a_dask_client_makes_the_same_store(tmp_path: Path) -> None:
+def test_a_dask_client_writes_the_same_store(tmp_path: Path) -> None:
     from distributed import Client, LocalCluster
 
     study = onset.Study.of("neo-hooke", None, {"stretch-1": (0.7, 1.5, 32), "stretch-2": (0.7, 1.5, 32)}, map={"tile": 16})

@@ -1,4 +1,4 @@
-"""Arrays: verdicts against states, waves against waves, laws against differences, and the interpreter's lock."""
+"""Arrays of states, waves and laws agree with single calls and with differences; the interpreter's lock is released."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ EULERIAN = onset.Method(frame="eulerian", support=1.6)
 
 
 @pytest.mark.parametrize("method", [SPH, EULERIAN, onset.Method("total-lagrangian-sph", lattice="square"), onset.Method(lattice="chain")])
-def test_verdicts_are_those_of_states(method: onset.Method) -> None:
+def test_array_verdicts_agree_with_single_states(method: onset.Method) -> None:
     chance = np.random.default_rng(3)
     dimension = 1 if "chain" in repr(method) else 2
     F = np.eye(3) + chance.uniform(-0.2, 0.2, (5, 20, 3, 3))
@@ -33,7 +33,7 @@ def test_verdicts_are_those_of_states(method: onset.Method) -> None:
             np.testing.assert_allclose(many.critical_time_step[place], one.critical_time_step, rtol=1e-9)
 
 
-def test_few_states_are_as_many() -> None:
+def test_results_do_not_depend_on_the_batch_size() -> None:
     stretches = np.random.default_rng(4).uniform(0.8, 1.3, (200, 2))
     many = onset.verdicts(RUBBER, EULERIAN, stretch=stretches)
     few = [onset.verdicts(RUBBER, EULERIAN, stretch=part) for part in np.split(stretches, 20)]
@@ -42,12 +42,12 @@ def test_few_states_are_as_many() -> None:
 
 
 @pytest.mark.parametrize("shape", [(0, 2), (0, 3)])
-def test_no_states_have_no_verdicts(shape: tuple[int, int]) -> None:
+def test_an_empty_array_gives_no_verdicts(shape: tuple[int, int]) -> None:
     assert onset.verdicts(RUBBER, SPH, stretch=np.empty(shape)).count().keys() >= {"stable"}
     assert len(onset.verdicts(RUBBER, SPH, stretch=np.empty(shape))) == 0
 
 
-def test_waves_in_arrays_are_those_of_one_wave_vector() -> None:
+def test_arrays_of_wave_vectors_agree_with_single_wave_vectors() -> None:
     k = np.random.default_rng(5).uniform(-3, 3, (4, 6, 2))
     stretch = (1.1, 0.9)
     many = onset.dispersion(RUBBER, SPH, k=k, stretch=stretch)
@@ -57,23 +57,23 @@ def test_waves_in_arrays_are_those_of_one_wave_vector() -> None:
         assert np.array_equal(many.omega_squared[place], one.omega_squared)
         assert np.array_equal(many.continuum_omega_squared[place], one.continuum_omega_squared)
         assert np.array_equal(matrices[place], one.dynamical_matrix)
-    # Of a pair of conjugates rounding must not tell which comes first.
-    told, eigenvalues = (np.sort_complex(np.round(values, 10)) for values in (many.omega_squared, np.linalg.eigvals(matrices)))
-    np.testing.assert_allclose(told, eigenvalues, rtol=1e-9, atol=1e-9)
+    # The order of conjugate eigenvalues must not depend on rounding.
+    sorted_omega_squared, eigenvalues = (np.sort_complex(np.round(values, 10)) for values in (many.omega_squared, np.linalg.eigvals(matrices)))
+    np.testing.assert_allclose(sorted_omega_squared, eigenvalues, rtol=1e-9, atol=1e-9)
     F = np.array([np.diag([a, 0.9, 1.0]) for a in (1.0, 1.1)])
     both = onset.omega_squared(RUBBER, SPH, k=k, F=F)
     assert both.shape == (2, 4, 6, 2)
     assert np.array_equal(both[1], many.omega_squared)
 
 
-def test_bands_are_the_waves_of_their_wave_vectors() -> None:
+def test_bands_agree_with_single_wave_vectors() -> None:
     bands = onset.bands(RUBBER, SPH, stretch=(1.1, 1.0), path="G-X-M-G")
     assert bands.omega_squared.shape == (len(bands.k), 2) and bands.labels[0] == "Γ"
     again = onset.omega_squared(RUBBER, SPH, k=bands.k, stretch=(1.1, 1.0))
     np.testing.assert_allclose(bands.omega_squared, again, rtol=1e-12, atol=1e-12)
 
 
-def test_a_law_is_its_energy_differentiated() -> None:
+def test_stress_and_tangent_are_derivatives_of_the_energy() -> None:
     chance = np.random.default_rng(6)
     F = np.eye(3) + chance.uniform(-0.2, 0.2, (7, 3, 3))
     formula = onset.Material("mu/2*(I1 - 3 - 2*ln(J)) + lambda/2*ln(J)^2", mu=0.4, lambda_=2.0)
@@ -86,18 +86,18 @@ def test_a_law_is_its_energy_differentiated() -> None:
         np.testing.assert_allclose(stress[:, i, j], difference, rtol=1e-6, atol=1e-8)
         difference = (formula.stress(F + step) - formula.stress(F - step)) / (2 * h)
         np.testing.assert_allclose(tangent[..., i, j], difference, rtol=1e-6, atol=1e-7)
-    # The same numbers as of the answer of a state.
+    # Stress and tangent agree with the answer for a state.
     plane = np.array([[1.1, 0.2, 0.0], [0.1, 0.9, 0.0], [0.0, 0.0, 1.0]])
     one = onset.state(formula, SPH, F=plane)
     assert np.array_equal(one.material.first_piola, formula.stress(plane))
     assert np.array_equal(one.material.tangent, formula.tangent(plane))
-    # As materials of FElupe: components first.
+    # Layout of FElupe: components first.
     (gradient, _), (hessian,) = formula.gradient([np.moveaxis(F, 0, -1)]), formula.hessian([np.moveaxis(F, 0, -1)])
     assert gradient is not None
     assert np.array_equal(gradient, np.moveaxis(stress, 0, -1)) and np.array_equal(hessian, np.moveaxis(tangent, 0, -1))
 
 
-def test_a_block_of_another_program_is_its_law() -> None:
+def test_a_block_of_another_program_gives_the_same_law() -> None:
     block = "*HYPERELASTIC, OGDEN, N=1\n2.0, 4.0, 0.02"
     law = onset.Material.read(block, "abaqus")
     same = onset.Material("ogden", mu1=1, alpha1=4, mu2=0, mu3=0, kappa=100)
@@ -124,5 +124,5 @@ def test_the_interpreter_runs_while_states_are_computed() -> None:
     before = counted
     done.set()
     other.join()
-    # With the lock held all that time it would not have counted at all.
+    # The counter would have stayed at zero if the lock had been held.
     assert took > 0.05 and before > 0.1 * took / 0.001, (before, took)

@@ -1,4 +1,4 @@
-"""Whatever is asked, what is wrong is said by an exception of ours, or a TypeError."""
+"""Every invalid call raises an onset exception or a TypeError."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ import numpy as np
 import onset
 import pytest
 
-#: How many calls are tried.
+#: Number of random calls.
 CALLS = int(os.environ.get("ONSET_PYTHON_CALLS", "2000"))
 
 
-def test_messages_have_key_place_and_hint() -> None:
+def test_exceptions_have_key_place_and_hint() -> None:
     with pytest.raises(onset.SettingError) as refused:
         onset.state(method=onset.Method(suport=2.0), stretch=(1, 1))
     error = refused.value
@@ -35,7 +35,7 @@ def test_messages_have_key_place_and_hint() -> None:
     assert (str(again), again.key, again.hint) == (str(error), error.key, error.hint)
 
 
-def test_an_answer_is_not_made_by_hand_and_a_deformation_is_no_material() -> None:
+def test_answers_cannot_be_constructed_and_wrong_types_are_refused() -> None:
     answer: Any = onset.State
     with pytest.raises(TypeError, match="stretch="):
         answer((1.1, 0.9))
@@ -63,33 +63,33 @@ def test_earlier_names_are_read_with_a_warning() -> None:
         onset.state(method=onset.Method(arrangement="square"), stretch=(1, 1))
 
 
-def test_warnings_are_told_where_we_were_asked() -> None:
+def test_warnings_point_to_the_line_of_the_caller() -> None:
     axes = {"stretch-1": (1.0, 1.2, 2), "stretch-2": (1.0, 1.2, 2)}
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always")
         onset.Study.of("neo-hooke", onset.Method(arrangement="square"), axes)
-    assert [(Path(one.filename).name, one.category) for one in told] == [("test_errors.py", UserWarning)]
+    assert [(Path(one.filename).name, one.category) for one in warned] == [("test_errors.py", UserWarning)]
 
 
-def test_a_warning_takes_no_exception_s_place() -> None:
+def test_warnings_turned_into_errors_do_not_replace_an_exception() -> None:
     method = onset.Method(arrangement="square", support=-1.5)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         with pytest.raises(onset.InputError, match="cannot be -1.5") as refused:
             onset.state(method=method, stretch=(1, 1))
         assert any("lattice" in note for note in refused.value.__notes__)
-        # And it is not told of the next question.
+        # The warning is not repeated by the next call.
         onset.state(stretch=(1, 1))
 
 
-def test_a_library_of_a_file_is_loaded_only_where_it_is_allowed(tmp_path: Path) -> None:
+def test_a_library_named_in_a_study_is_loaded_only_if_it_is_allowed(tmp_path: Path) -> None:
     text = "[material]\nmodel = 'umat'\nlibrary = './no.so'\n" + AXES
     with pytest.raises(onset.SettingError):
         onset.Study(text)
     onset.Study(text, allow_library=["./no.so"])
 
 
-def test_what_cannot_be_written_is_the_machine_s() -> None:
+def test_unwritable_files_raise_machine_errors() -> None:
     study = onset.Study("[material]\nmodel = 'neo-hooke'\n" + AXES)
     with pytest.raises(onset.MachineError, match=r"cannot write .*\n  hint: "):
         study.save("/dev/null/study.toml")
@@ -97,7 +97,7 @@ def test_what_cannot_be_written_is_the_machine_s() -> None:
         onset.modes(onset.Method(quadrature="nodal")).save("/dev/null/modes")
 
 
-def test_things_are_frozen() -> None:
+def test_objects_are_immutable() -> None:
     answer = onset.state(stretch=(1.1, 1.0))
     for thing in (answer, answer.discretization, onset.Material(), onset.Method()):
         with pytest.raises(AttributeError):
@@ -107,7 +107,7 @@ def test_things_are_frozen() -> None:
 
 
 class Raising:
-    """Raises whenever it is looked at as something."""
+    """Object that raises on every conversion."""
 
     def __init__(self, error: type[Exception]) -> None:
         self.error = error
@@ -119,7 +119,7 @@ class Raising:
 
 
 def thing(chance: random.Random, depth: int = 0) -> Any:
-    """Something that might be given."""
+    """Random argument of a call, valid or invalid."""
     kinds = [
         lambda: chance.choice([0, 1, -1, 2, 7, 2**70, -(2**70), True, False, None]),
         lambda: chance.choice([0.0, 1.0, 1.1, -1.5, 1e300, 1e-300, math.nan, math.inf, -math.inf]),
@@ -142,7 +142,7 @@ def thing(chance: random.Random, depth: int = 0) -> Any:
     return chance.choice(kinds)()
 
 
-#: What is called, with arguments that some answer in no time, of which some are replaced.
+#: Functions with arguments for which they return quickly; some of the arguments are replaced.
 CALLS_OF: list[tuple[Any, dict[str, Any]]] = [
     (onset.state, {"material": "neo-hooke", "method": None, "stretch": (1.1, 1.0), "F": None, "certify": False, "tolerance": 1e-3, "weak": 0.1}),
     (onset.waves, {"material": None, "method": None, "wave_vector": (1.0, 0.5), "stretch": (1.1, 1.0), "F": None}),
@@ -176,7 +176,7 @@ CALLS_OF: list[tuple[Any, dict[str, Any]]] = [
 ]
 
 
-def test_no_call_ends_otherwise_than_in_an_answer_or_an_exception_of_ours() -> None:
+def test_every_call_returns_an_answer_or_raises_an_onset_error() -> None:
     chance = random.Random(23)
     refused = 0
     for number in range(CALLS):
@@ -190,16 +190,16 @@ def test_no_call_ends_otherwise_than_in_an_answer_or_an_exception_of_ours() -> N
         except (onset.OnsetError, TypeError) as error:
             refused += 1
             text = str(error)
-            assert "panic" not in text and "defect" not in text, (function, given, text)
+            assert "panic" not in text and "internal error" not in text, (function, given, text)
         except Exception as error:
             raise AssertionError(f"{function} {given}: {error!r}") from error
     assert refused > 0.5 * CALLS
 
 
-# Where the tests run in the background, interrupts may be ignored by inheritance: the programs listen to them again.
+# Background jobs may inherit ignored interrupts; the child process restores the handler.
 
 
-def test_an_interrupted_map_goes_on_to_the_same_store(tmp_path: Path) -> None:
+def test_an_interrupted_map_resumes_to_the_same_store(tmp_path: Path) -> None:
     study = onset.Study.of(
         "neo-hooke",
         onset.Method("updated-sph", lattice="square", support=2.6),
@@ -221,17 +221,17 @@ def test_an_interrupted_map_goes_on_to_the_same_store(tmp_path: Path) -> None:
     with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as running:
         assert running.stdout is not None
         running.stdout.readline()
-        # As soon as the first tiles are stored, however fast the machine is.
+        # Interrupts when the first tiles are stored, on machines of any speed.
         while running.poll() is None and len(list((tmp_path / "cut.zarr").glob("verdict/c/*/*"))) < 3:
             time.sleep(0.001)
         running.send_signal(signal.SIGINT)
         out, _ = running.communicate(timeout=60)
     assert out in ("ended\n", "")
-    went_on = onset.map_into(tmp_path / "cut.zarr", study, resume=True)
+    resumed = onset.map_into(tmp_path / "cut.zarr", study, resume=True)
     whole = onset.map_into(tmp_path / "whole.zarr", study)
-    assert went_on.tiles_done == whole.tiles_done == went_on.tiles
+    assert resumed.tiles_done == whole.tiles_done == resumed.tiles
     if out:
-        assert 0 < went_on.tiles_computed < went_on.tiles
+        assert 0 < resumed.tiles_computed < resumed.tiles
 
     def contents(folder: Path) -> dict[str, bytes]:
         return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
@@ -239,7 +239,7 @@ def test_an_interrupted_map_goes_on_to_the_same_store(tmp_path: Path) -> None:
     assert contents(tmp_path / "cut.zarr") == contents(tmp_path / "whole.zarr")
 
 
-def test_random_displacements_have_no_wave() -> None:
+def test_noise_refuses_the_arguments_of_a_single_wave() -> None:
     for wave in ({"wave_vector": (1.0, 0.0)}, {"turns": (1, 0)}):
         with pytest.raises(onset.InputError, match='mode "noise" has no wave'):
             onset.simulate("neo-hooke", "total-lagrangian-sph", stretch=(1, 1), cells=4, steps=1, mode="noise", **wave)

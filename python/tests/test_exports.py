@@ -1,4 +1,4 @@
-"""Modes and bands for other tools: plane waves, forces of supercells, files that are read back."""
+"""Exported modes and bands: displacements of plane waves, forces on supercells, and files that other packages read."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ RUBBER = onset.Material("neo-hooke", mu=0.4, lambda_=2.0)
 SPH = onset.Method("total-lagrangian-sph", lattice="square", kernel="cubic-spline", support=2.6)
 TURN = np.array([[np.cos(0.4), -np.sin(0.4)], [np.sin(0.4), np.cos(0.4)]])
 SHEARED = TURN @ np.array([[1.1, 0.2], [0.0, 0.9]])
-#: Cells along a side of a supercell.
+#: Number of cells along a side of a supercell.
 SIDE = 4
 
 
@@ -34,9 +34,9 @@ def wave_vector(method: onset.Method, *turns: float) -> np.ndarray:
     ],
 )
 @pytest.mark.parametrize("turns", [(0.25, 0.5), (0.5, 0.0), (0.25, -0.25)])
-def test_forces_on_a_supercell_are_those_of_the_wave(method: onset.Method, turns: tuple[float, float]) -> None:
-    # All particles of the patch stand in one cell: its D(0) has the forces over masses of any displacement, and knows nothing of wave vectors.
-    # Offsets far below what shows keep the cell.
+def test_forces_on_a_supercell_agree_with_the_plane_wave(method: onset.Method, turns: tuple[float, float]) -> None:
+    # One cell contains the whole patch, so D(0) gives the forces for any displacement, divided by the masses.
+    # A perturbation below the tolerance prevents the reduction to the primitive cell.
     whole = method.replace(cells=SIDE, perturbation=1e-13)
     forces = onset.dynamical_matrix(RUBBER, whole, k=np.zeros(2), F=SHEARED)
     places = np.array(problem_of(RUBBER, whole).cell(None, ",".join(map(str, SHEARED.ravel())))[0])
@@ -51,7 +51,7 @@ def test_forces_on_a_supercell_are_those_of_the_wave(method: onset.Method, turns
         for phase in (0.0, 0.7):
             moved = mode.at(phase)[same, :2].ravel()
             size = np.max(np.abs(waves.omega_squared)) * np.max(np.abs(moved))
-            # Re(omega^2 u exp(-i p)), of which the imaginary part of u exp(-i p) is that of a quarter of a period later.
+            # Re(omega^2 u exp(-i p)); Im(u exp(-i p)) is the displacement a quarter of a period later.
             later = mode.at(phase + 0.5 * np.pi)[same, :2].ravel()
             expected = omega_squared.real * moved - omega_squared.imag * later
             np.testing.assert_allclose((forces @ moved).real, expected, atol=1e-9 * size)
@@ -63,7 +63,7 @@ def test_particles_of_a_mode_are_displaced_by_a_plane_wave() -> None:
     waves = onset.waves(RUBBER, method, wave_vector=k, F=SHEARED)
     for branch in (1, 5, 8):
         mode = waves.mode(branch, amplitude=0.3)
-        # The fewest of at least four cells that hold whole wavelengths, here of two spacings and particles of four.
+        # Smallest number of cells, at least four on each side, with whole wavelengths; a cell has four particles.
         assert len(mode.positions) == 5 * 6 * 4 and mode.periodic.tolist() == [True, True, False]
         X, sites = mode.reference_positions, mode.sites
         np.testing.assert_allclose(mode.positions[:, :2], X @ SHEARED.T, atol=1e-12)
@@ -74,7 +74,7 @@ def test_particles_of_a_mode_are_displaced_by_a_plane_wave() -> None:
             assert np.allclose(own[sites == site, :2], vector[2 * site : 2 * site + 2], atol=1e-12)
         residual = waves.dynamical_matrix @ vector - waves.omega_squared[branch - 1] * vector
         assert np.max(np.abs(residual)) < 1e-9 * np.max(np.abs(waves.omega_squared))
-        # The largest displacement is the amplitude, and it is that of the phase 0.
+        # The largest displacement equals the amplitude and occurs at phase 0.
         reach = [np.max(np.linalg.norm(mode.at(phase), axis=1)) for phase in np.linspace(0, 2 * np.pi, 721)]
         assert max(reach) <= 0.3 + 1e-12 and abs(reach[0] - 0.3) < 1e-12
 
@@ -90,11 +90,11 @@ def test_a_zero_energy_mode_alternates(F: np.ndarray) -> None:
         turned = mode.at(0.0) * signs[:, None]
         np.testing.assert_allclose(turned, np.broadcast_to(turned[0], turned.shape), atol=1e-12)
         assert abs(np.linalg.norm(turned[0]) - 0.1) < 1e-12
-        # A wave that stands still passes through zero.
+        # A standing wave passes through zero.
         assert np.max(np.abs(mode.at(0.5 * np.pi))) < 1e-12
 
 
-def test_zero_energy_modes_of_a_supercell_are_no_translations() -> None:
+def test_zero_energy_modes_of_a_supercell_exclude_translations() -> None:
     listed = onset.modes(SPH.replace(cells=2, perturbation=1e-14), RUBBER)
     number = next(n for n, mode in enumerate(listed.modes, 1) if np.allclose(mode.fractional, 0.0, atol=1e-9))
     for branch in range(1, int(listed.modes[number - 1].nullity) + 1):
@@ -103,7 +103,7 @@ def test_zero_energy_modes_of_a_supercell_are_no_translations() -> None:
         assert np.max(np.abs(mode.masses @ mode.displacements)) < 1e-9
 
 
-def test_lines_and_space_are_embedded() -> None:
+def test_positions_of_chains_and_three_dimensional_lattices_have_three_components() -> None:
     chain = onset.Method(lattice="chain", kernel="cubic-spline", support=2.6)
     mode = onset.waves(RUBBER, chain, wave_vector=np.pi / 3, stretch=1.2).mode()
     assert mode.periodic.tolist() == [True, False, False]
@@ -120,7 +120,7 @@ def test_lines_and_space_are_embedded() -> None:
     assert abs(np.sum(mode.masses) - volume) < 1e-12
 
 
-def test_the_wave_of_a_state_is_the_one_that_it_tells() -> None:
+def test_the_exported_mode_agrees_with_the_reported_wave() -> None:
     method = onset.Method("updated-sph", lattice="square", kernel="cubic-spline", support=2.6)
     state = onset.state(RUBBER, method, stretch=(1.1, 1.0))
     mode = state.mode(cells=4)
@@ -134,7 +134,7 @@ def test_the_wave_of_a_state_is_the_one_that_it_tells() -> None:
     assert refused.value.hint
 
 
-def test_frames_are_read_back_by_ase(tmp_path: Path) -> None:
+def test_ase_reads_exported_frames(tmp_path: Path) -> None:
     import ase.io
 
     bands = onset.bands(RUBBER, SPH, F=SHEARED, path="G-X-M-G")
@@ -151,12 +151,12 @@ def test_frames_are_read_back_by_ase(tmp_path: Path) -> None:
         np.testing.assert_allclose(again.cell[:], 2 * mode.edges, atol=1e-7)
         assert again.pbc.tolist() == [True, True, False]
         assert again.info["phase"] == pytest.approx(2 * np.pi * n / 8) and again.info["omega"] > 0
-    # Periodic images are as far apart as neighbors in the patch.
+    # The periodic images of a particle are not closer than its neighbors in the patch.
     assert np.min(frames[0].get_all_distances(mic=True)[0, 1:]) > 1.0
     assert bands.mode(120, 2).positions.shape == mode.positions.shape
 
 
-def test_meshes_are_read_back_by_meshio(tmp_path: Path) -> None:
+def test_meshio_reads_exported_meshes(tmp_path: Path) -> None:
     import meshio  # type: ignore[import-untyped]
 
     mode = onset.waves(RUBBER, SPH, wave_vector=(np.pi / 2, 0.4), stretch=(1.1, 1.0)).mode(2, cells=(4, 5))
@@ -177,40 +177,40 @@ def test_meshes_are_read_back_by_meshio(tmp_path: Path) -> None:
         (onset.Method("total-lagrangian-sph", lattice="honeycomb", kernel="cubic-spline", support=3.0), (0.9, 1.1)),
     ],
 )
-def test_bands_are_those_of_the_file(tmp_path: Path, method: onset.Method, stretch: tuple[float, float]) -> None:
+def test_the_band_file_agrees_with_the_bands(tmp_path: Path, method: onset.Method, stretch: tuple[float, float]) -> None:
     import yaml  # type: ignore[import-untyped]
 
     bands = onset.bands(RUBBER, method, stretch=stretch, path="0,0; 0.5,0; 0.5,0.5 | 0.5,0; 0,0")
     text = bands.to_yaml(tmp_path / "band.yaml")
     assert (tmp_path / "band.yaml").read_text(encoding="utf-8") == text
-    told = yaml.safe_load(text)
-    # Each segment has both ends: the corner between two of them stands twice. Behind those that are asked for comes the line through the critical wave.
+    file = yaml.safe_load(text)
+    # A corner between two segments is listed twice. The last segment passes through the critical wave.
     legs = int(np.sum(np.diff(bands.corners) > 0))
-    assert told["npath"] == legs and told["segment_nqpoint"] == [121] * legs and told["nqpoint"] == len(told["phonon"]) == 121 * legs
-    assert len(told["labels"]) == legs and told["labels"][:3] == [list(bands.labels[n : n + 2]) for n in (0, 1, 3)]
-    told["phonon"] = told["phonon"][:363]
+    assert file["npath"] == legs and file["segment_nqpoint"] == [121] * legs and file["nqpoint"] == len(file["phonon"]) == 121 * legs
+    assert len(file["labels"]) == legs and file["labels"][:3] == [list(bands.labels[n : n + 2]) for n in (0, 1, 3)]
+    file["phonon"] = file["phonon"][:363]
     samples = [*range(121), *range(120, 241), *range(241, 362)]
     omega_squared = bands.omega_squared[samples].real
-    frequency = np.array([[band["frequency"] for band in point["band"]] for point in told["phonon"]])
+    frequency = np.array([[band["frequency"] for band in point["band"]] for point in file["phonon"]])
     size = np.max(np.abs(omega_squared))
     np.testing.assert_allclose(np.sign(frequency) * (2 * np.pi * frequency) ** 2, omega_squared, atol=1e-9 * size)
-    # The lattice is the current one, wave vectors are those of the answer in units of its reciprocal vectors.
-    lattice, reciprocal = np.array(told["lattice"]), np.array(told["reciprocal_lattice"])
+    # The lattice is in the deformed configuration; wave vectors are in units of its reciprocal vectors.
+    lattice, reciprocal = np.array(file["lattice"]), np.array(file["reciprocal_lattice"])
     np.testing.assert_allclose(lattice @ reciprocal.T, np.eye(3), atol=1e-12)
-    q = np.array([point["q-position"] for point in told["phonon"]])
+    q = np.array([point["q-position"] for point in file["phonon"]])
     spatial = 2 * np.pi * q @ reciprocal
     np.testing.assert_allclose(spatial[:, :2] * stretch, bands.k[samples], atol=1e-12)
     assert not np.any(spatial[:, 2])
-    distance = np.array([point["distance"] for point in told["phonon"]])
+    distance = np.array([point["distance"] for point in file["phonon"]])
     steps = np.linalg.norm(np.diff(q @ reciprocal, axis=0), axis=1)
     steps[241] = 0.0  # The jump.
     np.testing.assert_allclose(np.diff(distance), steps, atol=1e-12)
-    # Masses are those of the cell, eigenvectors those of the matrix of forces over masses, of length 1 and at right angles.
-    masses = np.array([point["mass"] for point in told["points"]])
-    assert told["natom"] == len(masses) and sum(masses) == pytest.approx(
+    # Masses of one cell, and orthonormal eigenvectors of the mass-scaled stiffness matrix.
+    masses = np.array([point["mass"] for point in file["points"]])
+    assert file["natom"] == len(masses) and sum(masses) == pytest.approx(
         bands.settings.discretization_density.value * np.linalg.det(lattice) / np.prod(stretch) / bands.settings.discretization_spacing.value
     )
-    parts = np.array([[band["eigenvector"] for band in point["band"]] for point in told["phonon"]])
+    parts = np.array([[band["eigenvector"] for band in point["band"]] for point in file["phonon"]])
     vectors = (parts[..., 0] + 1j * parts[..., 1])[..., :2].reshape(*frequency.shape, -1)
     assert not np.any(parts[..., 2, :])
     displacements = vectors / np.sqrt(np.repeat(masses, 2))
@@ -222,22 +222,22 @@ def test_bands_are_those_of_the_file(tmp_path: Path, method: onset.Method, stret
         np.testing.assert_allclose(gram, np.broadcast_to(np.eye(gram.shape[-1]), gram.shape), atol=1e-9)
 
 
-def test_bands_that_flutter_are_refused() -> None:
+def test_bands_with_flutter_are_refused() -> None:
     bands = onset.bands(RUBBER, onset.Method(frame="eulerian"), stretch=(1.1, 1.0))
     with pytest.raises(onset.InputError, match="flutter") as refused:
         bands.to_yaml()
     assert refused.value.hint
-    # A wave that flutters moves all the same.
+    # The mode of a fluttering wave can still be exported.
     assert abs(bands.mode(int(np.argmax(np.abs(bands.omega_squared[:, 0].imag)))).omega_squared.imag) > 0
 
 
-def test_particles_of_a_regular_lattice_stay() -> None:
+def test_positions_on_the_regular_lattice_are_not_deformed() -> None:
     method = onset.Method(lattice="square", frame="eulerian", current_lattice="regular", support=2.2)
     mode = onset.waves(RUBBER, method, wave_vector=(np.pi, 0.0), F=SHEARED).mode()
     np.testing.assert_array_equal(mode.positions[:, :2], mode.reference_positions)
 
 
-def test_what_cannot_be_exported_is_said(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_impossible_exports_raise_errors_with_hints(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     waves = onset.waves(RUBBER, SPH, wave_vector=(1, 0), stretch=(1.1, 1.0))
     for wrong in (lambda: waves.mode(3), lambda: waves.mode(0), lambda: waves.mode(cells=(2, 2, 2)), lambda: waves.mode(cells=10**4), lambda: waves.mode(amplitude=0)):
         with pytest.raises(onset.InputError):
@@ -258,7 +258,7 @@ def test_what_cannot_be_exported_is_said(monkeypatch: pytest.MonkeyPatch, tmp_pa
         assert missing.value.hint == f"pip install {name}"
 
 
-def test_arguments_that_cannot_be_are_told(tmp_path: Path) -> None:
+def test_invalid_export_arguments_are_refused(tmp_path: Path) -> None:
     import yaml  # type: ignore[import-untyped]
 
     bands = onset.bands("neo-hooke", onset.Method("total-lagrangian-sph", lattice="square"), stretch=(1.1, 1.0))

@@ -27,7 +27,7 @@ def yeoh(stretch: Any, c10: float = 0.17, c20: float = -1e-3, c30: float = 4e-5)
 
 
 class Frame:
-    """Table as of pandas: names of columns, and columns by name."""
+    """Minimal data frame: names of columns, and columns by name."""
 
     def __init__(self, **columns: Any) -> None:
         self.columns = list(columns)
@@ -37,16 +37,16 @@ class Frame:
         return self._columns[name]
 
 
-def test_arrays_tables_and_paths_have_the_answer_of_the_command() -> None:
+def test_arrays_tables_and_paths_give_the_same_fit_as_the_command() -> None:
     paths = [RUBBER / f"treloar-{mode}.csv" for mode in MODES]
-    told = command("fit", *(str(path) for path in paths), "--law", "yeoh,mooney-rivlin", "--unit", "MPa")
+    output = command("fit", *(str(path) for path in paths), "--law", "yeoh,mooney-rivlin", "--unit", "MPa")
     data = {mode: treloar(mode) for mode in MODES}
     arrays = {mode: (own["stretch"], own["nominal_stress"]) for mode, own in data.items()}
     frames = {mode: Frame(**own) for mode, own in data.items()}
     for tests in (arrays, frames, data, paths, dict(zip(MODES, paths, strict=True))):
         fit = onset.fit(tests, "yeoh,mooney-rivlin", unit="MPa")
-        assert fit.json == told.document
-    document = json.loads(told.document)
+        assert fit.json == output.document
+    document = json.loads(output.document)
     assert (fit.law, fit.error) == (document["laws"][0]["law"], document["laws"][0]["error"])
     assert [row["law"] for row in fit.table()] == [own["law"] for own in document["laws"]]
     assert all(row["proof"] == "proved" for row in fit.table())
@@ -54,7 +54,7 @@ def test_arrays_tables_and_paths_have_the_answer_of_the_command() -> None:
     assert "fit.png" in fit.files()
 
 
-def test_lateral_stretches_are_those_of_a_table(tmp_path: Path) -> None:
+def test_lateral_stretches_in_arrays_agree_with_a_table(tmp_path: Path) -> None:
     stretch = np.concatenate([np.linspace(0.4, 0.95, 10), np.linspace(1.05, 1.5, 8)])
     lateral = stretch**-0.2
     stress = 0.5 * (stretch**2 - stretch**-1.0) / stretch
@@ -64,18 +64,18 @@ def test_lateral_stretches_are_those_of_a_table(tmp_path: Path) -> None:
     fit = onset.fit({"uniaxial": (stretch, stress, lateral)}, "hyperfoam-2", starts=4)
     frame = Frame(lateral_stretch=lateral, stretch=stretch, nominal_stress=stress)
     assert fit.json == onset.fit({"uniaxial": frame}, "hyperfoam-2", starts=4).json
-    # A note names the table by its path.
+    # The notes name the table by its path.
     of_table = onset.fit(table, "hyperfoam-2", starts=4).json
     assert of_table.replace(str(table), r'tests[\"uniaxial\"]') == fit.json
     with pytest.raises(onset.InputError, match="lateral"):
         onset.fit({"uniaxial": (stretch, stress)}, "hyperfoam-2", starts=4)
 
 
-def test_constants_of_exact_points_are_found() -> None:
+def test_constants_are_recovered_from_exact_data() -> None:
     stretch = np.linspace(1.1, 5.0, 20)
     fit = onset.fit({"uniaxial": (stretch, yeoh(stretch))}, ["yeoh"], stable=None)
     assert list(fit.constants.values()) == pytest.approx([0.17, -1e-3, 4e-5], rel=1e-8)
-    # A fixed constant stays.
+    # A fixed constant keeps its value.
     first = next(iter(fit.constants))
     assert onset.fit({"uniaxial": (stretch, yeoh(stretch))}, "yeoh", stable=None, fix={first: 0.2}).constants[first] == 0.2
 
@@ -92,7 +92,7 @@ def test_the_fitted_law_is_a_material() -> None:
     assert onset.criteria(fit.material, incompressible=True).loadings
 
 
-def test_faults_of_arrays_are_told_as_those_of_tables(tmp_path: Path) -> None:
+def test_arrays_and_tables_give_the_same_error_messages(tmp_path: Path) -> None:
     stretch = np.linspace(1.1, 4.0, 12)
     stress = yeoh(stretch)
     swapped = [1, 0, *range(2, 12)]
@@ -105,23 +105,23 @@ def test_faults_of_arrays_are_told_as_those_of_tables(tmp_path: Path) -> None:
     }.items():
         table = tmp_path / f"{name}.csv"
         table.write_text("stretch,nominal_stress\n" + "".join(f"{a!r},{b!r}\n" for a, b in zip(x.tolist(), y.tolist(), strict=True)))
-        told = command("fit", "--uniaxial", str(table), "--law", "yeoh")
-        assert told.code == 2
+        output = command("fit", "--uniaxial", str(table), "--law", "yeoh")
+        assert output.code == 2
         with pytest.raises(onset.InputError) as raised:
             onset.fit({"uniaxial": (x, y)}, "yeoh")
-        # The place differs: a line of the file, a point of the array.
-        assert raised.value.message.partition(": ")[2] == told.error.partition("\n")[0].partition(": ")[2], name
+        # Only the position differs: a line of the file, an index of the array.
+        assert raised.value.message.partition(": ")[2] == output.error.partition("\n")[0].partition(": ")[2], name
         with pytest.raises(onset.InputError) as raised:
             onset.fit({"uniaxial": table}, "yeoh")
-        assert str(raised.value) == told.error
+        assert str(raised.value) == output.error
     for names in ("yeo", "holzapfel-gasser-ogden"):
-        told = command("fit", str(RUBBER / "treloar-uniaxial.csv"), "--law", names)
+        output = command("fit", str(RUBBER / "treloar-uniaxial.csv"), "--law", names)
         with pytest.raises(onset.InputError) as raised:
             onset.fit({"uniaxial": (stretch, stress)}, names)
-        assert str(raised.value) == told.error
+        assert str(raised.value) == output.error
 
 
-def test_faults_name_the_argument() -> None:
+def test_errors_name_the_argument() -> None:
     x = np.linspace(1.1, 4.0, 12)
     y = yeoh(x)
     hole = np.where(np.arange(12) == 3, np.nan, y)

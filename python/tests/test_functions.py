@@ -1,4 +1,4 @@
-"""Laws that are Python functions which no formula can be."""
+"""Laws given as Python functions that cannot be traced to a formula."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ TOTAL = onset.Method("total-lagrangian-sph", lattice="square", support=2.6)
 
 def energy(F: Any, mu: float, lambda_: float) -> Any:
     J = np.linalg.det(F)
-    # By plain numbers: no formula.
+    # `math.log` accepts only plain numbers, so that the function cannot be traced.
     return mu / 2 * (np.sum(F * F) - 3 - 2 * math.log(J)) + lambda_ / 2 * math.log(J) ** 2
 
 
@@ -48,7 +48,7 @@ def deformations(count: int, dimension: int) -> Any:
 
 
 @pytest.mark.parametrize("law", [DELIVERED, DIFFERENTIATED])
-def test_functions_are_the_law_that_they_compute(law: onset.Material) -> None:
+def test_python_functions_agree_with_the_built_in_law(law: onset.Material) -> None:
     F = deformations(20, 3)
     for ours, theirs in ((law.energy, BUILT_IN.energy), (law.stress, BUILT_IN.stress), (law.tangent, BUILT_IN.tangent)):
         np.testing.assert_allclose(ours(F), theirs(F), rtol=1e-12, atol=1e-12)
@@ -64,8 +64,8 @@ def test_functions_are_the_law_that_they_compute(law: onset.Material) -> None:
     np.testing.assert_allclose(many.growth_rate, known_many.growth_rate, rtol=1e-9, atol=1e-9)
 
 
-def test_numbers_of_the_library_come_back_to_the_last_digit() -> None:
-    """A law that asks another one for its numbers, from within an answer, is that one: nothing is lost, and nobody waits for ever."""
+def test_a_function_that_calls_a_built_in_law_returns_identical_numbers() -> None:
+    """A law whose function calls a built-in law gives identical numbers, and does not deadlock."""
     same = onset.Material(BUILT_IN.energy, stress=BUILT_IN.stress, tangent=BUILT_IN.tangent)
     for one in (onset.Material("ogden"), onset.Material("gent")):
         own = onset.Material(one.energy, stress=one.stress, tangent=one.tangent)
@@ -76,7 +76,7 @@ def test_numbers_of_the_library_come_back_to_the_last_digit() -> None:
 
 
 @pytest.mark.parametrize("law", [DELIVERED, DIFFERENTIATED])
-def test_every_question_but_those_of_a_file_takes_a_function(law: onset.Material) -> None:
+def test_all_functions_without_a_study_file_accept_python_laws(law: onset.Material) -> None:
     assert "material.model=function" in law_settings(law)
     own, known = (onset.modes(TOTAL, one).to_dict() for one in (law, BUILT_IN))
     assert [mode["wave_vector"] for mode in own["modes"]] == [mode["wave_vector"] for mode in known["modes"]]
@@ -96,9 +96,9 @@ def test_every_question_but_those_of_a_file_takes_a_function(law: onset.Material
         onset.Study.of(law, SPH, {"stretch-1": (0.8, 1.2, 4), "stretch-2": (0.8, 1.2, 4)})
 
 
-def test_criteria_of_a_function_have_the_limits_of_its_law() -> None:
+def test_criteria_of_python_and_built_in_laws_agree() -> None:
     def limits(law: onset.Material) -> list[float]:
-        """Of each criterion in compression and in tension; 0 where there is none."""
+        """Limits of each criterion in compression and in tension; 0 if it is not lost."""
         criteria = onset.criteria(law, modes=["hydrostatic"], range=(0.95, 1.05)).to_dict()["loadings"][0]["criteria"]
         return [criterion[side]["limit"] or 0.0 for criterion in criteria for side in ("compression", "tension") if criterion["defined"]]
 
@@ -107,12 +107,12 @@ def test_criteria_of_a_function_have_the_limits_of_its_law() -> None:
 
 
 def law_settings(law: onset.Material) -> list[str]:
-    """The settings that an answer tells."""
+    """Settings that are reported in an answer."""
     settings = onset.state(law, SPH, stretch=(1.1, 1.0)).to_dict()["settings"]
     return [f"{key}={choice['value']}" for key, choice in settings.items()]
 
 
-def test_the_audit_finds_a_tangent_that_does_not_belong_to_the_stress() -> None:
+def test_the_audit_detects_a_tangent_that_is_not_the_derivative_of_the_stress() -> None:
     assert onset.audit(DELIVERED).consistent
     assert onset.audit(DIFFERENTIATED).consistent
     wrong = onset.Material(energy, stress=stress, tangent=lambda F, J, mu, lambda_: 1.1 * tangent(F, J, mu, lambda_), mu=MU, lambda_=LAMBDA)
@@ -121,13 +121,13 @@ def test_the_audit_finds_a_tangent_that_does_not_belong_to_the_stress() -> None:
     assert not onset.audit(no_energy).consistent
 
 
-def test_doubles_only_while_a_law_is_asked() -> None:
+def test_jax_uses_doubles_only_while_a_law_is_evaluated() -> None:
     DIFFERENTIATED.energy(np.eye(3))
     assert jnp.ones(1).dtype == jnp.float32
     assert jax.numpy.asarray(1.0).dtype == jnp.float32
 
 
-def test_parameters_can_be_replaced_and_make_laws_different() -> None:
+def test_laws_with_different_parameters_are_unequal() -> None:
     stiffer = DELIVERED.replace(mu=0.8)
     built_in = BUILT_IN.replace(mu=0.8)
     F = deformations(3, 3)
@@ -139,7 +139,7 @@ def test_parameters_can_be_replaced_and_make_laws_different() -> None:
 
 
 @pytest.mark.parametrize(
-    ("make", "told"),
+    ("make", "message"),
     [
         (lambda: onset.Material(energy, stress=stress, mu=1, lambda_=1), "the tangent is missing"),
         (lambda: onset.Material(stress=stress, tangent=tangent, mu=1, lambda_=1), "the energy is missing"),
@@ -157,12 +157,12 @@ def test_parameters_can_be_replaced_and_make_laws_different() -> None:
         (lambda: onset.Material(energy, stress=lambda F: F * 1j, tangent=tangent, mu=1, lambda_=1), "the stress is complex"),
     ],
 )
-def test_what_is_no_law_is_refused_in_words(make: Callable[[], object], told: str) -> None:
-    with pytest.raises((onset.InputError, TypeError), match=told):
+def test_invalid_laws_are_refused_with_a_message(make: Callable[[], object], message: str) -> None:
+    with pytest.raises((onset.InputError, TypeError), match=message):
         make()
 
 
-def test_states_at_which_a_function_fails_are_told() -> None:
+def test_errors_of_a_function_name_the_state() -> None:
     def fails(F: Any, J: Any, kind: float) -> Any:
         if J > 1.05:
             match int(kind):
@@ -179,13 +179,13 @@ def test_states_at_which_a_function_fails_are_told() -> None:
     def law(kind: int) -> onset.Material:
         return onset.Material(fails, stress=lambda F, J: stress(F, J, MU, LAMBDA), tangent=lambda F, J: tangent(F, J, MU, LAMBDA), kind=kind)
 
-    for kind, told in ((0, "energy of the function is NaN"), (1, "ZeroDivisionError: division by zero")):
-        with pytest.raises(onset.InputError, match=told):
+    for kind, message in ((0, "energy of the function is NaN"), (1, "ZeroDivisionError: division by zero")):
+        with pytest.raises(onset.InputError, match=message):
             onset.state(law(kind), TOTAL, stretch=(1.1, 1.1))
-        # A map goes on beside states at which there is no law.
+        # A map continues past states at which the law is undefined.
         verdicts = onset.verdicts(law(kind), TOTAL, stretch=[(1.1, 1.1), (1.0, 1.0)])
         assert verdicts.count()["undefined"] == 1
-    for kind, told in ((2, "KeyError"), (3, "KeyboardInterrupt")):
-        with pytest.raises(onset.InputError, match=told) as caught:
+    for kind, message in ((2, "KeyError"), (3, "KeyboardInterrupt")):
+        with pytest.raises(onset.InputError, match=message) as caught:
             onset.verdicts(law(kind), TOTAL, stretch=[(1.0, 1.0), (1.1, 1.1)])
         assert "state 1" in str(caught.value) and "\x1b" not in str(caught.value)

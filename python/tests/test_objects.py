@@ -1,4 +1,4 @@
-"""Answers as objects: attributes, pictures, files, types."""
+"""Answers as objects: attributes, figures, files and types."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ STUDY = onset.Study.of(RUBBER, onset.Method(frame="eulerian"), {"stretch-1": (0.
 
 
 def answers(folder: Path) -> list[onset.Answer | onset.Verdicts | onset.Dispersion]:
-    """One of each."""
+    """One answer of each type."""
     return [
         onset.state(RUBBER, SPH, stretch=(1.1, 1.0)),
         onset.waves(RUBBER, SPH, wave_vector=(1, 1), stretch=(1.1, 1.0)),
@@ -43,7 +43,7 @@ def answers(folder: Path) -> list[onset.Answer | onset.Verdicts | onset.Dispersi
     ]
 
 
-def test_answers_are_told_drawn_and_shown(tmp_path: Path) -> None:
+def test_answers_have_text_html_and_a_plot(tmp_path: Path) -> None:
     from matplotlib import pyplot
 
     for answer in answers(tmp_path):
@@ -62,7 +62,7 @@ def test_answers_are_told_drawn_and_shown(tmp_path: Path) -> None:
             assert [Path(path).read_bytes() for path in written] == list(answer.files().values())
 
 
-def test_a_path_is_drawn_in_its_units_and_zero_as_zero() -> None:
+def test_plots_of_paths_label_units_and_clip_rounding_to_zero() -> None:
     from matplotlib import pyplot
 
     law = onset.Material("neo-hooke", mu=0.4, lambda_=2.0)
@@ -75,7 +75,7 @@ def test_a_path_is_drawn_in_its_units_and_zero_as_zero() -> None:
     assert particles.get_ylabel().endswith("(−)") and material.get_ylabel().endswith("(stress)")
     x, y = particles.lines[0].get_xydata().T
     assert (x[0], x[-1]) == (1.0, 2.0) and not np.any(y)
-    # The shear modulus at F = 1, as it is.
+    # The shear modulus at F = 1, unscaled.
     assert material.lines[0].get_xydata()[0, 1] == pytest.approx(0.4)
     pyplot.close("all")
     _, both = pyplot.subplots(1, 2)
@@ -84,12 +84,12 @@ def test_a_path_is_drawn_in_its_units_and_zero_as_zero() -> None:
     pyplot.close("all")
 
 
-def test_attributes_are_those_of_the_document() -> None:
+def test_attributes_agree_with_the_document() -> None:
     answer = onset.state(RUBBER, SPH, stretch=(1.1, 1.0))
-    told = answer.to_dict()
-    assert answer.verdict == told["verdict"] and answer["verdict"] == answer.verdict
-    assert answer.growth_rate == told["discretization"]["growth_rate"] == answer.discretization.growth_rate
-    assert answer.wave_vector.tolist() == told["discretization"]["wave_vector"]
+    document = answer.to_dict()
+    assert answer.verdict == document["verdict"] and answer["verdict"] == answer.verdict
+    assert answer.growth_rate == document["discretization"]["growth_rate"] == answer.discretization.growth_rate
+    assert answer.wave_vector.tolist() == document["discretization"]["wave_vector"]
     assert isinstance(answer.discretization.minimum_omega_squared, complex)
     assert answer.deformation_gradient.shape == (3, 3) and answer.material.tangent.shape == (3, 3, 3, 3)
     assert answer.settings.discretization_support.value == 2.6
@@ -97,17 +97,17 @@ def test_attributes_are_those_of_the_document() -> None:
     assert path.from_.shape == (3, 3)
 
 
-def test_answers_are_copied_and_their_documents_sent() -> None:
+def test_answers_can_be_copied_and_pickled() -> None:
     answer = onset.state(RUBBER, SPH, stretch=(1.1, 1.0))
     assert copy.copy(answer) is answer and copy.deepcopy(answer.discretization) == answer.discretization
-    # To another process the document goes, without what computes figures and files.
+    # Only the document is pickled, not the figures and files.
     sent = pickle.loads(pickle.dumps(answer))
     assert type(sent) is onset.Record and sent.to_dict() == answer.to_dict()
     assert pickle.loads(pickle.dumps((RUBBER, SPH))) == (RUBBER, SPH)
     assert not hasattr(answer, "_no_such_name")
 
 
-def test_settings_are_compared_shown_and_replaced() -> None:
+def test_settings_support_comparison_repr_and_replacement() -> None:
     assert SPH == onset.Method("updated-sph", lattice="square", kernel="cubic-spline", support=2.6)
     assert hash(SPH.replace(support=2.6)) == hash(SPH) and SPH.replace(support=2.0) != SPH
     assert SPH.replace(artificial_stress=0.3).assignments[-1] == "discretization.artificial-stress=0.3"
@@ -124,7 +124,7 @@ def test_settings_are_compared_shown_and_replaced() -> None:
 BLOCK = "*HYPERELASTIC, NEO HOOKE\n1.0, 0.1"
 
 
-def test_texts_that_read_as_numbers_are_numbers_in_studies_too() -> None:
+def test_numeric_texts_become_numbers_in_studies() -> None:
     axes = {"stretch-1": ("0.8", 1.3, 2), "stretch-2": (0.8, np.array(1.3), np.array(2))}
     read = onset.Material.read(BLOCK, "abaqus")
     study = onset.Study.of(read, onset.Method(frame="eulerian", support="1.6"), axes, title="2026", map={"adaptive": "false", "tile": "8"})
@@ -137,7 +137,7 @@ def test_texts_that_read_as_numbers_are_numbers_in_studies_too() -> None:
     assert table == onset.compare({"1": method.replace(support=2.6)}, RUBBER, states=2)
     assert onset.recommend(read, methods=None, dimension=1).csv
     assert onset.recommend(methods=[onset.Method(lattice="chain", kernel="cubic-spline", support="2.6")]).csv
-    # What expects a list is one, however it is given, and a text stays one.
+    # A key that takes a list accepts a single value; a text stays a text.
     library = onset.Material("umat", library="2", properties="1, 2.5")
     text = library._section_text()
     assert 'library = "2"\n' in text and "properties = [1, 2.5]\n" in text
@@ -150,7 +150,7 @@ def test_texts_that_read_as_numbers_are_numbers_in_studies_too() -> None:
     assert "mu = 1.152921504606847e+18\n" in large and onset.Study.of(onset.Material("neo-hooke", mu=2**60), SPH, axes)
 
 
-def test_a_law_that_was_read_keeps_its_notes() -> None:
+def test_replacing_parameters_keeps_the_notes_of_a_law() -> None:
     read = onset.Material.read(BLOCK, "abaqus")
     other = read.replace(c10=2)
     assert read.notes and other.notes == read.notes
@@ -158,14 +158,14 @@ def test_a_law_that_was_read_keeps_its_notes() -> None:
     assert type(SPH.replace(kernel="wendland-c2")) is onset.Method
 
 
-def test_arrays_without_axes_are_numbers() -> None:
+def test_zero_dimensional_arrays_are_accepted_as_numbers() -> None:
     assert onset.Material("neo-hooke", mu=np.array(0.4), lambda_=np.array(2)) == RUBBER
     assert onset.Method(np.str_("updated-sph"), lattice=np.array("square"), kernel="cubic-spline", support=np.float32(2.5)) == SPH.replace(support=2.5)
     certified = onset.state(RUBBER, SPH, stretch=(1.1, 1.0), certify=np.array(False), tolerance=np.array(1e-3))
     assert certified == onset.state(RUBBER, SPH, stretch=(1.1, 1.0))
 
 
-def test_one_assignment_stands_for_a_list_of_it() -> None:
+def test_a_single_assignment_is_accepted_in_place_of_a_list() -> None:
     text = STUDY.text
     assert onset.Study(text, set="discretization.support=2").text == onset.Study(text, set=["discretization.support=2"]).text
     methods = [onset.Method("total-lagrangian-sph")]
@@ -175,7 +175,7 @@ def test_one_assignment_stands_for_a_list_of_it() -> None:
 
 
 class Drawing:
-    """An answer that counts how often its files are made."""
+    """Answer that counts how often its files are computed."""
 
     json, text, csv = "{}", "stable\nin all", ""
 
@@ -191,13 +191,13 @@ class Drawing:
 
 
 def drawn_by(drawing: Drawing) -> onset.Answer:
-    """An answer of a question, whose figures another hand draws."""
+    """Answer whose figures `drawing` computes."""
     answer = onset.state(RUBBER, SPH, stretch=(1.1, 1.0))
     object.__setattr__(answer, "_answer", drawing)
     return answer
 
 
-def test_figures_are_drawn_once_and_displays_without_one_go_on() -> None:
+def test_figures_are_cached_and_a_failed_figure_does_not_break_the_display() -> None:
     drawing = Drawing()
     answer = drawn_by(drawing)
     assert answer._repr_html_() == answer._repr_html_() and "<svg>" in answer._repr_html_()
@@ -210,7 +210,7 @@ def test_figures_are_drawn_once_and_displays_without_one_go_on() -> None:
         failing.files()
 
 
-def test_a_state_that_is_asked_again_is_the_same() -> None:
+def test_equal_calls_give_equal_answers() -> None:
     first = onset.state(RUBBER, SPH, stretch=(1.1, 1.0))
     assert first == onset.state(RUBBER, SPH, stretch=(1.1, 1.0)) and first != onset.state(RUBBER, SPH, stretch=(1.2, 1.0))
     assert len({first, onset.state(RUBBER, SPH, stretch=(1.1, 1.0))}) == 1
@@ -224,8 +224,8 @@ def test_examples_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     exec("\n".join(examples), {"__name__": "example"})
 
 
-def test_types(tmp_path: Path) -> None:
-    """The stubs are those of the compiled part; the package and the examples check strictly."""
+def test_stubs_match_the_compiled_module(tmp_path: Path) -> None:
+    """The package and the examples of the documentation also pass the strict type checker."""
     package = REPOSITORY / "python" / "onset"
     stubtest = subprocess.run([sys.executable, "-m", "mypy.stubtest", "onset._onset"], capture_output=True, text=True, cwd=tmp_path, check=False)
     assert stubtest.returncode == 0, stubtest.stdout + stubtest.stderr
@@ -240,7 +240,7 @@ def test_types(tmp_path: Path) -> None:
         assert mypy.returncode == 0, mypy.stdout + mypy.stderr
 
 
-def test_the_installed_package_has_the_licenses_of_all_that_is_linked_into_it() -> None:
+def test_the_installed_package_has_the_licenses_of_all_linked_libraries() -> None:
     files = {file.name: file for file in importlib.metadata.files("onset-mechanics") or []}
     texts = files["THIRD-PARTY.txt"].read_text(encoding="utf-8")
     assert {"LICENSE-MIT", "LICENSE-APACHE"} <= set(files)

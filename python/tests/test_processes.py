@@ -1,4 +1,4 @@
-"""Answers in forked processes, in threads, within laws, and after an interrupt."""
+"""Calls in child processes, in threads and within laws, and interrupted calls."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ def _verdicts(_: int) -> list[int]:
 
 
 @pytest.mark.parametrize("start", ["fork", "forkserver", "spawn"])
-def test_children_of_any_kind_answer_as_their_parent(start: str) -> None:
+def test_forked_and_spawned_processes_give_the_same_answers(start: str) -> None:
     expected = _verdicts(0)
     with multiprocessing.get_context(start).Pool(2) as pool:
         assert pool.map_async(_verdicts, range(4)).get(timeout=120) == [expected] * 4
 
 
-def test_threads_answer_at_the_same_time() -> None:
+def test_concurrent_threads_give_the_same_answers() -> None:
     expected = _verdicts(0)
     with ThreadPoolExecutor(8) as threads:
         assert list(threads.map(_verdicts, range(8), timeout=120)) == [expected] * 8
 
 
-def test_a_law_that_asks_questions_itself_is_answered() -> None:
+def test_a_python_law_may_call_onset() -> None:
     base = onset.Material("neo-hooke", mu=1.0, lambda_=2.0)
 
     def of(name: str) -> Callable[[Any], Any]:
@@ -59,12 +59,12 @@ def ring(*_):
     raise KeyboardInterrupt
 signal.signal(signal.SIGALRM, ring)
 signal.setitimer(signal.ITIMER_REAL, 1.0)
-asked = time.monotonic()
+started = time.monotonic()
 try:
     %s
 except KeyboardInterrupt:
-    print(time.monotonic() - asked - 1.0)
-# The work ends at its next checkpoint, not with its answer.
+    print(time.monotonic() - started - 1.0)
+# The computation stops at its next checkpoint, before it is complete.
 time.sleep(2.0)
 used = time.process_time()
 time.sleep(0.5)
@@ -88,12 +88,12 @@ CALLS = {
 
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="the system has no timers")
 @pytest.mark.parametrize("call", CALLS)
-def test_an_interrupt_ends_a_long_question_and_its_work(call: str, tmp_path: Path) -> None:
+def test_an_interrupt_stops_a_long_computation(call: str, tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "-c", LONG % CALLS[call]], capture_output=True, text=True, cwd=tmp_path, check=False, timeout=120)
     assert done.returncode == 0, done.stderr
     numbers = [float(line) for line in done.stdout.split()]
-    assert len(numbers) == 2, "the question was answered before it was interrupted"
-    # The grace of 0.2 s, and what a loaded machine takes.
+    assert len(numbers) == 2, "the call returned before it was interrupted"
+    # Grace period of 0.2 s, with a margin for a loaded machine.
     assert numbers[0] < 2.0
     assert numbers[1] < 0.2
 

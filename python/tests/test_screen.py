@@ -26,7 +26,7 @@ SPH = onset.Method(
 
 
 class Lazy:
-    """Frames that are made one by one."""
+    """Frames that are read one at a time."""
 
     def __init__(self, array: Any) -> None:
         self.array = array
@@ -51,9 +51,9 @@ def screened(run: dict[str, Any], **more: Any) -> onset.Screening:
     return onset.screen(run["position"], run["reference"], run["time"], LAW, SPH, **{**given, **scheme, **more})
 
 
-def test_arrays_and_lazy_frames_have_one_answer() -> None:
+def test_arrays_and_lazy_frames_give_the_same_answer() -> None:
     run = tension()
-    # The last two frames have one time.
+    # The last two frames have the same time.
     run = {name: value[:20] if name in ("position", "velocity", "stress", "time") else value for name, value in run.items()}
     answer = screened(run)
     assert (answer.cause, answer.mechanism) == ("numerical", "tensile")
@@ -85,7 +85,7 @@ def test_a_step_above_the_limit_of_the_body_is_reported() -> None:
     assert float(answer.to_xarray()["step_ratio"].min()) > 1
 
 
-def test_modes_are_arrays() -> None:
+def test_modes_are_returned_as_arrays() -> None:
     X, x = plate()
     held = X[:, 0] == 0
     method = onset.Method("total-lagrangian-sph", support=2.01, penalty=0.3)
@@ -103,7 +103,7 @@ def test_modes_are_arrays() -> None:
         onset.screen(x, X, None, None, method).modes()
 
 
-def test_faults_name_the_argument() -> None:
+def test_errors_name_the_argument() -> None:
     X, x = plate()
     with pytest.raises(onset.InputError, match=r"x\[2\] has values that are not finite"):
         broken = x.copy()

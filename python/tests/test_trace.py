@@ -1,4 +1,4 @@
-"""Energies that are Python functions."""
+"""Energies given as Python functions that are traced to a formula."""
 
 from collections.abc import Callable
 import math
@@ -24,7 +24,7 @@ def assert_same(one: Material, other: Material, digits: float) -> None:
         assert np.max(np.abs(a - b)) <= digits * np.max(np.abs(b)), quantity
 
 
-def test_a_function_is_the_formula_it_computes() -> None:
+def test_a_traced_function_gives_its_formula() -> None:
     own = Material(neo_hooke, **PARAMETERS)
     assert "material.energy=mu/2*(I1 - 3 - 2*ln(J)) + lambda/2*ln(J)^2" in own.assignments
     assert_same(own, Material("mu/2*(I1 - 3 - 2*ln(J)) + lambda/2*ln(J)^2", **PARAMETERS), 0.0)
@@ -32,7 +32,7 @@ def test_a_function_is_the_formula_it_computes() -> None:
     assert own == Material(energy=neo_hooke, **PARAMETERS) == Material("formula", energy=neo_hooke, **PARAMETERS)
 
 
-def test_a_function_answers_as_the_law_of_the_library() -> None:
+def test_a_traced_function_agrees_with_the_built_in_law() -> None:
     method = onset.Method("tlsph", penalty=0.1)
     own, known = (onset.state(material, method, stretch=(1.3, 0.8)) for material in (Material(neo_hooke, **PARAMETERS), Material("neo-hooke", **PARAMETERS)))
     assert own.verdict == known.verdict
@@ -54,11 +54,11 @@ def test_a_function_answers_as_the_law_of_the_library() -> None:
         (lambda lambda1, lambda2, lambda3, mu: mu * (lambda1**1.5 + lambda2**1.5 + lambda3**1.5), "mu*(lambda1^1.5 + lambda2^1.5 + lambda3^1.5)"),
     ],
 )
-def test_functions_of_tensors_and_invariants(energy: Callable[..., object], formula: str) -> None:
+def test_traced_functions_of_tensors_and_invariants_agree_with_formulas(energy: Callable[..., object], formula: str) -> None:
     assert_same(Material(energy, mu=0.7), Material(formula, mu=0.7), 1e-13)
 
 
-def test_a_part_that_is_used_again_is_written_once() -> None:
+def test_common_subexpressions_are_written_once() -> None:
     def nested(J, depth=12):  # type: ignore[no-untyped-def]
         for _ in range(30):
             J = J + J * J
@@ -68,7 +68,7 @@ def test_a_part_that_is_used_again_is_written_once() -> None:
     assert len(text) < 2000 and text.count("let ") == 29
 
 
-def test_a_name_of_an_argument_is_not_taken_by_a_part() -> None:
+def test_names_of_subexpressions_do_not_collide_with_arguments() -> None:
     def energy(I1, part1=2.0):  # type: ignore[no-untyped-def]
         part = I1 - 3
         return part * part + part1
@@ -76,7 +76,7 @@ def test_a_name_of_an_argument_is_not_taken_by_a_part() -> None:
     assert Material(energy).energy(np.diag([1.0, 1.0, 2.0])) == 11.0
 
 
-def test_defaults_of_arguments_are_values_of_parameters() -> None:
+def test_defaults_of_arguments_become_values_of_parameters() -> None:
     def energy(I1, J, mu=0.25):  # type: ignore[no-untyped-def]
         return mu * (I1 - 3 - 2 * np.log(J))
 
@@ -89,7 +89,7 @@ def raises(J):  # type: ignore[no-untyped-def]
 
 
 @pytest.mark.parametrize(
-    ("energy", "told"),
+    ("energy", "message"),
     [
         (lambda J: math.log(J), "numpy.log, not math.log"),
         (lambda J: 1 if J > 1 else 2, "numpy.where"),
@@ -108,11 +108,11 @@ def raises(J):  # type: ignore[no-untyped-def]
         (lambda C: np.linalg.det(C[:2]), "square matrix"),
     ],
 )
-def test_what_a_formula_cannot_say_is_told(energy: Callable[..., object], told: str) -> None:
-    with pytest.raises(InputError, match=told):
+def test_unsupported_expressions_are_refused_with_a_message(energy: Callable[..., object], message: str) -> None:
+    with pytest.raises(InputError, match=message):
         Material(energy)
 
 
-def test_what_a_function_raises_is_raised() -> None:
+def test_exceptions_of_the_function_are_propagated() -> None:
     with pytest.raises(KeyError, match="mine"):
         Material(raises)

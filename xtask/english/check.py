@@ -58,9 +58,11 @@ def messages(number, line):
 
 
 def of_script(text, is_python):
-    """Docs and comments of Python and TypeScript, and messages of Python."""
+    """Docs and comments of Python and TypeScript, messages of Python, and names of its tests."""
     docs = re.compile(r'"""(.*?)"""|/\*\*(.*?)\*/', re.DOTALL)
     for found in docs.finditer(text):
+        if text[: found.start()].endswith(("= ", "(")):
+            continue
         doc = re.sub(r"\n\s*\*", "\n", found.group(1) or found.group(2) or "")
         yield "doc", text.count("\n", 0, found.start()) + 1, plain(doc.split("\n\n")[0])
     code = docs.sub(lambda found: "\n" * found.group().count("\n"), text)
@@ -68,17 +70,27 @@ def of_script(text, is_python):
         comment = re.match(r"\s*(?:#:?|//) (.*)", line)
         if comment:
             yield "comment", number, plain(comment.group(1))
-        if is_python:
+        name = re.match(r"def test_(\w+_\w+_\w+)\(", line)
+        if name:
+            yield "test", number, name.group(1).replace("_", " ")
+        elif is_python:
             yield from messages(number, line)
 
 
 def of_rust(text, is_test):
-    """Docs (of functions: `fn`; paragraphs after the first: `more`), comments, messages and constants outside tests, and names of tests."""
+    """Docs (of functions: `fn`; paragraphs after the first: `more`), comments, messages and constants; of tests names and comments."""
     doc, comment, begin, is_code = [], [], 0, False
     for number, line in enumerate([*text.split("\n"), ""], 1):
         code = line.strip()
         is_test |= code.startswith("#[cfg(test)]")
         if is_test:
+            if re.match(r"//[/!]? ", code):
+                begin = begin if comment else number
+                comment.append(code.lstrip("/!"))
+                continue
+            if comment:
+                yield "comment", begin, plain(" ".join(comment))
+                comment = []
             name = re.match(r"(?:async )?fn (\w+_\w+_\w+)\(\)", code)
             if name:
                 yield "test", number, name.group(1).replace("_", " ")
@@ -121,8 +133,8 @@ def parts(path, text):
 
 
 def is_read(path):
-    """Returns true for Rust and Markdown, the Python package and the page."""
-    return path.suffix in (".rs", ".md") or path.parts[:2] == ("python", "onset") or path.suffix == ".ts"
+    """Returns true for Rust and Markdown, the Python package with its tests, and the page."""
+    return path.suffix in (".rs", ".md", ".ts") or path.parts[:2] == ("python", "onset") or (path.suffix == ".py" and path.parts[:2] == ("python", "tests"))
 
 
 def hits(kind, text, all_patterns):

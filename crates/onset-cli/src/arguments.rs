@@ -545,7 +545,7 @@ pub struct ThresholdArguments {
     /// Limit of weakly controlled waves.
     #[command(flatten)]
     pub weak: WeakArgument,
-    /// Largest accepted share of states with a wrong verdict.
+    /// Largest accepted fraction of states with a wrong verdict.
     #[arg(long, value_name = "SHARE", default_value_t = Thresholds::default().wrong, value_parser = share, help_heading = "Limits")]
     pub wrong: f64,
 }
@@ -645,7 +645,7 @@ pub struct ScreenArguments {
     /// Libraries that the file may load.
     #[command(flatten)]
     pub trust: TrustArguments,
-    /// Time step of the code; it turns steps into times where a format has steps only.
+    /// Time step of the code; converts step numbers into times for formats without times.
     #[arg(long, value_name = "DT", value_parser = positive, help_heading = "Time")]
     pub time_step: Option<f64>,
     /// Time stepping of the code: velocity-verlet (also leapfrog, central-differences), extrapolated-stress (LAMMPS smd/tlsph), late-density
@@ -674,7 +674,7 @@ pub struct ScreenArguments {
     /// Print format, columns, spacing and held particles of the files, and stop.
     #[arg(long, help_heading = "Reading")]
     pub check: bool,
-    /// Amplitude, in spacings, at which short waves of the positions count as observed.
+    /// Smallest amplitude of short waves in the particle positions that counts as observed, in particle spacings.
     #[arg(long, value_name = "A", value_parser = share, allow_negative_numbers = true, default_value_t = THRESHOLD)]
     pub threshold: f64,
     /// Amplitude of the waves when growth begins, in spacings [default: the short waves in the files].
@@ -732,7 +732,7 @@ pub struct FitArguments {
     /// Table of a volumetric test.
     #[arg(long, value_name = "FILE", help_heading = "Tests")]
     pub volumetric: Vec<PathBuf>,
-    /// Unit of stress of tables that name none, for example MPa.
+    /// Unit of stress of tables without a unit, for example MPa.
     #[arg(long, value_name = "UNIT", help_heading = "Tests")]
     pub unit: Option<String>,
     /// Area of the undeformed cross-section, which turns forces into nominal stresses.
@@ -750,10 +750,10 @@ pub struct FitArguments {
         help_heading = "Fit"
     )]
     pub law: Vec<String>,
-    /// Weights of the points: relative (errors over measured stress) or absolute.
+    /// Weights of the points: relative (errors divided by the measured stress) or absolute.
     #[arg(long, value_name = "KIND", value_parser = ["relative", "absolute"], default_value = "relative", help_heading = "Fit")]
     pub weights: String,
-    /// Smallest stress in the denominator of relative errors, as a part of the largest stress of the test.
+    /// Smallest stress in the denominator of relative errors, as a fraction of the largest stress of the test.
     #[arg(long, value_name = "PART", value_parser = share, allow_negative_numbers = true, help_heading = "Fit")]
     pub floor: Option<f64>,
     /// Fix a constant, for example alpha1=2 (may be given several times).
@@ -765,7 +765,7 @@ pub struct FitArguments {
     /// Bulk modulus of the fitted law [default: from a volumetric test, or 1000 shear moduli].
     #[arg(long, value_name = "KAPPA", value_parser = positive, help_heading = "Fit")]
     pub bulk: Option<f64>,
-    /// First guesses for constants in which a law is not linear.
+    /// Number of initial guesses for constants in which a law is nonlinear.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=10_000), default_value_t = 64, help_heading = "Fit")]
     pub starts: u16,
     /// Range in which the law must be stable: data (up to 1.25 times the largest stretch of the tests), data=FACTOR, box=LOW,HIGH (all principal
@@ -775,7 +775,7 @@ pub struct FitArguments {
     /// Criterion that must hold: drucker, ellipticity or both.
     #[arg(long, value_name = "NAME", value_parser = ["drucker", "ellipticity", "both"], default_value = "both", help_heading = "Stability")]
     pub criterion: String,
-    /// Least value of a criterion, as a part of its value in the reference.
+    /// Smallest value of a criterion, as a fraction of its value in the reference configuration.
     #[arg(long, value_name = "PART", value_parser = share, allow_negative_numbers = true, default_value_t = 1e-6, help_heading = "Stability")]
     pub margin: f64,
     /// Exit with code 3 if no fitted law is stable: unstable.

@@ -580,7 +580,7 @@ impl CourseArguments {
         }
         if self.material.is_some() && programs.is_empty() {
             return Err(Failure::input(
-                "--material has no effect: FILE is not a block of another program\n  hint: leave --material out, or say whose block it is, for example --from abaqus",
+                "--material has no effect: FILE is not a block of another program\n  hint: leave --material out, or name the program of the block, for example --from abaqus",
             ));
         }
         if starts.is_empty() && self.mode.is_none() {

@@ -10,12 +10,12 @@ use std::time::Duration;
 /// Delay before the display appears.
 const DISPLAY_DELAY: Duration = Duration::from_secs(2);
 
-static SHOWN: Mutex<Option<Patience>> = Mutex::new(None);
+static DISPLAYED: Mutex<Option<Patience>> = Mutex::new(None);
 
 /// Starts a progress display that appears after two seconds, on a terminal only.
 pub fn begin(doing: &'static str) {
     let shown = Patience::with(doing);
-    SHOWN
+    DISPLAYED
         .lock()
         .unwrap_or_else(PoisonError::into_inner)
         .replace(shown);
@@ -23,7 +23,12 @@ pub fn begin(doing: &'static str) {
 
 /// Clears display and bar; required before other output.
 pub fn end() {
-    drop(SHOWN.lock().unwrap_or_else(PoisonError::into_inner).take());
+    drop(
+        DISPLAYED
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take(),
+    );
     if let Some(bar) = BAR.lock().unwrap_or_else(PoisonError::into_inner).take() {
         bar.finish_and_clear();
     }

@@ -83,16 +83,16 @@ pub struct PrintingArguments {
 }
 
 /// Printing arguments and the start time.
-static ASKED: OnceLock<(PrintingArguments, Instant)> = OnceLock::new();
+static REQUEST: OnceLock<(PrintingArguments, Instant)> = OnceLock::new();
 
 /// Sets the printing arguments, once per process.
 pub fn begin(asked: PrintingArguments) {
-    let _ = ASKED.set((asked, Instant::now()));
+    let _ = REQUEST.set((asked, Instant::now()));
 }
 
 /// Prints the elapsed time if requested.
 pub fn end() {
-    if let Some((asked, since)) = ASKED.get()
+    if let Some((asked, since)) = REQUEST.get()
         && asked.verbose
     {
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
@@ -105,7 +105,7 @@ pub fn end() {
 }
 
 fn asked() -> PrintingArguments {
-    ASKED.get().map(|(asked, _)| *asked).unwrap_or_default()
+    REQUEST.get().map(|(asked, _)| *asked).unwrap_or_default()
 }
 
 /// Returns true if only errors are printed.

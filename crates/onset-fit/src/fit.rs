@@ -31,7 +31,7 @@ pub struct Options {
     pub range: Option<Range>,
     /// Criteria that must hold there.
     pub criteria: Vec<Criterion>,
-    /// Lowest value of a criterion, relative to its value in the reference.
+    /// Lowest value of a criterion, relative to its value in the reference configuration.
     pub margin: f64,
     /// Number of first guesses for constants in which the energy is not linear.
     pub starts: usize,

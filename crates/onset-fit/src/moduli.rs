@@ -5,11 +5,11 @@
 //!
 //! `Q_jj = (4 e_j W_jj + 2 W_j) N_j^2 + sum_(i != j) (2 W_j + e_i T_ij) N_i^2`, `Q_ij = lambda_i lambda_j (4 W_ij + T_ij) N_i N_j`.
 //!
-//! These are the moduli of Ogden, Non-linear elastic deformations (1984), section 6.1. Strong ellipticity says that `Q(N)` is positive definite; for
+//! These are the moduli of Ogden, Non-linear elastic deformations (1984), section 6.1. Strong ellipticity means that `Q(N)` is positive definite; for
 //! incompressible response, on amplitudes normal to `n = F^-T N`. Only the squares `p_i = N_i^2` enter the condition: `|n|^2 tr Q - n . Q n` is a quadratic and
 //! `n . adj(Q) n` a cubic form of `p`, whose coefficients in the Bernstein basis bound them over all directions.
 //!
-//! Drucker's inequality says that `4 e_i e_j W_ij + 4 d_ij e_i W_i`, the second derivative by the logarithms of the stretches, is positive definite; for
+//! Drucker's inequality means that `4 e_i e_j W_ij + 4 d_ij e_i W_i`, the second derivative by the logarithms of the stretches, is positive definite; for
 //! incompressible response, on increments without change of volume.
 
 use nalgebra::{Matrix2, Matrix3, Vector3};
@@ -41,7 +41,7 @@ impl Criterion {
 pub(crate) enum Perturbation {
     /// Increment of the logarithmic strains, with unit length.
     Strain([f64; 3]),
-    /// Wave with a unit normal `N` in the reference, and a unit amplitude.
+    /// Wave with a unit normal `N` in the reference configuration, and a unit amplitude.
     Wave([f64; 3], [f64; 3]),
 }
 
@@ -144,7 +144,7 @@ impl<R: Real> Moduli<R> {
         sum
     }
 
-    /// Shear modulus; for the moduli of the reference.
+    /// Shear modulus; for the moduli of the reference configuration.
     pub fn shear_modulus(&self) -> R {
         (self.logarithmic(0, 0) - self.logarithmic(0, 1)) * 0.5
     }

@@ -188,7 +188,7 @@ impl Range {
 pub struct Worst {
     /// Criterion with the lowest value.
     pub criterion: Criterion,
-    /// Lowest value, relative to the value in the reference.
+    /// Lowest value, relative to the value in the reference configuration.
     pub value: f64,
     /// Principal stretches of the state.
     pub stretches: [f64; 3],
@@ -207,7 +207,7 @@ pub(crate) struct Numbers<'a> {
 }
 
 impl Numbers<'_> {
-    /// Shear modulus in the reference.
+    /// Shear modulus in the reference configuration.
     pub fn shear_modulus(&self) -> f64 {
         let energy = self.family.jet(self.constants, [1.0; 3]);
         Moduli::new(&energy, [1.0; 3]).shear_modulus()
@@ -247,7 +247,7 @@ impl Numbers<'_> {
 }
 
 impl Criterion {
-    /// Value in the reference for a shear modulus.
+    /// Value in the reference configuration for a shear modulus.
     pub(crate) fn reference(self, shear: f64) -> f64 {
         match self {
             Self::Drucker => 2.0 * shear,

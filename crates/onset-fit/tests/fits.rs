@@ -61,7 +61,7 @@ fn material(fit: &Fit) -> Result<Box<dyn Hyperelastic>, Box<dyn Error>> {
     })
 }
 
-/// Numbers from 0 to 1 that look random, the same in each run.
+/// Pseudorandom numbers from 0 to 1, equal in each run.
 fn numbers() -> impl FnMut() -> f64 {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     move || {
@@ -198,7 +198,7 @@ fn laws_with_exponents_reach_the_best_known_optimum() -> Outcome {
 }
 
 #[test]
-fn stability_costs_what_independent_programs_say() -> Outcome {
+fn the_cost_of_stability_agrees_with_independent_programs() -> Outcome {
     // Ratios of the sums of squares from cutting planes over a grid in NumPy: Drucker alone.
     for (name, law, weights, expected) in [
         ("treloar", "polynomial-2", Weights::Absolute, 1.2241),
@@ -288,7 +288,7 @@ fn a_free_fit_is_refuted_where_the_tangent_of_the_library_is_lost() -> Outcome {
 }
 
 #[test]
-fn constants_of_exact_points_come_back() -> Outcome {
+fn constants_are_recovered_from_exact_data() -> Outcome {
     let cases: [(&str, &[f64]); 7] = [
         ("neo-hooke-isochoric", &[0.4]),
         ("mooney-rivlin-isochoric", &[0.15, 0.02]),
@@ -430,7 +430,7 @@ fn a_stable_law_is_proved_and_an_unstable_one_has_no_constants() -> Outcome {
     let proved = fit(&tests, &of("yeoh")?, &Options::default())?;
     assert!(proved.stable.is_none());
     assert!(matches!(proved.proof, Some(Proof::Proved { .. })));
-    // Hencky's law has one constant and is not elliptic at large stretches, whatever its value.
+    // Hencky's law has one constant and is not elliptic at large stretches for any value.
     let hencky = fit(&tests, &of("hencky")?, &Options::default());
     assert!(matches!(hencky, Err(FitError::NotStable { .. })));
     Ok(())

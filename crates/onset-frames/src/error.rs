@@ -10,9 +10,9 @@ use thiserror::Error;
 pub struct Place {
     /// Path of the file.
     pub file: PathBuf,
-    /// Line in a text, from 1.
+    /// Line in a text, from 1; `None` for binary formats.
     pub line: Option<u64>,
-    /// Number of the frame in its file, from 0.
+    /// Number of the frame in its file, from 0; `None` for errors of the whole file.
     pub frame: Option<usize>,
 }
 

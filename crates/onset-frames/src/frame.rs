@@ -8,35 +8,35 @@ use std::collections::HashMap;
 pub struct Frame {
     /// Time; `None` if neither the file nor the user gives it.
     pub time: Option<f64>,
-    /// Number of the time step.
+    /// Number of the time step; `None` if the file does not give it.
     pub step: Option<u64>,
     /// Place of the frame.
     pub source: Place,
     /// Number of written dimensions, 1 to 3; further components of positions, displacements and velocities are zero.
     pub dimensions: usize,
-    /// Numbers of the particles.
+    /// Numbers of the particles; `None` if the file has no numbers.
     pub identity: Option<Vec<u64>>,
-    /// Current position of each particle.
+    /// Current position of each particle; length in the units of the run.
     pub position: Vec<[f64; 3]>,
-    /// Reference position of each particle.
+    /// Reference position of each particle; length. `None` if the file has no reference positions.
     pub reference: Option<Vec<[f64; 3]>>,
-    /// Current minus reference position of each particle.
+    /// Current minus reference position of each particle; length. `None` if the file has no displacements.
     pub displacement: Option<Vec<[f64; 3]>>,
-    /// Velocity of each particle.
+    /// Velocity of each particle; length/time. `None` if the file has no velocities.
     pub velocity: Option<Vec<[f64; 3]>>,
     /// Deformation gradients F_iJ, row by row as in the file; see [`ColumnUse::order_is_assumed`](crate::ColumnUse::order_is_assumed).
     pub gradient: Option<Vec<[f64; 9]>>,
     /// Components of the gradients that the file contains. The remaining components equal the identity.
     pub gradient_given: [bool; 9],
-    /// Cauchy stresses xx, yy, zz, xy, xz, yz.
+    /// Cauchy stresses xx, yy, zz, xy, xz, yz, in the units of the run.
     pub stress: Option<Vec<[f64; 6]>>,
     /// Components of the stresses that the file contains; the others are set to zero and are unknown.
     pub stress_given: [bool; 6],
-    /// Current density of each particle.
+    /// Current density of each particle; mass/volume.
     pub density: Option<Vec<f64>>,
-    /// Volume of each particle or cell.
+    /// Volume of each particle or cell, in the units of the run.
     pub volume: Option<Vec<f64>>,
-    /// Mass of each particle.
+    /// Mass of each particle; mass.
     pub mass: Option<Vec<f64>>,
     /// Type or material of each particle.
     pub kind: Option<Vec<i64>>,
@@ -63,13 +63,13 @@ pub struct Cells {
     pub gradient: Option<Vec<[f64; 9]>>,
     /// Components of the gradients that the file contains.
     pub gradient_given: [bool; 9],
-    /// Cauchy stresses xx, yy, zz, xy, xz, yz.
+    /// Cauchy stresses xx, yy, zz, xy, xz, yz, in the units of the run.
     pub stress: Option<Vec<[f64; 6]>>,
     /// Components of the stresses that the file contains.
     pub stress_given: [bool; 6],
-    /// Current density of each cell.
+    /// Current density of each cell; mass/volume.
     pub density: Option<Vec<f64>>,
-    /// Volume of each particle or cell.
+    /// Volume of each particle or cell, in the units of the run.
     pub volume: Option<Vec<f64>>,
     /// Number of the material of each cell.
     pub kind: Option<Vec<i64>>,

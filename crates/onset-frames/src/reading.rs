@@ -158,7 +158,7 @@ impl FromStr for Quantity {
 /// Range of frames, as a slice of Python: from `first` up to and without `end`, in steps of `every`; negative numbers count from the end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameRange {
-    /// Number of the first frame to be read.
+    /// Number of the first frame to be read; `None` for the first frame of the run.
     pub first: Option<i64>,
     /// Frame after the last.
     pub end: Option<i64>,

@@ -261,7 +261,7 @@ impl Series {
         self.is_reference = first.position == last.position;
         self.recognized.assumed.push(match self.is_reference {
             true => "positions are reference positions, because they are the same in the first and the last frame; displacements are added".to_owned(),
-            false => "positions are current positions, because they move; displacements are subtracted for the reference".to_owned(),
+            false => "positions are current positions, because they move; displacements are subtracted for reference positions".to_owned(),
         });
         Ok(())
     }

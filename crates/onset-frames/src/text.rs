@@ -9,7 +9,7 @@ use std::io::{self, BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 /// Maximum length of a line, in bytes.
-const MOST_LINE: usize = 1 << 20;
+const MAX_LINE: usize = 1 << 20;
 
 /// Place of a line in the decompressed text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -136,17 +136,17 @@ impl Lines {
         line.clear();
         let outcome = self
             .reader()
-            .take(MOST_LINE as u64 + 1)
+            .take(MAX_LINE as u64 + 1)
             .read_until(b'\n', &mut line);
         self.count(outcome)?;
         let bytes = line.len();
         self.is_whole = line.last() == Some(&b'\n');
         self.line = line;
         self.advance(bytes as u64, u64::from(bytes > 0))?;
-        if bytes > MOST_LINE {
+        if bytes > MAX_LINE {
             return Err(FrameError::refused(
                 self.place(),
-                format!("the line has more than {} KiB", MOST_LINE >> 10),
+                format!("the line has more than {} KiB", MAX_LINE >> 10),
                 "give an output file of a simulation in one of the known formats",
             ));
         }

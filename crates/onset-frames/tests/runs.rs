@@ -87,7 +87,7 @@ fn an_archive_of_numpy_has_frames_as_first_axis_and_static_arrays() {
 }
 
 #[test]
-fn points_that_stay_are_reference_positions() {
+fn positions_that_never_change_are_reference_positions() {
     let series = open("fem-tension.pvd");
     assert_eq!(series.recognized().assumed.len(), 1);
     let frames = all(series);
@@ -225,7 +225,7 @@ fn an_archive_with_a_changed_byte_is_refused() {
 }
 
 #[test]
-fn a_grid_that_is_cut_off_is_refused_and_a_list_of_grids_is_reported() {
+fn a_truncated_grid_is_refused_and_a_list_of_grids_is_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     let grid = std::fs::read_to_string(data("meshio-ascii.vtu")).expect("a grid");
     for place in ["<PointData>", "<CellData>", "</Piece>", "</VTKFile>"] {
@@ -361,7 +361,7 @@ fn pickled_arrays_and_other_formats_are_refused_with_a_hint() {
 }
 
 #[test]
-fn formats_that_are_not_read_are_named() {
+fn unsupported_formats_are_named_in_the_error() {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, start, told) in [
         ("run.h5", &b"\x89HDF\r\n\x1a\n"[..], "HDF5"),
@@ -441,7 +441,7 @@ fn data_sets_of_hdf5_have_frames_as_their_first_axis() {
 }
 
 #[test]
-fn hdf5_files_of_pysph_are_frames_of_one_body() {
+fn hdf5_files_of_pysph_are_read_as_frames_of_one_body() {
     let reading = Reading {
         time_step: Some(0.1),
         ..Reading::default()

@@ -23,7 +23,7 @@ pub enum Failure {
     Defect(String),
     /// Exception of a Python function that the caller handed over, raised unchanged.
     Raised(PyErr),
-    /// Question that was cancelled by the user.
+    /// Call that the user cancelled.
     Ended,
 }
 

@@ -16,7 +16,8 @@ use std::sync::Arc;
 /// Number of values per state: energy `W`, stress `P_iJ` and tangent `A_iJkL`.
 pub const NUMBERS: usize = 91;
 
-/// Python function of a law with the values of its parameters. It maps states of nine components each to 91 numbers each, as bytes of doubles.
+/// Python function of a law with the values of its parameters. It maps states (`F`, nine doubles each) to energy, stress `P` and tangent
+/// `dP/dF` (1 + 9 + 81 doubles per state), as bytes.
 #[pyclass(frozen, module = "onset._onset")]
 pub struct Function {
     respond: Arc<Py<PyAny>>,

@@ -130,6 +130,6 @@ fn told(why: &(dyn Any + Send)) -> Failure {
         .or_else(|| why.downcast_ref::<&str>().copied())
         .unwrap_or("for an unknown reason");
     Failure::Defect(format!(
-        "this question cannot be answered because of a defect: {text}\n  hint: please report it with the question"
+        "internal error: {text}\n  hint: please report it with the call that caused it"
     ))
 }

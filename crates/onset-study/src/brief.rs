@@ -11,7 +11,7 @@ pub const WIDTH: usize = 100;
 /// Width of the names of rows.
 const NAME: usize = 12;
 /// Number of lines that notes leave to a table: its head and the most important lines.
-const LEAST_OF_TABLE: usize = 4;
+const MIN_TABLE_LINES: usize = 4;
 /// Largest number of lines of notes if they leave no room for rows.
 const BEGINNING_OF_NOTE: usize = 2;
 
@@ -87,7 +87,7 @@ impl Short {
             own.map(|(_, lines)| lines.len()).sum::<usize>()
         };
         let important = kept(0) + kept(1) + kept(2);
-        let room = left.saturating_sub(important + self.table.len().min(LEAST_OF_TABLE));
+        let room = left.saturating_sub(important + self.table.len().min(MIN_TABLE_LINES));
         let notes = self.shown_notes(room);
         left = left.saturating_sub(notes.len());
         let table = self.cut_table(left.saturating_sub(kept(0)));

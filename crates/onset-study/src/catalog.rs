@@ -397,7 +397,7 @@ const ROWS: &[Row] = &[
                 "diamond",
                 "3D: a1 = 2h/sqrt(3) (0, 1, 1), a2 = 2h/sqrt(3) (1, 0, 1), a3 = 2h/sqrt(3) (1, 1, 0), second particle at \
                  (a1 + a2 + a3)/4; 4 neighbors, cell 16/sqrt(27) h^3",
-                "carbon's; two particles in a cell",
+                "structure of diamond; two particles per cell",
             ),
             (
                 "triclinic",
@@ -489,17 +489,17 @@ const ROWS: &[Row] = &[
         &[
             (
                 "membrane",
-                "a law of the plane itself: invariants of the two-by-two F, increments held in the plane",
+                "a two-dimensional law: invariants of the two-by-two F, in-plane increments",
                 "Naghdi and Tang, Phil. Trans. R. Soc. A 287 (1977) 145",
             ),
             (
                 "strain",
-                "the stretch out of the plane is given: plane strain; of a chain uniaxial strain",
+                "the out-of-plane stretch is prescribed: plane strain; for a chain uniaxial strain",
                 "the paper",
             ),
             (
                 "stress",
-                "P_i3 = 0, the stretch out of the plane is found: plane stress of a thin sheet; of a chain uniaxial stress",
+                "P_i3 = 0, the out-of-plane stretch is computed: plane stress of a thin sheet; for a chain uniaxial stress",
                 "Le Dret and Raoult, J. Math. Pures Appl. 74 (1995) 549",
             ),
         ],
@@ -540,7 +540,7 @@ const ROWS: &[Row] = &[
             (
                 "regular",
                 "particles at X, carrying the stress of F",
-                "section 6.2 of the paper, a reading",
+                "an interpretation of section 6.2 of the paper",
             ),
         ],
     ),
@@ -641,12 +641,12 @@ const ROWS: &[Row] = &[
         &[
             (
                 "everything",
-                "x, F and rho follow T v, T v_I = v_I + epsilon sum_J m_J/rho_IJ (v_J - v_I) W_IJ: K T in the place of K",
+                "x, F and rho follow T v, T v_I = v_I + epsilon sum_J m_J/rho_IJ (v_J - v_I) W_IJ: K T instead of K",
                 "Monaghan, J. Comput. Phys. 82 (1989) 1",
             ),
             (
                 "positions",
-                "x follows T v; F and rho follow v: K_x T + K_F in the place of K = K_x + K_F",
+                "x follows T v; F and rho follow v: K_x T + K_F instead of K = K_x + K_F",
                 "PySPH, XSPHCorrection with SolidMechStep or WCSPHStep; Monaghan 1992",
             ),
         ],
@@ -793,7 +793,7 @@ fn language() -> Topic {
         ),
         (
             "+ - * / ^",
-            "-x^2 is -(x^2), 2^3^2 is 2^(3^2); products need their *",
+            "-x^2 is -(x^2), 2^3^2 is 2^(3^2); products need an explicit *",
         ),
         (
             "let name = ...;",
@@ -868,7 +868,7 @@ impl KernelEntry {
         };
         line("smoothness over space", smoothness.join(", "))?;
         line(
-            "support radius over smoothing length 2 sigma",
+            "support radius divided by the smoothing length 2 sigma",
             numbers(self.support_over_smoothing_length),
         )?;
         line("integral over R0^D", numbers(self.integral))?;
@@ -905,7 +905,7 @@ impl LawEntry {
         line("symmetry: ", self.symmetry)?;
         line("small strains: ", self.small_strains)?;
         match self.stressed_reference {
-            Some(reason) => line("stressed in the reference: ", reason),
+            Some(reason) => line("reference stress: ", reason),
             None => Ok(()),
         }
     }
@@ -959,7 +959,7 @@ mod tests {
         let mut of_words = 0;
         for topic in topics() {
             let Some(key) = KEYS.iter().find(|key| key.name == topic.key) else {
-                // The aliases contain words of several keys, the criteria those of answers.
+                // The aliases contain words of several keys, the criteria words of answers.
                 assert!(["aliases", "criteria"].contains(&topic.name));
                 continue;
             };

@@ -77,7 +77,7 @@ pub fn hint(error: &MethodError) -> &'static str {
             "\n  hint: set material.plane=strain; plane stress is for chains and lattices of the plane, and for laws with stiffness against all strains"
         }
         MethodError::Material(MaterialError::PlaneStressEnds { .. }) => {
-            "\n  hint: choose a smaller deformation, or a law that resists to the end, such as neo-hooke"
+            "\n  hint: choose a smaller deformation, or a law that stays stiff at large deformation, such as neo-hooke"
         }
         MethodError::Material(MaterialError::NotFinite { .. }) | MethodError::NotFinite => {
             "\n  hint: choose a less extreme deformation, or units in which the material's constants, spacing and \

@@ -29,14 +29,14 @@ pub struct OutputError {
 fn hint(error: &io::Error) -> &'static str {
     match error.kind() {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
-            "\n  hint: make room and run the command again, or choose another folder; the files that were there are as they were"
+            "\n  hint: make room and run the command again, or choose another folder; existing files are unchanged"
         }
         ErrorKind::PermissionDenied
         | ErrorKind::ReadOnlyFilesystem
         | ErrorKind::NotADirectory
         | ErrorKind::AlreadyExists
         | ErrorKind::IsADirectory
-        | ErrorKind::InvalidFilename => "\n  hint: choose another place",
+        | ErrorKind::InvalidFilename => "\n  hint: choose another folder",
         _ => "",
     }
 }

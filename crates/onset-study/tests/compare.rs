@@ -32,7 +32,7 @@ fn good() -> Measured {
             ..Fidelity::default()
         },
         critical_time_step: 0.5,
-        critical_time_step_of: onset_study::answers::OF_LATTICE,
+        critical_time_step_of: onset_study::answers::LATTICE_NOTE,
         body: None,
         courant: 1.0,
         body_courant: None,
@@ -193,7 +193,7 @@ fn rational_wave_vectors_are_printed_as_fractions() {
         };
         mode.place()
     };
-    // Opposite wave vectors are equivalent, and so are those that differ by a reciprocal vector.
+    // Opposite wave vectors are equivalent, and wave vectors that differ by a reciprocal vector.
     assert_eq!(at(&[0.5, -1.0 / 3.0]), "(1/2, 1/3)");
     assert_eq!(at(&[0.0, 1.0, 5.0 / 12.0]), "(0, 1, 5/12)");
     assert_eq!(at(&[0.123456]), "(0.1235)");

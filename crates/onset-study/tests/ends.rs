@@ -9,7 +9,7 @@ use std::fmt::Display;
 
 const METHOD: &str = "discretization.method";
 
-/// The ends of a range, numbers beside it, and the ends of doubles.
+/// The ends of a range, numbers next to it, and the largest and smallest doubles.
 fn numbers([low, high]: [f64; 2]) -> Vec<f64> {
     let margin = |end: f64| 1e-3 * end.abs().max(1e-30);
     let mut all = vec![low, high, low - margin(low), high + margin(high)];
@@ -65,7 +65,7 @@ fn state(assignments: &[String]) -> Result<(String, String), String> {
     Ok((answer.to_string(), document))
 }
 
-/// The choice that a need asks for, and those that it asks for in turn.
+/// Assignments that satisfy a condition, and the conditions of these assignments.
 fn chosen(need: &Need) -> String {
     let key = Key::named(need.key).expect("a key");
     let is_other = |word: &&&str| !need.values.contains(*word);

@@ -124,14 +124,14 @@ fn within(time: Option<f64>, window: std::ops::RangeInclusive<f64>) {
 }
 
 #[test]
-fn a_healthy_plate_has_no_cause() {
+fn no_cause_is_reported_for_a_healthy_plate() {
     let answer = HEALTHY.answer();
     assert_eq!(answer.cause, Cause::None);
     assert!(answer.observed.is_none() && !answer.at_the_limit);
     let recording = answer.recording.as_ref().expect("a recording");
     assert_eq!((recording.particles, recording.digits), (392, Some(6)));
     assert!(recording.held_by.contains("type 2"), "{recording:?}");
-    // Stresses of the law agree with those of the file.
+    // Stresses of the law agree with the stresses of the file.
     assert!(!answer.notes.iter().any(|note| note.contains("stresses")));
 }
 
@@ -172,7 +172,7 @@ fn the_corners_of_a_notch_limit_the_time_step() {
 }
 
 #[test]
-fn a_band_in_elements_belongs_to_the_material() {
+fn a_shear_band_in_finite_elements_is_a_physical_instability() {
     let answer = ELEMENTS.answer();
     assert_eq!(answer.cause, Cause::Physical);
     let first = answer.first.as_ref().expect("a first cause");
@@ -256,7 +256,7 @@ fn the_recommended_time_step_is_stable() {
         time_step: 0.9 * step,
         ..NOTCH
     };
-    // The same frames with a smaller step: nothing is above the limit any more.
+    // The same frames with a smaller step: no step is above the limit.
     let mut source = known.source(known.path());
     source.reading.time_step = Some(NOTCH.time_step);
     let answer = known.screened(&source);
@@ -316,7 +316,7 @@ fn asked_of_arrays(
 }
 
 #[test]
-fn short_waves_that_no_state_explains_are_forced_or_without_energy() {
+fn unexplained_short_waves_are_reported_as_forced_or_zero_energy() {
     // Total-Lagrangian SPH in small strain: alternating particles that grow linearly.
     let run = stretched(12, |time| 0.01 * time);
     let none = ["discretization.penalty=0"];
@@ -327,7 +327,7 @@ fn short_waves_that_no_state_explains_are_forced_or_without_energy() {
 }
 
 #[test]
-fn a_neck_comes_before_the_band() {
+fn necking_precedes_the_shear_band() {
     // Ellipticity is lost at t = 223.6.
     let lowest = |time: f64| {
         let modes = ELEMENTS.modes(time);
@@ -416,7 +416,7 @@ fn a_step_that_distorted_states_exceed_after_the_first_short_waves_is_not_the_ca
         time_step: 0.6,
         ..HEALTHY
     };
-    // Alternating particles show until t = 8; compression then stiffens the plate.
+    // Alternating particles are visible until t = 8; compression then stiffens the plate.
     let (run, mut frames) = stretched(13, |time| 0.007 * time);
     for frame in &mut frames {
         let factor = 1.0 - 0.15 * (frame.time - 8.0).max(0.0);
@@ -475,9 +475,9 @@ fn a_particle_that_flies_away_is_read_like_others() {
 }
 
 #[test]
-fn a_run_without_particles_whose_short_waves_count_is_refused() {
+fn a_run_with_no_particles_to_judge_is_refused() {
     let (mut run, frames) = stretched(4, |_| 0.0);
-    // One particle is more than a neighborhood away from held particles, and none is two.
+    // One particle is more than a neighborhood away from held particles, and no particle is two neighborhoods away.
     for (held, x) in run.held.iter_mut().zip(&run.reference) {
         *held = (x[0] - 7.0).hypot(x[1] - 7.0) > 2.5;
     }

@@ -114,7 +114,7 @@ pub enum UmatError {
     /// Library that has changed since it was first loaded.
     #[error(
         "{path} has changed since it was first loaded: its SHA-256 was {wanted} and is {found}\n  hint: a library must not be \
-         compiled anew while it is used; to resume a map, put the first one back; without it, start afresh",
+         recompiled while it is used; to resume a map, restore the first version; otherwise start afresh",
         path = path.display()
     )]
     Changed {
@@ -127,7 +127,7 @@ pub enum UmatError {
     },
     /// Request of the routine for a smaller increment.
     #[error(
-        "the UMAT asks for a smaller increment (PNEWDT = {factor} in increment {increment} of {increments}){}\n  hint: set \
+        "the UMAT requests a smaller increment (PNEWDT = {factor} in increment {increment} of {increments}){}\n  hint: set \
          material.increments to a larger number",
         at_state(state)
     )]

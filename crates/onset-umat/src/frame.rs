@@ -120,7 +120,7 @@ pub fn take_numbers(from: &mut impl Read, count: usize) -> io::Result<Vec<f64>> 
     Ok(words(&bytes).map(f64::from_bits).collect())
 }
 
-/// Error for input that is not a frame.
+/// Returns the error for input that is not a frame of the protocol.
 pub fn nonsense() -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, "no frame")
 }

@@ -72,7 +72,7 @@ fn read(
     match (file, block.from, dimension) {
         (Some(_), None, Some(_)) => {
             return Err(Failure::input(
-                "--dimension has no effect: the file says the number of dimensions\n  hint: leave --dimension out",
+                "--dimension has no effect: the file sets the number of dimensions\n  hint: leave --dimension out",
             ));
         }
         (Some(_), None, None) => {}

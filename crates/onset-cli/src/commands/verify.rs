@@ -39,7 +39,7 @@ fn deck(arguments: &DeckArguments) -> Result<ExitCode, Failure> {
     let code = named(&arguments.code)?;
     if arguments.stepping.is_some() && code.program().is_some() {
         return Err(Failure::input(format!(
-            "--stepping: how {} takes a time step is known\n  hint: leave it out; --code plain reads it",
+            "--stepping has no effect: the time stepping of {} is known\n  hint: leave it out; --code plain reads it",
             code.name()
         )));
     }
@@ -98,7 +98,7 @@ fn stretches(
     }
     if state.shear != 0.0 || state.rotation != 0.0 {
         return Err(Failure::input(
-            "decks are of states along the axes; this study has a shear or a rotation\n  hint: give --stretch",
+            "decks support only stretches along the axes; this study has a shear or a rotation\n  hint: give --stretch",
         ));
     }
     Ok(state.stretches)

@@ -288,7 +288,7 @@ fn head(bytes: &[u8]) -> Result<Option<(Request, usize, usize)>, Instead> {
         _ => return Err(refused("400 Bad Request", "Content-Length is not a number")),
     };
     if length > MAX_BODY_BYTES {
-        return Err(refused("413 Content Too Large", "the question is too long"));
+        return Err(refused("413 Content Too Large", "the request is too long"));
     }
     Ok(Some((request, start, length)))
 }

@@ -1,6 +1,6 @@
 //! Files of the page, built by `cargo xtask page` from `crates/onset-cli/page`.
 
-/// File of the page.
+/// Static file that the server of `onset explore` delivers.
 pub struct File {
     /// Path on the server.
     pub path: &'static str,

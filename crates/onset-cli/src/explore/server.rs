@@ -169,11 +169,11 @@ impl Server {
         if kind.split(';').next().map(str::trim) != Some("application/json") {
             return Some(Reply::refused(
                 "415 Unsupported Media Type",
-                "a question is application/json",
+                "a request is application/json",
             ));
         }
         let Ok(text) = std::str::from_utf8(&request.body) else {
-            return Some(error("400 Bad Request", "the question is not UTF-8"));
+            return Some(error("400 Bad Request", "the request is not UTF-8"));
         };
         let question = match Question::parse(text) {
             Ok(question) => question,

@@ -42,7 +42,7 @@ mod tests {
     use super::Token;
 
     #[test]
-    fn a_token_equals_only_itself() {
+    fn a_token_is_accepted_only_if_it_is_identical() {
         let [own, other] = [(); 2].map(|()| Token::random().expect("random bytes"));
         let text = own.to_string();
         assert_eq!(text.len(), 32);

@@ -187,7 +187,7 @@ fn moduli_determine_a_law_and_its_state_lists_them() {
     for (more, fact) in [
         (
             "--set material.mu=3",
-            "material.mu is set, and follows from the moduli",
+            "material.mu is set, but also follows from the moduli",
         ),
         ("--set material.bulk=3", "two of material.young"),
     ] {

@@ -1,4 +1,4 @@
-//! `onset audit`, as a user sees it.
+//! `onset audit`, run as a command.
 
 use crate::{document, onset_line};
 
@@ -154,7 +154,7 @@ mod user {
                 .expect("an error")
         };
         assert!(error("jaumann-cauchy") < 1e-2 * error("jaumann-kirchhoff"));
-        // The routine is consistent with its definition, which is not that of a hyperelastic law.
+        // The routine is consistent with its definition, which differs from the definition of a hyperelastic law.
         assert_eq!(audit["consistent"], true, "{audit:#}");
         assert_eq!(outcome(&audit, "tangent"), "noted");
         assert!(number(&audit, "/tangent/small_strain_update") > 0.01);

@@ -44,7 +44,7 @@ fn every_command_about_a_law_or_a_method_takes_a_block() {
 }
 
 #[test]
-fn commands_that_need_axes_say_why_they_take_no_block() {
+fn commands_that_need_axes_explain_why_they_refuse_a_block() {
     let file = Written::new("rubber.inp", RUBBER);
     for line in [
         format!("map {file}"),

@@ -109,7 +109,9 @@ fn a_body_is_refused_by_every_command_for_methods_without_bodies() {
         let answer = onset_line(&line.replace("FILE", &file));
         assert_eq!(answer.code, Some(2), "{line}: {}", answer.stdout);
         assert!(
-            answer.stderr.contains("this method has no bodies"),
+            answer
+                .stderr
+                .contains("this method does not support bodies"),
             "{line}: {}",
             answer.stderr
         );
@@ -133,7 +135,7 @@ fn the_spacing_of_material_points_is_the_cell_size() {
 }
 
 #[test]
-fn a_map_of_a_study_with_a_body_says_whose_time_steps_it_stores() {
+fn a_map_of_a_study_with_a_body_reports_which_time_steps_are_stored() {
     let axis =
         |name: &str| format!("[[axes]]\nquantity = '{name}'\nrange = [0.9, 1.1]\nstates = 2\n");
     let text = format!(

@@ -67,7 +67,7 @@ fn a_window_without_boundaries_reports_its_phases() {
     assert!(
         answer
             .stdout
-            .contains("note: at rest the particles have zero-energy modes"),
+            .contains("note: in the reference configuration the particles have zero-energy modes"),
         "{}",
         answer.stdout
     );

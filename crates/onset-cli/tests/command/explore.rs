@@ -1,4 +1,4 @@
-//! `onset explore`: its answers equal those of the command, and only its page receives them.
+//! `onset explore`: its answers equal the answers of the command, and only its page receives them.
 
 use crate::{Scratch, command, onset};
 use serde_json::{Value, json};
@@ -347,7 +347,7 @@ fn other_users_of_the_machine_are_refused() {
     assert!(!page.get("/", &[]).1.contains(&page.token));
 }
 
-/// Other users can see the arguments of a program: the token given to the browser at its start is valid only once.
+/// Other users can read the arguments of a program: the token given to the browser at its start is valid only once.
 #[test]
 #[cfg(target_os = "linux")]
 fn the_address_given_to_the_browser_opens_the_page_only_once() {
@@ -457,7 +457,7 @@ fn the_page_is_built_from_the_current_sources() {
 }
 
 #[test]
-fn a_study_from_a_stranger_starts_no_library_and_reads_no_file() {
+fn an_untrusted_study_loads_no_library_and_reads_no_file() {
     let folder = folder("stranger");
     let library = folder.join("stranger.so");
     // Reading it would block forever: it is a pipe without a writer.
@@ -593,7 +593,7 @@ fn a_link_contains_the_question_of_the_command() {
     ), "{}", page.address);
     let plain = Page::serve(&[]);
     assert!(plain.address.ends_with(&format!("/#token={}", plain.token)));
-    // A link of another run, with another token and port, asks the same question.
+    // A link of another run, with another token and port, opens the same problem.
     let again = Page::serve(&[&page.address]);
     assert_ne!(again.token, page.token);
     let asked = |page: &Page| {

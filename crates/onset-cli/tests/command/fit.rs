@@ -99,7 +99,7 @@ fn the_cost_of_stability_is_in_the_answer() {
 #[test]
 fn unstable_laws_end_with_exit_code_3() {
     fitted(&ALL, "--law polynomial-2 --fail-on unstable", 0);
-    // Hencky's law loses ellipticity at large stretches, whatever its modulus.
+    // Hencky's law loses ellipticity at large stretches for any modulus.
     fitted(&ALL, "--law hencky --fail-on unstable", 3);
     fitted(&ALL, "--law hencky", 2);
     fitted(&ALL, "--law yeoh --fail-on unstable --stable none", 2);
@@ -224,11 +224,11 @@ fn strains_and_stretches_that_are_mixed_up_are_refused() {
     for (text, facts) in [
         (
             table(HEADER, percent),
-            ["line 3", "more than any rubber bears", "strain [%]"],
+            ["line 3", "more than any rubber can bear", "strain [%]"],
         ),
         (
             table("strain,nominal_stress", percent),
-            ["line 3", "more than any rubber bears", "strain [%]"],
+            ["line 3", "more than any rubber can bear", "strain [%]"],
         ),
         (
             rows("strain,stress", &["0,0", "5,.1", "8,.15", "15,.25"]),
@@ -348,7 +348,11 @@ fn points_that_contradict_an_elastic_law_are_refused() {
         ),
         (
             rows(HEADER, &["1.1,.1", "1.3,.25", "25,9"]),
-            ["line 4", "the stretch is 25", "more than any rubber bears"],
+            [
+                "line 4",
+                "the stretch is 25",
+                "more than any rubber can bear",
+            ],
         ),
         (
             rows(HEADER, &["-0.5,-1", "1.1,.1", "1.3,.25"]),
@@ -449,7 +453,11 @@ fn broken_cells_and_headers_are_refused() {
         ),
         (
             rows(HEADER, &["1,0", "1.1,.1", "1.3,.25"]),
-            ["2 strains", "expected at least 3", "besides the reference"],
+            [
+                "2 strains",
+                "expected at least 3",
+                "other than the reference configuration",
+            ],
         ),
         (
             rows(HEADER, &["1.5,.3"; 6]),
@@ -472,7 +480,11 @@ fn broken_cells_and_headers_are_refused() {
                 "# mode: planar\nstretch,stress",
                 &["1.1,.1", "1.3,.25", "2,.6"],
             ),
-            ["its comment says planar", "its name uniaxial", "--planar"],
+            [
+                "comment gives the loading planar",
+                "file name uniaxial",
+                "--planar",
+            ],
         ),
         (
             rows(
@@ -539,7 +551,7 @@ fn broken_cells_and_headers_are_refused() {
 
 #[cfg(unix)]
 #[test]
-fn pipes_are_refused() {
+fn named_pipes_are_refused_as_tables() {
     let pipe = Scratch::new("uniaxial.csv");
     let made = std::process::Command::new("mkfifo").arg(&pipe).status();
     assert!(made.is_ok_and(|own| own.success()));
@@ -571,7 +583,7 @@ fn broken_decks_are_refused() {
         ),
         (
             deck(&["0.1, 10.", "0.3, 30.", "0.6, 100."]),
-            ["line 5", "the stretch is 31", "not percents"],
+            ["line 5", "the stretch is 31", "not percentages"],
         ),
         (
             deck(&["0., 1.", "0.1, 1.1", "0.6, 2."]),
@@ -591,7 +603,7 @@ fn broken_decks_are_refused() {
 }
 
 #[test]
-fn tables_that_say_the_same_give_the_same_constants() {
+fn equivalent_tables_give_the_same_constants() {
     let constant = |name: &str, text: String, line: &str| {
         let (answer, _) = fit_of(name, text, &format!("{line} --json"));
         assert_eq!(answer.code, Some(0), "{}", answer.stderr);

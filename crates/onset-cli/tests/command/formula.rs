@@ -81,7 +81,7 @@ fn assert_same(built_in: &Value, typed: &Value, place: &str) {
         "/next",
     ]
     .contains(&place);
-    // All directions are minimal for equation (5) in its domain, so that rounding decides which one is printed.
+    // All directions are minimal for equation (5) in its domain, so that rounding decides which direction is printed.
     let is_free = ["direction", "polarization"]
         .iter()
         .any(|name| place.ends_with(name));
@@ -241,7 +241,7 @@ fn two_laws_for_one_problem_are_refused() {
 }
 
 #[test]
-fn the_language_is_listed() {
+fn the_language_of_formulas_is_listed() {
     let answer = onset(&["list", "formula"]);
     assert_eq!(answer.code, Some(0));
     for word in [

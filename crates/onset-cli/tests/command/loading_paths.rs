@@ -259,7 +259,8 @@ fn the_table_covers_the_law_where_the_method_is_undefined() {
 #[test]
 fn three_stretches_in_two_dimensions_note_that_waves_are_planar() {
     let told = onset_line("state --stretch 1.2,1,1 set method=tlsph").stdout;
-    let note = "plane strain, waves in the plane; for 3D: --set discretization.lattice=face-centered-cubic";
+    let note =
+        "plane strain, in-plane waves; for 3D: --set discretization.lattice=face-centered-cubic";
     assert!(told.contains(note), "{told}");
     assert!(
         !onset_line("state --stretch 1.2,1 set method=tlsph")

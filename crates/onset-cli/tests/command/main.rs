@@ -1,4 +1,4 @@
-//! Answers and refusals of the command as a user sees them, in a separate process.
+//! Answers and refusals of the command run in a separate process.
 
 mod aliases;
 mod audit;

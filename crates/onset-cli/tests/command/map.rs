@@ -218,7 +218,7 @@ fn an_adaptive_map_has_the_verdicts_of_a_regular_map_with_fewer_computed_states(
     let computed = evaluated.iter().filter(|flag| **flag == 1).count();
     assert_eq!(document["evaluated"], computed);
     assert!(computed < evaluated.len(), "{computed} states computed");
-    // Computed states have equal numbers; the others have none.
+    // Computed states have equal numbers; filled-in states have no numbers.
     let (left, right) = (
         numbers(&adaptive, "scaled_minimum"),
         numbers(&regular, "scaled_minimum"),
@@ -452,7 +452,7 @@ fn most_memory(mut child: std::process::Child) -> u64 {
     }
 }
 
-/// Results of a tile are kept until it is finished: some 300 MB for a million states.
+/// Results of a tile are kept until it is finished: about 300 MB for a million states.
 #[test]
 #[cfg(target_os = "linux")]
 fn the_memory_of_a_map_of_large_tiles_does_not_grow_with_its_threads() {

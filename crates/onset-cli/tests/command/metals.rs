@@ -1,4 +1,4 @@
-//! Metals beyond yield, crystals and fluids, as a user sees them.
+//! Commands for metals beyond yield, crystals and fluids.
 
 use crate::fortran::library;
 use crate::{Scratch, assert_close, document, number, onset_line};
@@ -84,7 +84,7 @@ fn a_rolled_sheet_is_pulled_with_free_faces_to_the_end_and_has_a_card() {
     assert!(begin.elapsed() < Duration::from_secs(90));
 }
 
-/// The elastically stored energy of a metal is not a potential of its stress, even if a late yield makes it one at small strains.
+/// The elastically stored energy of a metal is not a potential of its stress, even if it is a potential at small strains, before yield.
 #[test]
 fn criteria_of_a_metal_omit_finite_jumps() {
     let sheet = "criteria --mode uniaxial --range 0.9,1.2 --set material.model=hill-1948 --set material.mu=1";
@@ -288,7 +288,7 @@ fn a_negative_poisson_ratio_is_reported_and_a_nearly_incompressible_law_is_not_a
     }
     let usual = onset_line("state --stretch 1.01,1 --set material.model=neo-hooke");
     assert!(!usual.stdout.contains("auxetic"), "{}", usual.stdout);
-    // As the bulk modulus grows, the smallest eigenvalue tends to that of isochoric waves.
+    // As the bulk modulus grows, the smallest eigenvalue tends to the smallest eigenvalue of isochoric waves.
     let eigenvalue = |bulk: &str| {
         let state = document(&format!(
             "state --stretch 1.2,0.9 --set material.model=hencky --set material.kappa={bulk}"

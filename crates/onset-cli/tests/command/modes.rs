@@ -69,7 +69,7 @@ fn states_report_the_resistance_to_alternating_neighbors() {
     let bonds = "state --stretch 1.05,1 set method=pd set lattice=square set horizon=1";
     let text = onset_line(bonds).stdout;
     assert!(
-        text.contains("resists some of these waves, and nothing the others"),
+        text.contains("resists some of these waves, and no force resists the others"),
         "{text}"
     );
     let text = onset_line(&bonds.replace("1.05,1 ", "1.05,1.02 ")).stdout;

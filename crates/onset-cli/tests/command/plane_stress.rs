@@ -211,7 +211,7 @@ fn settings_that_contradict_plane_stress_are_refused_with_a_hint() {
     for (line, fact) in [
         (
             format!("state --stretch 1,1,1 {neo}"),
-            "in plane stress the stretch across the sheet is found",
+            "in plane stress the stretch across the sheet is computed",
         ),
         (
             format!("state --stretch 1,1,0.9 {neo}"),
@@ -255,10 +255,10 @@ fn settings_that_contradict_plane_stress_are_refused_with_a_hint() {
         ),
         (
             format!("criteria {neo}"),
-            "about the law in three dimensions",
+            "evaluates the law in three dimensions",
         ),
-        (format!("card {neo}"), "about the law in three dimensions"),
-        (format!("audit {neo}"), "about the law in three dimensions"),
+        (format!("card {neo}"), "evaluates the law in three dimensions"),
+        (format!("audit {neo}"), "evaluates the law in three dimensions"),
         (
             "state --stretch 2,2 --set material.model=saint-venant-kirchhoff --set material.plane=stress".to_owned(),
             "there is no state of plane stress",

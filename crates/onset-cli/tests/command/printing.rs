@@ -77,7 +77,7 @@ fn names_in_documents_have_one_spelling() {
             serde_json::Value::Object(fields) => {
                 for (name, value) in fields {
                     found.push(name.clone());
-                    // Keys of settings have names of their own, and the kinds of onset are words.
+                    // Keys of settings have separate names, and the kinds of onset are words.
                     if !["settings", "map", "onsets"].contains(&name.as_str()) {
                         names(value, found);
                     }

@@ -586,7 +586,7 @@ fn an_option_without_effect_is_refused() {
     );
 }
 
-/// Maps show a word for undefined states, and commands that fail on this word do so consistently.
+/// Maps show a word for undefined states, and commands fail on this word consistently.
 #[test]
 fn an_undefined_state_fails_on_request() {
     let line = "state --stretch 4,4 --set discretization.frame=eulerian";

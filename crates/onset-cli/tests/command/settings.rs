@@ -176,7 +176,7 @@ fn exactly_the_choices_in_effect_are_listed() {
 }
 
 #[test]
-fn one_study_file_serves_every_question() {
+fn one_study_file_serves_every_command() {
     let study = file(&format!("{CHAIN}{AXES}"));
     let place = Scratch::new("answers");
     let out = place.display().to_string();
@@ -278,7 +278,7 @@ fn numbers_have_six_significant_digits_in_any_system_of_units() {
                     .replace('.', "");
                 let digits = digits.trim_end_matches('0');
                 assert!(digits.len() <= 6, "{line}: {number}");
-                // No number is truncated to zero, and none is rounding noise.
+                // No number is truncated to zero, and no number is rounding noise.
                 assert!(
                     !mantissa.starts_with("0.0000") && !mantissa.starts_with("-0.0000"),
                     "{line}: {number}"

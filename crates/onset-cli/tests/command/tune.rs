@@ -122,7 +122,7 @@ fn a_limited_address_space_costs_no_time() {
 }
 
 #[test]
-fn the_answer_on_a_viscosity_says_that_it_has_no_stiffness() {
+fn tuning_a_viscosity_reports_that_it_has_no_stiffness() {
     let text = onset_line(&format!("tune discretization.viscosity {PENALTY}")).stdout;
     for fact in [
         "discretization.viscosity is a damping without stiffness",

@@ -1,4 +1,4 @@
-//! User materials, as a user sees them.
+//! Commands with user materials.
 
 use crate::fortran::library;
 use crate::{Scratch, command, onset, onset_line};

@@ -18,7 +18,7 @@ struct Law {
     parameters: Vec<String>,
 }
 
-/// Laws in the schema, without those that run programs.
+/// Laws in the schema, except for laws that run programs.
 fn laws(schema: &Value) -> Vec<Law> {
     let cases = schema.pointer("/properties/material/allOf");
     let law = |case: &Value| {

@@ -89,7 +89,7 @@ fn a_pulled_bar_writes_all_its_files() {
     assert!(tree(&place.out()) == files);
 }
 
-/// Kills a run after each of several parts of its duration except the last, and resumes it: its files equal those of an undisturbed run.
+/// Kills a run after each of several parts of its duration except the last, and resumes it: its files equal the files of an undisturbed run.
 fn assert_kills_change_nothing(
     study: &str,
     duration: Duration,
@@ -248,7 +248,7 @@ fn the_bodies_of_the_book_behave_as_described() {
 }
 
 #[test]
-fn an_isolated_particle_flies_on_or_is_reported_if_gradients_are_corrected() {
+fn an_isolated_particle_moves_freely_or_is_reported_if_gradients_are_corrected() {
     let thrown = |corrected: bool| {
         pulled()
             .replace("total-lagrangian-sph", "updated-sph")
@@ -422,7 +422,7 @@ fn impossible_bodies_are_refused() {
             bar.replace("total-lagrangian-sph", "kernel")
                 .replace("penalty = 0.5\n", ""),
             "--steps 9",
-            "has no bodies",
+            "does not support bodies",
         ),
         (bar.replace("[body]", "[bodies]"), "--steps 9", "bodies"),
         (format!("{bar}contact = 0"), "--steps 9", "body.contact"),
@@ -441,7 +441,7 @@ fn impossible_bodies_are_refused() {
                 .replace("total-lagrangian-sph", "kernel")
                 .replace("penalty = 0.5\n", ""),
             "--steps 9",
-            "has no bodies",
+            "does not support bodies",
         ),
     ] {
         let told = refused(&study, line);

@@ -385,7 +385,7 @@ fn noisy_and_truncated_dumps_of_lammps_are_undecided_and_invalid_dumps_refused()
     }
 }
 
-/// The strip of LAMMPS' example `rubber_strip_pull`, with fixed steps and velocities that increase as those of a grip.
+/// The strip of LAMMPS' example `rubber_strip_pull`, with fixed steps and velocities that increase as in a grip.
 const STRIP: &str = "units si
 dimension 2
 boundary sm sm p
@@ -492,7 +492,7 @@ fn the_rubber_strip_moves_as_in_lammps() {
     assert!(largest[0] > 0.55 && largest[1] > 1.45, "{largest:?}");
     assert!(widest[0] < 0.003 && widest[1] < 0.005, "{widest:?}");
 
-    // The Hencky law has as Kirchhoff stress what LAMMPS integrates as Cauchy stress, so that its force is larger by a volume ratio.
+    // LAMMPS integrates the Kirchhoff stress of the Hencky law as its Cauchy stress. Its force is therefore larger by the volume ratio.
     let line = theirs
         .stdout
         .lines()

@@ -477,7 +477,7 @@ impl Subject {
     }
 }
 
-/// A run of some tenths of a second with checkpoints, histories and fields.
+/// A run of a few tenths of a second with checkpoints, histories and fields.
 const RUN: &str = "--stretch 1.2,0.9 --set discretization.method=total-lagrangian-sph --cells 4 --mode noise --steps 600 --checkpoint 20 --fields 5 --seed 7 --tolerance 1 --quiet";
 
 /// A run of material points with affine velocity fields.
@@ -665,7 +665,7 @@ fn a_full_disk_preserves_the_last_checkpoint() {
     assert!(matches!(answer.code, Some(0 | 3)), "{}", answer.stderr);
 }
 
-/// All waves of such a patch are rigid translations or alternating displacements, on which nodal integration has no effect.
+/// All waves of such a patch are rigid translations or alternating displacements, and nodal integration resists neither.
 #[test]
 fn a_patch_of_zero_energy_modes_has_no_largest_stable_step() {
     let line =
@@ -694,7 +694,7 @@ fn a_motion_that_breaks_down_is_reported_with_time_particle_and_state() {
 }
 
 #[test]
-fn questions_that_cannot_be_run_are_refused() {
+fn motions_that_cannot_be_run_are_refused() {
     let cases = [
         ("--stretch 1,1 --cells 0", "--cells"),
         ("--stretch 1,1 --cells 8,8,8", "--cells"),

@@ -51,7 +51,7 @@ fn invalid_outputs_are_reported_with_their_line() {
         ),
         (
             output.replacen("# onset case", "# case", 1),
-            "does not say that it is of case",
+            "does not contain the mark of case",
         ),
         (
             output.replacen("time,id", "t,id", 1),

@@ -72,7 +72,7 @@ fn zoo() -> Vec<Entry> {
 }
 
 #[test]
-fn each_entry_has_its_verdict_and_its_remedy() {
+fn each_entry_of_the_zoo_has_the_recorded_verdict_and_remedy() {
     let zoo = zoo();
     assert!(zoo.len() >= 15, "{} entries", zoo.len());
     let known = [
@@ -126,7 +126,7 @@ fn each_entry_has_its_verdict_and_its_remedy() {
 }
 
 #[test]
-fn confirmed_entries_agree_with_a_run() {
+fn confirmed_entries_of_the_zoo_agree_with_a_run() {
     let Some(lammps) = program("ONSET_LAMMPS", "the confirmed entries of the zoo") else {
         return;
     };

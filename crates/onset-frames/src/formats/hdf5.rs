@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 const HINT: &str = "write the file again; it is damaged or of a newer format";
 /// Maximum number of data sets in a file.
-const MOST_SETS: usize = 10_000;
+const MAX_SETS: usize = 10_000;
 
 /// Data set of numbers.
 struct Stored {
@@ -96,10 +96,10 @@ fn stored(
     drop(regular(path).map_err(|error| FrameError::unreadable(path, error))?);
     let file = H5File::options().no_locking().open(path).map_err(failed)?;
     let names = file.dataset_names();
-    if names.len() > MOST_SETS {
+    if names.len() > MAX_SETS {
         return Err(FrameError::refused(
             Place::file(path),
-            format!("more than {MOST_SETS} data sets"),
+            format!("more than {MAX_SETS} data sets"),
             "write the frames as the first axis of one data set",
         ));
     }

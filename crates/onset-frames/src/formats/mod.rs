@@ -30,7 +30,7 @@ pub(crate) struct Opened {
     pub stamps: Vec<Stamp>,
     /// Columns of the first frame.
     pub plan: Plan,
-    /// Significant digits of positions.
+    /// Significant digits of positions; `None` for binary numbers of double precision.
     pub digits: Option<u32>,
     /// Contents that are left out, as sentences.
     pub ignored: Vec<String>,

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 const HINT: &str = "save plain arrays with numpy.savez";
 /// Maximum number of arrays in a file.
-const MOST_ARRAYS: usize = 1000;
+const MAX_ARRAYS: usize = 1000;
 
 /// Type of the numbers in an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -207,10 +207,10 @@ fn arrays(path: &Path, ignored: &mut Vec<String>) -> Result<Vec<Array>, FrameErr
         true => members(path)?.into_iter().map(Some).collect(),
         false => vec![None],
     };
-    if members.len() > MOST_ARRAYS {
+    if members.len() > MAX_ARRAYS {
         return Err(FrameError::refused(
             Place::file(path),
-            format!("more than {MOST_ARRAYS} arrays"),
+            format!("more than {MAX_ARRAYS} arrays"),
             "save the frames as the first axis of one array",
         ));
     }

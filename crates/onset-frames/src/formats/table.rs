@@ -12,7 +12,7 @@ use std::path::PathBuf;
 const HINT: &str =
     "the first line names the columns, for example time,id,x,y; --columns assigns other names";
 /// Maximum number of runs of rows with the same time.
-const MOST_RUNS: usize = 4_000_000;
+const MAX_RUNS: usize = 4_000_000;
 
 /// Rows of one frame that follow each other.
 #[derive(Clone, Copy, Debug)]
@@ -172,7 +172,7 @@ pub(crate) fn open(paths: &[PathBuf], reading: &Reading) -> Result<Opened, Frame
                     });
                 }
                 runs += 1;
-                if runs > MOST_RUNS || count >= reading.limits.frames {
+                if runs > MAX_RUNS || count >= reading.limits.frames {
                     return Err(FrameError::refused(
                         lines.place(),
                         "too many changes of the time from row to row",

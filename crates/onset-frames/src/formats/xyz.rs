@@ -14,7 +14,7 @@ const HINT: &str =
 /// Columns of a file without properties.
 const PLAIN: &str = "species:S:1:pos:R:3";
 /// Maximum number of columns of one property.
-const MOST_COMPONENTS: usize = 64;
+const MAX_COMPONENTS: usize = 64;
 
 /// Contents of a frame before its rows.
 struct Header {
@@ -64,7 +64,7 @@ fn names(properties: &str) -> Option<Vec<String>> {
             return None;
         };
         let count: usize = count.trim().parse().ok()?;
-        if count > MOST_COMPONENTS {
+        if count > MAX_COMPONENTS {
             return None;
         }
         let endings: &[&str] = match count {

@@ -9,7 +9,7 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 /// Maximum size of the list of members, in bytes.
-const MOST_LIST: u64 = 64 << 20;
+const MAX_LIST: u64 = 64 << 20;
 /// Deflate shrinks by at most this factor.
 pub(super) const MOST_RATIO: u64 = 1032;
 
@@ -109,7 +109,7 @@ fn list(file: &mut File, length: u64) -> io::Result<Option<Vec<u8>>> {
     }
     match (size, start) {
         (Some(size), Some(start))
-            if size <= MOST_LIST && start.checked_add(size).is_some_and(|end| end <= length) =>
+            if size <= MAX_LIST && start.checked_add(size).is_some_and(|end| end <= length) =>
         {
             Ok(Some(read_at(file, start, size)?))
         }

@@ -13,9 +13,9 @@ pub struct CertificateAnswer {
     pub tolerance: f64,
     /// Whether the verdict differs from the verdict of the search.
     pub corrects_the_search: bool,
-    /// Proof of strong ellipticity; the measures are acoustic eigenvalues over `rho0 c^2`.
+    /// Proof of strong ellipticity; the measures are acoustic eigenvalues divided by `rho0 c^2`.
     pub material: ProofAnswer,
-    /// Proof of strong ellipticity in 3D; the measures are acoustic eigenvalues over the largest one of the reference configuration. `None` for a
+    /// Proof of strong ellipticity in 3D; the measures are acoustic eigenvalues divided by the largest acoustic eigenvalue of the reference configuration. `None` for a
     /// sheet or bar in plane stress.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material_3d: Option<ProofAnswer>,
@@ -32,7 +32,7 @@ pub struct ProofAnswer {
     pub bound: Option<f64>,
     /// If unstable: a growing wave.
     pub witness: Option<WitnessAnswer>,
-    /// If there are zero-energy modes: the reference wave vector of one.
+    /// If the method has zero-energy modes: reference wave vector of one such mode; 1/length.
     pub zero_energy_wave_vector: Option<Vec<f64>>,
     /// If undecided: the reason.
     pub reason: Option<&'static str>,
@@ -43,7 +43,7 @@ pub struct ProofAnswer {
 /// Wave that is proved to grow.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WitnessAnswer {
-    /// Reference wave vector; for the material, the direction.
+    /// Reference wave vector, 1/length; for the material, the unit vector of the direction.
     pub wave_vector: Vec<f64>,
     /// Lower and upper bound of the measure.
     pub measure: [f64; 2],
@@ -141,12 +141,12 @@ impl ProofAnswer {
         } else {
             let reason = self.reason.unwrap_or("no reason");
             if reason == Reason::Method.name() {
-                return format!("{certainty} ({reason}): its waves are searched, and not proved");
+                return format!("{certainty} ({reason}): its waves are searched without a proof");
             }
             match self.smallest_seen {
                 Some(seen) => {
                     format!(
-                        "{certainty} ({reason}); the smallest measure seen is {}",
+                        "{certainty} ({reason}); the smallest measure found is {}",
                         told(seen)
                     )
                 }

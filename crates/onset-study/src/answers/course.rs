@@ -49,13 +49,13 @@ pub struct LoadingOfPath {
     pub from: f64,
     /// The imposed stretch, or amount of shear, at the end.
     pub to: f64,
-    /// Requested start of the path.
+    /// Requested imposed stretch, or amount of shear, at the start.
     pub asked_from: f64,
-    /// Requested end of the path.
+    /// Requested imposed stretch, or amount of shear, at the end.
     pub asked_to: f64,
     /// Reason why the path begins after the requested start.
     pub starts_late: Option<String>,
-    /// Reason why the path ends before the requested end.
+    /// Reason why the path ends before the requested end; `None` if the path is complete.
     pub ends_early: Option<String>,
     /// Folds at which the path begins or ends: limit points of the equilibrium of the free faces.
     pub folds: Vec<f64>,
@@ -156,7 +156,7 @@ impl Course {
         let held = held_across(loading, material.dimension()).filter(|_| !is_membrane);
         if is_membrane && loading.mode == Mode::Hydrostatic {
             return Err(refused(
-                "a law of the plane has no third direction\n  hint: --mode equibiaxial".to_owned(),
+                "a two-dimensional (membrane) law has no third direction\n  hint: --mode equibiaxial".to_owned(),
             ));
         }
         if let Some(reason) = held {
@@ -185,7 +185,7 @@ impl Course {
             let why = starts_late.as_ref().or(ends_early.as_ref());
             let why = why.map_or("", String::as_str);
             return Err(refused(format!(
-                "the path that begins in the reference ends at {} {}: {why}",
+                "the path that begins in the reference configuration ends at {} {}: {why}",
                 loading.mode.imposes(),
                 told(start)
             )));
@@ -313,7 +313,7 @@ pub struct PathSample {
 /// Response of the law at a state on a path, even if the method is undefined there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MaterialSample {
-    /// Smallest acoustic eigenvalue in the dimensions of the lattice; zero if it is within rounding of zero.
+    /// Smallest acoustic eigenvalue in the dimensions of the lattice; zero if it is within rounding of zero. Units of stress.
     pub minimum_acoustic_eigenvalue: f64,
     /// Cauchy stress `sigma_ij`. Units of stress.
     pub cauchy: [[f64; 3]; 3],

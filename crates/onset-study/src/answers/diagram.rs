@@ -40,7 +40,7 @@ pub struct Diagram {
     pub corners: Vec<Corner>,
     /// Samples along the path. If the dynamical matrix is not periodic, they are taken at the equivalent wave vectors of the first zone.
     pub samples: Vec<DispersionAnswer>,
-    /// Position along the path of each sample; two samples at one position are a jump.
+    /// Length of the path up to each sample, 1/length; two samples at one position are a jump.
     pub lengths: Vec<f64>,
     /// Plotted values of each sample.
     pub heights: Vec<Heights>,
@@ -57,7 +57,7 @@ pub struct Heights {
     pub particles: Vec<f64>,
     /// Frequency of each wave of the continuum, with the same sign convention.
     pub continuum: Vec<f64>,
-    /// Minus the largest growth rate of the oscillating waves; `null` if none grows beyond rounding.
+    /// Minus the largest growth rate of the oscillating waves; `null` if all growth rates are zero to rounding.
     pub flutter: Option<f64>,
 }
 
@@ -66,9 +66,9 @@ pub struct Heights {
 pub struct Corner {
     /// Name of the point. Images of one point that the state distinguishes have primes.
     pub name: String,
-    /// Reference wave vector of the corner.
+    /// Reference wave vector of the corner; 1/length.
     pub wave_vector: Vec<f64>,
-    /// Position along the path.
+    /// Length of the path up to the corner; 1/length.
     pub length: f64,
 }
 
@@ -79,17 +79,17 @@ pub struct CriticalWave {
     pub stable: bool,
     /// `omega^2` of the wave; 1/time^2.
     pub omega_squared: ComplexNumber,
-    /// Growth rate; zero if stable.
+    /// Growth rate, zero if stable; 1/time.
     pub growth_rate: f64,
     /// Plotted value: minus the growth rate, or the frequency if stable. 1/time.
     pub height: f64,
-    /// Reference wave vector; zero in the limit of long waves.
+    /// Reference wave vector, zero in the limit of long waves; 1/length.
     pub wave_vector: Vec<f64>,
-    /// Wave vector in the deformed lattice, `F^-T k`.
+    /// Wave vector in the deformed lattice, `F^-T k`; 1/length.
     pub spatial_wave_vector: Vec<f64>,
     /// Name of the wave vector if it is a point of high symmetry.
     pub point: Option<String>,
-    /// Position along the path; `None` in the limit of long waves.
+    /// Length of the path up to the wave, 1/length; `None` in the limit of long waves.
     pub length: Option<f64>,
 }
 
@@ -190,13 +190,13 @@ impl Diagram {
             }
             (true, true) => line(
                 "softest waves",
-                "long ones: no wave vector is marked".to_owned(),
+                "long waves: no wave vector is marked".to_owned(),
             ),
         }
         text
     }
 
-    /// Lowest plotted value: minus the largest growth rate, or the lowest frequency.
+    /// Lowest plotted value: minus the largest growth rate, or the lowest frequency; 1/time.
     pub fn lowest(&self) -> f64 {
         let drawn = self.heights.iter().flat_map(|heights| {
             let particles = heights.particles.iter().copied();

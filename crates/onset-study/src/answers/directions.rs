@@ -8,9 +8,9 @@ use serde::Serialize;
 use std::f64::consts::{PI, TAU};
 
 /// Directions of half a circle; the other half has the same eigenvalues.
-const OF_CIRCLE: usize = 180;
+const CIRCLE_DIRECTIONS: usize = 180;
 /// Directions of a sphere: circles of latitude from pole to pole, and points on each.
-const OF_SPHERE: [usize; 2] = [37, 72];
+const SPHERE_DIRECTIONS: [usize; 2] = [37, 72];
 
 /// Acoustic tensor `Q_ik(N) = A_iJkL N_J N_L` in the reference directions `N` of the lattice's dimensions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -48,11 +48,11 @@ fn normals(dimension: usize) -> ([usize; 2], Vec<SVector<f64, 3>>) {
     match dimension {
         1 => ([1, 1], vec![in_plane(0.0)]),
         2 => {
-            let angles = (0..OF_CIRCLE).map(|n| PI * n as f64 / OF_CIRCLE as f64);
-            ([1, OF_CIRCLE], angles.map(in_plane).collect())
+            let angles = (0..CIRCLE_DIRECTIONS).map(|n| PI * n as f64 / CIRCLE_DIRECTIONS as f64);
+            ([1, CIRCLE_DIRECTIONS], angles.map(in_plane).collect())
         }
         _ => {
-            let [circles, around] = OF_SPHERE;
+            let [circles, around] = SPHERE_DIRECTIONS;
             let place = |n: usize| {
                 let theta = PI * (n / around) as f64 / (circles - 1) as f64;
                 let phi = TAU * (n % around) as f64 / around as f64;
@@ -60,7 +60,10 @@ fn normals(dimension: usize) -> ([usize; 2], Vec<SVector<f64, 3>>) {
                 normal[2] = theta.cos();
                 normal
             };
-            (OF_SPHERE, (0..circles * around).map(place).collect())
+            (
+                SPHERE_DIRECTIONS,
+                (0..circles * around).map(place).collect(),
+            )
         }
     }
 }

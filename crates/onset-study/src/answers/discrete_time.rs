@@ -1,6 +1,6 @@
 //! Waves in discrete time, for methods that define their time step, in the answer about a state.
 
-use super::finite_body::OF_LATTICE;
+use super::finite_body::LATTICE_NOTE;
 use super::problem::{Problem, ProblemError};
 use super::state::{ComplexNumber, list};
 use crate::number::{told, told_of, vector};
@@ -12,31 +12,32 @@ use serde::Serialize;
 use std::f64::consts::TAU;
 
 /// Length of the longitudinal wave whose damping is reported, in grid cells.
-const SOUND: f64 = 8.0;
+const DAMPED_WAVELENGTH: f64 = 8.0;
 
 /// Waves of a state in discrete time. Solutions are `exp(s t)` at whole steps.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DiscreteTimeAnswer {
     /// The transfer of velocities.
     pub transfer: Velocities,
-    /// Largest stable step; in an unstable state, for the waves that do not grow at any step. `null` if nothing oscillates.
+    /// Largest stable step, time; in an unstable state, for the waves that do not grow at any step. `null` if no wave oscillates.
     pub largest_time_step: Option<f64>,
-    /// The largest stable step of an isolated, unstressed material point; `null` for laws with stress at `F = 1`.
+    /// Largest stable step of an isolated, unstressed material point, time; `null` for laws with stress at `F = 1`.
     pub isolated_point_time_step: Option<f64>,
-    /// Step for the rates below: `discretization.time-step`, or half of the largest step; `null` without either.
+    /// Time step for which growth rate and frequency are given: `discretization.time-step`, or half of the largest step; time. `null` if neither exists.
     pub time_step: Option<f64>,
-    /// The largest growth rate over the zone; zero if no wave grows.
+    /// Largest growth rate over the zone, 1/time; zero if no wave grows, `null` without a time step.
     pub growth_rate: Option<f64>,
-    /// Frequency of the fastest growing wave.
+    /// Frequency of the fastest growing wave; 1/time. `null` without a time step.
     pub frequency: Option<f64>,
-    /// Reference wave vector of the fastest growing wave; zero if no wave grows.
+    /// Reference wave vector of the fastest growing wave, zero if no wave grows; 1/length.
     pub wave_vector: Vec<f64>,
-    /// Wave vector in the deformed lattice.
+    /// Wave vector of the fastest growing wave in the deformed lattice; 1/length.
     pub spatial_wave_vector: Vec<f64>,
     /// Whether the user set the step.
     #[serde(skip)]
     is_step_set: bool,
-    /// Rate `s` of the fastest wave with a length of eight cells along the first axis: minus its damping, and its frequency.
+    /// Complex rate `s` of the fastest wave with a length of eight cells along the first axis; 1/time. The real part is minus the damping. `null`
+    /// without a time step.
     pub longitudinal_wave: Option<ComplexNumber>,
 }
 
@@ -70,7 +71,7 @@ impl DiscreteTimeAnswer {
             spatial_wave_vector: list(dimension, &analysis.spatial(f, &k)),
             longitudinal_wave: time_step.and_then(|step| {
                 let mut along = vec![0.0; dimension];
-                along[0] = TAU / (SOUND * problem.settings.discretization.spacing);
+                along[0] = TAU / (DAMPED_WAVELENGTH * problem.settings.discretization.spacing);
                 // The fastest wave is the last one; of its two solutions, the less damped one.
                 let rates = waves.rates(&along, step);
                 let last = rates.iter().rev().take(2);
@@ -104,7 +105,7 @@ impl DiscreteTimeAnswer {
             lines.push((
                 "largest time step",
                 format!(
-                    "the step of the {name} transfer is stable below {} ({OF_LATTICE})",
+                    "the step of the {name} transfer is stable below {} ({LATTICE_NOTE})",
                     time(largest)
                 ),
             ));

@@ -9,12 +9,12 @@ use onset::motion::{BodyError, Start};
 use serde::Serialize;
 
 /// Kind of body for the critical time step of the waves.
-pub const OF_LATTICE: &str = "infinite lattice; free faces and distorted cells need less";
+pub const LATTICE_NOTE: &str = "infinite lattice; free faces and distorted cells need less";
 
 /// Time step for finite bodies of a lattice.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FiniteBodyAnswer {
-    /// Finite bodies are stable under central differences for smaller time steps. Time.
+    /// Time step of central differences that is stable for finite bodies; time.
     pub time_step: f64,
     /// Whether the bound is proved.
     pub proved: bool,
@@ -125,24 +125,28 @@ pub(crate) fn hint_on_body(error: &BodyError) -> &'static str {
         BodyError::Lonely { .. } => {
             "choose a larger discretization.support, or a body of more rows of particles"
         }
-        BodyError::EmptyGrip { .. } => "boxes are in the reference state, from and to in spacings",
+        BodyError::EmptyGrip { .. } => {
+            "set grips.from and grips.to to corners of a box that contains particles, in particle spacings of the reference configuration"
+        }
         BodyError::NoTangent => {
-            "finite elements, peridynamics and SPH have one, without a support that follows the deformation, and kernel methods with nodal quadrature and frame = \"lagrangian\""
+            "available for finite elements, peridynamics, SPH with a support that does not follow the deformation, and kernel methods with nodal quadrature and discretization.frame = \"lagrangian\""
         }
         BodyError::NoStress { .. } | BodyError::NotConverged => {
             "choose an earlier time, or check law and reference positions"
         }
         BodyError::OtherElement { .. } => "set discretization.mesh to the elements of the run",
         BodyError::TooLarge { .. } => {
-            "some 50,000 particles in the plane fit, and some 10,000 in space: choose a coarser run"
+            "at most about 50,000 particles fit in 2D and 10,000 in 3D; choose a frame of a coarser run"
         }
-        BodyError::HeldTwice { .. } => "boxes of grips must not share particles",
+        BodyError::HeldTwice { .. } => {
+            "move the boxes of the grips apart: no particle may be in two of them"
+        }
         BodyError::Method(_)
         | BodyError::Empty
         | BodyError::TooMany { .. }
         | BodyError::Number { .. }
         | BodyError::Coincident { .. } => {
-            "sizes of bodies are in spacings, particles of files in lengths"
+            "give sizes of bodies in particle spacings, and positions in files as lengths"
         }
     }
 }

@@ -30,7 +30,7 @@ pub use discrete_time::DiscreteTimeAnswer;
 pub use dispersion::{DispersionAnswer, Waves};
 pub use evidence::Evidence;
 pub(crate) use finite_body::hint_on_body;
-pub use finite_body::{BodyStepAnswer, FiniteBodyAnswer, OF_LATTICE};
+pub use finite_body::{BodyStepAnswer, FiniteBodyAnswer, LATTICE_NOTE};
 pub use moving::{MovingMode, MovingParticle};
 pub(crate) use next::{assigned, stabilization};
 pub(crate) use notes::note_on_mapped_body;

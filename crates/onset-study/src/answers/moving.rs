@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 /// Number of cells of the patch along each primitive vector, by dimension; fewer if cells hold several particles.
 const CELLS: [usize; 3] = [24, 10, 5];
 /// Maximum number of particles of the patch.
-const LARGEST: usize = 700;
+const MAX_PARTICLES: usize = 700;
 /// Number of inverse iterations; each nearly eliminates the components of other modes.
 const INVERSE_ITERATIONS: usize = 4;
 
@@ -43,9 +43,9 @@ pub struct MovingParticle {
     pub site: usize,
     /// Position in the deformed state; length.
     pub place: [f64; 3],
-    /// Displacement, real part, over the largest amplitude of all particles.
+    /// Displacement, real part, divided by the largest amplitude of all particles.
     pub re: [f64; 3],
-    /// Displacement, imaginary part, over the largest amplitude of all particles.
+    /// Displacement, imaginary part, divided by the largest amplitude of all particles.
     pub im: [f64; 3],
 }
 
@@ -113,7 +113,7 @@ impl MovingMode {
 /// Number of cells along an edge that respects the limit on particles.
 fn cells(dimension: usize, sites: usize) -> usize {
     let usual = CELLS[dimension - 1];
-    let is_small = |cells: &usize| cells.pow(dimension as u32) * sites <= LARGEST;
+    let is_small = |cells: &usize| cells.pow(dimension as u32) * sites <= MAX_PARTICLES;
     (1..=usual).rev().find(is_small).unwrap_or(1)
 }
 
@@ -200,7 +200,7 @@ mod tests {
                 "{own:?}: {}",
                 rest.norm()
             );
-            // The particle that moves most moves as the answer says; if two move equally, one of them.
+            // The particle with the largest displacement has the reported polarization; if two displacements are equal, one of them.
             let most = of_sites.iter().map(|own| own.norm()).fold(0.0, f64::max);
             let is_shown = of_sites.iter().any(|own| {
                 let along: Complex = (0..3).map(|i| own[i] * mode.polarization[i].conj()).sum();

@@ -11,9 +11,9 @@ use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, Response};
 
 /// Stresses at `F = 1` below this fraction of the stiffness are rounding errors.
-const UNSTRESSED: f64 = 1e-9;
+const STRESS_ROUNDING: f64 = 1e-9;
 /// State with different stretches. A law without shear stiffness only at `F = 1` has some here.
-const STRETCHED: [f64; 3] = [1.1, 1.0, 0.95];
+const PROBE_STRETCHES: [f64; 3] = [1.1, 1.0, 0.95];
 
 /// Notes on a law: stress at `F = 1`, no shear stiffness, a negative Poisson's ratio, a path-dependent tangent, and the block of another program that
 /// was read.
@@ -35,8 +35,9 @@ fn is_stressed(material: &dyn Hyperelastic) -> bool {
 /// Returns true if the law has no stress at a state, to rounding.
 pub(super) fn is_unstressed(material: &dyn Hyperelastic, f: &DeformationGradient) -> bool {
     let response = material.response(f);
-    response
-        .is_ok_and(|response| response.cauchy().amax() <= UNSTRESSED * response.tangent.largest())
+    response.is_ok_and(|response| {
+        response.cauchy().amax() <= STRESS_ROUNDING * response.tangent.largest()
+    })
 }
 
 /// Note on buckling of a sheet or bar with a compressive principal Cauchy stress, which waves within it do not show. `material` is the law of the
@@ -56,10 +57,10 @@ pub(super) fn buckling(
         1 => ("bar", cauchy[(0, 0)]),
         _ => return None,
     };
-    let is_compressed = least < -UNSTRESSED * response.tangent.largest();
+    let is_compressed = least < -STRESS_ROUNDING * response.tangent.largest();
     is_compressed.then(|| {
         format!(
-            "the {what} is compressed (least principal Cauchy stress {}): if it is thin, it buckles laterally, which waves within it do not show",
+            "the {what} is compressed (smallest principal Cauchy stress {}): if it is thin, it buckles laterally, which waves within it do not show",
             units.of(told(least), "Pa")
         )
     })
@@ -80,7 +81,7 @@ pub(super) fn is_fluid(material: &dyn Hyperelastic) -> bool {
         return false;
     }
     // A fluid has no stiffness for shears along the axes of the stretches; a law that only stiffens from zero has some.
-    let stretched = DeformationGradient::from_stretches(STRETCHED).ok();
+    let stretched = DeformationGradient::from_stretches(PROBE_STRETCHES).ok();
     yields(DeformationGradient::identity()) == Some(true)
         && stretched.and_then(yields) != Some(false)
 }
@@ -116,7 +117,7 @@ fn auxetic(settings: &MaterialSettings, material: &dyn Hyperelastic) -> Option<S
         _ => stiffness(1) / (stiffness(0) + stiffness(1)),
     };
     // At -1 the bulk modulus is zero.
-    let is_auxetic = ratio > -1.0 && ratio < -UNSTRESSED;
+    let is_auxetic = ratio > -1.0 && ratio < -STRESS_ROUNDING;
     let shear = is_auxetic.then(|| match material.dimension() {
         2 => shear_of_plane(&response),
         _ => moduli(material).map(|[shear, _]| shear),
@@ -143,7 +144,7 @@ fn shear_of_plane(response: &Response) -> Option<f64> {
     ];
     vanish
         .iter()
-        .all(|part| part.abs() <= UNSTRESSED * largest)
+        .all(|part| part.abs() <= STRESS_ROUNDING * largest)
         .then_some(shear)
 }
 
@@ -170,13 +171,13 @@ fn stress_at_rest(material: &dyn Hyperelastic) -> Option<String> {
     let response = material.response(&DeformationGradient::identity()).ok()?;
     let stiffness = response.tangent.largest();
     let cauchy = response.cauchy();
-    if cauchy.amax() <= UNSTRESSED * stiffness {
+    if cauchy.amax() <= STRESS_ROUNDING * stiffness {
         return None;
     }
     let components = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
     let told: Vec<String> = components
         .into_iter()
-        .filter(|place| cauchy[*place].abs() > UNSTRESSED * stiffness)
+        .filter(|place| cauchy[*place].abs() > STRESS_ROUNDING * stiffness)
         .map(|(i, j)| {
             format!(
                 "s{}{} = {}",
@@ -188,7 +189,7 @@ fn stress_at_rest(material: &dyn Hyperelastic) -> Option<String> {
         .collect();
     let pressure = cauchy.trace() / 3.0;
     let is_pressure =
-        (cauchy - Matrix3::from_diagonal_element(pressure)).amax() <= UNSTRESSED * stiffness;
+        (cauchy - Matrix3::from_diagonal_element(pressure)).amax() <= STRESS_ROUNDING * stiffness;
     // `ln J` has the stress 1 at `F = 1`.
     let remedy = match is_pressure {
         true => {

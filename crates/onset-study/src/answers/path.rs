@@ -67,7 +67,7 @@ pub struct CrossingAnswer {
     pub parameter: f64,
     /// Stretches along the axes; principal stretches, largest first, if `F` is not diagonal.
     pub stretch: Vec<f64>,
-    /// Imposed stretch, or amount of shear, of a loading.
+    /// Imposed stretch, or amount of shear, of a loading; `null` for a path between two states.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub imposed: Option<f64>,
     /// Phase before the change.
@@ -102,15 +102,15 @@ pub struct DiscretizationOnset {
     pub phase: Phase,
     /// Whether the critical wave is infinitely long.
     pub long_wave: bool,
-    /// Reference wave vector of the critical mode; zero in the limit of long waves.
+    /// Reference wave vector of the critical mode, zero in the limit of long waves; 1/length.
     pub wave_vector: Vec<f64>,
-    /// Wave vector of the critical mode in the deformed lattice.
+    /// Wave vector of the critical mode in the deformed lattice; 1/length.
     pub spatial_wave_vector: Vec<f64>,
     /// Reference direction of the critical wave.
     pub direction: Vec<f64>,
     /// Polarization of the critical mode, real part.
     pub polarization: Vec<f64>,
-    /// `omega^2` of the critical mode: zero, unless the instability is flutter or the start is unstable.
+    /// `omega^2` of the critical mode: zero, unless the instability is flutter or the start is unstable. 1/time^2.
     pub omega_squared: ComplexNumber,
 }
 
@@ -121,7 +121,7 @@ pub struct Place {
     pub parameter: f64,
     /// Stretches along the axes; principal stretches, largest first, if `F` is not diagonal.
     pub stretch: Vec<f64>,
-    /// Imposed stretch, or amount of shear, of a loading.
+    /// Imposed stretch, or amount of shear, of a loading; `null` for a path between two states.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub imposed: Option<f64>,
     /// Deformation gradient `F_iJ`, by rows.

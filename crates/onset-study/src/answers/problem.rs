@@ -248,10 +248,10 @@ impl Extent {
     fn refused(self, what: &'static str, given: usize, own: usize) -> ProblemError {
         let found = match (self.dimension, self.plane) {
             (_, Plane::Membrane) => {
-                "a law of the plane (material.plane = membrane) has no third direction"
+                "a two-dimensional law (material.plane = membrane) has no third direction"
             }
-            (1, _) => "in uniaxial stress the lateral stretches are found",
-            _ => "in plane stress the stretch across the sheet is found",
+            (1, _) => "in uniaxial stress the lateral stretches are computed",
+            _ => "in plane stress the stretch across the sheet is computed",
         };
         ProblemError::Numbers {
             what,
@@ -377,7 +377,7 @@ impl Strain {
 }
 
 impl Settings {
-    /// Returns the dimensions in which states are given.
+    /// Returns the number of dimensions and the plane condition (strain, stress, membrane), which determine how many numbers a state has.
     pub fn extent(&self) -> Extent {
         Extent {
             dimension: self.dimension(),
@@ -487,7 +487,7 @@ impl Problem {
         }
     }
 
-    /// Returns the dimensions in which states are given.
+    /// Returns the number of dimensions and the plane condition (strain, stress, membrane), which determine how many numbers a state has.
     pub fn extent(&self) -> Extent {
         self.settings.extent()
     }

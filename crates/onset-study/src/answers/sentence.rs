@@ -124,10 +124,10 @@ pub(super) fn of(
                 assessment.zero_energy
             {
                 let resisted = match resisted {
-                    0 => "Nothing resists that",
-                    all if all == count => "Only the stress of this state resists that",
+                    0 => "No force resists these waves",
+                    all if all == count => "Only the stress of this state resists these waves",
                     _ => {
-                        "The stress of this state resists some of these waves, and nothing the others"
+                        "The stress of this state resists some of these waves, and no force resists the others"
                     }
                 };
                 format!(

@@ -3,7 +3,7 @@
 use super::certificate::CertificateAnswer;
 use super::discrete_time::{DiscreteTimeAnswer, note};
 use super::evidence::Evidence;
-use super::finite_body::{BodyStepAnswer, FiniteBodyAnswer, OF_LATTICE};
+use super::finite_body::{BodyStepAnswer, FiniteBodyAnswer, LATTICE_NOTE};
 use super::mode::{critical_mode, finite_wave_vector};
 use super::mode_name;
 use super::next::next;
@@ -29,7 +29,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// Largest distance of a bound below a small scaled minimum for which the bound is reported.
-const USEFUL: f64 = 1e-3;
+const REPORTED_BOUND_DISTANCE: f64 = 1e-3;
 
 /// Complex number as a pair of real and imaginary part.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -104,15 +104,15 @@ pub struct MaterialAnswer {
     /// Waves of the material that oscillate and grow, or `None`; only tangents without major symmetry have them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flutter: Option<FlutterAnswer>,
-    /// Whether the state is strongly elliptic for waves in all directions of 3D space, (60) instead of (62).
+    /// Whether the state is strongly elliptic for waves in all directions of 3D space, (60) instead of (62). `null` if the state has no three-dimensional waves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub elliptic_3d: Option<bool>,
-    /// Smallest eigenvalue of the acoustic tensor over all directions of 3D space.
+    /// Smallest eigenvalue of the acoustic tensor over all directions of 3D space. Units of stress; `null` if the state has no three-dimensional waves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub minimum_acoustic_eigenvalue_3d: Option<f64>,
-    /// Smallest eigenvalue of the acoustic tensor over all directions in the dimensions of the lattice; zero if it is within rounding of zero.
+    /// Smallest eigenvalue of the acoustic tensor over all directions in the dimensions of the lattice; zero if it is within rounding of zero. Units of stress.
     pub minimum_acoustic_eigenvalue: f64,
-    /// Rounding error of the smallest eigenvalue.
+    /// Rounding error of the smallest eigenvalue; stress.
     pub rounding: f64,
     /// Reference direction of the slowest wave.
     pub direction: Vec<f64>,
@@ -123,7 +123,7 @@ pub struct MaterialAnswer {
 /// Complex eigenvalue of an acoustic tensor.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FlutterAnswer {
-    /// Complex eigenvalue with the largest imaginary part that was found.
+    /// Complex eigenvalue with the largest imaginary part that was found; stress.
     pub eigenvalue: ComplexNumber,
     /// Reference direction of the wave.
     pub direction: Vec<f64>,
@@ -148,14 +148,14 @@ pub struct SpaceAnswer {
     /// Waves that oscillate and grow, or `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flutter: Option<FlutterAnswer>,
-    /// Smallest eigenvalue of the acoustic tensor over all directions; zero if it is within rounding of zero.
+    /// Smallest eigenvalue of the acoustic tensor over all directions; zero if it is within rounding of zero. Units of stress.
     pub minimum_acoustic_eigenvalue: f64,
     /// Sign of the smallest eigenvalue.
     #[serde(skip)]
     pub growth: Ellipticity,
-    /// Rounding error of the smallest eigenvalue.
+    /// Rounding error of the smallest eigenvalue; stress.
     pub rounding: f64,
-    /// Lower bound of the eigenvalues over all directions, in floating point. The certificate contains proofs in interval arithmetic.
+    /// Lower bound of the eigenvalues over all directions, in floating point. The certificate contains proofs in interval arithmetic. Units of stress.
     pub bound: f64,
     /// Reference direction `N` of the wave.
     pub direction: [f64; 3],
@@ -190,12 +190,12 @@ pub struct DiscretizationAnswer {
     pub stable: bool,
     /// Description of the fastest growing mode, or of the softest one if stable.
     pub mode: String,
-    /// `omega^2` of smallest real part over the whole Brillouin zone; zero (the translation) when stable.
+    /// `omega^2` of smallest real part over the whole Brillouin zone; zero (the translation) when stable. 1/time^2.
     pub minimum_omega_squared: ComplexNumber,
     /// `min Re omega^2 / (c^2 |k|_h^2)` over the zone and the long-wave limit. If a mode grows at `k = 0`, this has no minimum; then the lowest `Re
     /// omega^2` over the largest `c^2 |k|_h^2`.
     pub minimum_scaled: f64,
-    /// Reference wave vector of the fastest growing mode, or of the softest mode if stable. Zero in the limit of long waves.
+    /// Reference wave vector of the fastest growing mode, or of the softest mode if stable; 1/length. Zero in the limit of long waves.
     pub wave_vector: Vec<f64>,
     /// Wave vector of this mode in the deformed lattice, `F^-T k`.
     pub spatial_wave_vector: Vec<f64>,
@@ -203,11 +203,11 @@ pub struct DiscretizationAnswer {
     pub polarization: Vec<f64>,
     /// Polarization of this mode, imaginary part.
     pub polarization_imaginary: Vec<f64>,
-    /// Growth rate of the fastest growing mode, `max(-Im omega)`; zero when stable.
+    /// Growth rate of the fastest growing mode, `max(-Im omega)`; zero when stable. 1/time.
     pub growth_rate: f64,
     /// Whether modes grow with a complex `omega^2`.
     pub flutter: bool,
-    /// Largest frequency over the zone.
+    /// Largest frequency over the zone; rad/time.
     pub maximum_omega: f64,
     /// Critical time step of undamped central differences, `2 / maximum_omega`; for methods that define their time step, its largest stable value.
     /// `null` if no mode oscillates.
@@ -219,13 +219,13 @@ pub struct DiscretizationAnswer {
     /// The body of the study.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<BodyStepAnswer>,
-    /// Side of a grid cell of material points; length.
+    /// Side of a grid cell of material points; length. `null` for other methods.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid_cell: Option<f64>,
-    /// Mean spacing of material points along a side of a grid cell; length.
+    /// Mean spacing of material points along a side of a grid cell; length. `null` for other methods.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub point_spacing: Option<f64>,
-    /// Waves in discrete time, for methods that define their time step.
+    /// Waves in discrete time, for methods that define their time step; `null` for other methods.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub discrete_time: Option<DiscreteTimeAnswer>,
     /// Critical time steps of integrators with damping, by their names; zero if no step is stable.
@@ -258,7 +258,7 @@ pub struct DiscretizationAnswer {
 /// Mode of the reference configuration, compared with the material wave that it approximates.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WeakestModeAnswer {
-    /// Reference wave vector of the material wave.
+    /// Reference wave vector of the material wave; 1/length.
     pub wave_vector: Vec<f64>,
     /// Frequency relative to the slowest wave of the material.
     pub relative_frequency: f64,
@@ -417,7 +417,7 @@ fn waves_in_the_plane(problem: &Problem, strain: &Strain) -> Option<String> {
             Family::MaterialPoints => "lattice=simple-cubic",
             _ => "lattice=face-centered-cubic",
         };
-        format!("plane strain, waves in the plane; for 3D: --set discretization.{setting}")
+        format!("plane strain, in-plane waves; for 3D: --set discretization.{setting}")
     })
 }
 
@@ -468,7 +468,8 @@ fn discretization_answer(
     let spectrum = &assessment.spectrum;
     // A bound far below the minimum carries no information.
     let minimum = spectrum.softest.scaled;
-    let bound = Some(spectrum.bound).filter(|bound| minimum - bound <= minimum.abs().max(USEFUL));
+    let bound = Some(spectrum.bound)
+        .filter(|bound| minimum - bound <= minimum.abs().max(REPORTED_BOUND_DISTANCE));
     let mode = critical_mode(assessment);
     let wave_vector = finite_wave_vector(mode);
     let spatial = analysis.spatial(f, &mode.wave_vector);
@@ -493,7 +494,7 @@ fn discretization_answer(
         flutter: spectrum.flutters,
         maximum_omega: spectrum.maximum_omega,
         critical_time_step,
-        critical_time_step_of: OF_LATTICE,
+        critical_time_step_of: LATTICE_NOTE,
         grid_cell,
         point_spacing: grid_cell.map(|side| side / f64::from(method.points_per_side)),
         finite_bodies: FiniteBodyAnswer::new(problem, f, critical_time_step)?,
@@ -730,7 +731,7 @@ impl std::fmt::Display for StateAnswer {
         let of_integrators = d.critical_time_step.filter(|_| d.discrete_time.is_none());
         let step = of_integrators.map_or_else(String::new, |step| {
             format!(
-                "; central differences {without}need a time step below {} ({OF_LATTICE})",
+                "; central differences {without}need a time step below {} ({LATTICE_NOTE})",
                 units.of(told(step), "s")
             )
         });

@@ -30,7 +30,7 @@ pub struct StudySummary {
     pub held_fixed: BTreeMap<&'static str, f64>,
     /// Axes of the map.
     pub axes: Vec<AxisSummary>,
-    /// Critical step of the body of the study in the reference configuration.
+    /// Critical step of the body of the study in the reference configuration; `None` without a body.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<BodyStepAnswer>,
     /// Settings of the map.

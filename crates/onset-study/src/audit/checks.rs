@@ -5,7 +5,7 @@ use super::difference::{derivative, limit, steps};
 use super::reading::{Delivery, ratio, relative_to};
 use super::states::State;
 use super::subject::{Sample, Subject, deformation};
-use super::{AuditError, TOLERANCE, UNKNOWN};
+use super::{AuditError, DISTINCTION_UNCERTAINTY, TOLERANCE};
 use crate::number::told_of;
 use nalgebra::{Matrix3, Matrix6, Rotation3};
 use onset::kinematics::DeformationGradient;
@@ -109,7 +109,7 @@ impl Check {
 
     /// Turns a failure into `Undetermined` if the uncertainty of the differences is too large.
     fn unless_unknown(mut self, uncertainty: f64) -> Self {
-        if uncertainty > UNKNOWN && self.outcome == Outcome::Failed {
+        if uncertainty > DISTINCTION_UNCERTAINTY && self.outcome == Outcome::Failed {
             self.outcome = Outcome::Undetermined;
             self.finding = format!(
                 "the stress is not smooth enough at these states: its differences are accurate only to {uncertainty:.0e}"
@@ -197,7 +197,7 @@ impl Measured {
             .iter()
             .map(|derivative| derivative.uncertainty)
             .fold(0.0, f64::max);
-        // Jumps of the derivative show as the difference between the mean of both sides and their common limit, over the step.
+        // A jump of the derivative is the difference between the mean of both sides and their common limit, divided by the step.
         let (mut kink, mut jump): (f64, f64) = (0.0, 0.0);
         let nearest = steps().last().unwrap_or_default();
         for (plus, minus) in &sides {
@@ -256,7 +256,7 @@ impl Measured {
 
     /// Returns true if the derivative of the stress is accurate enough and has no kink.
     pub fn is_known(&self) -> bool {
-        self.uncertainty <= UNKNOWN && self.kink <= TOLERANCE
+        self.uncertainty <= DISTINCTION_UNCERTAINTY && self.kink <= TOLERANCE
     }
 
     /// Largest relative error between a tangent and the differences that is accepted.
@@ -267,7 +267,7 @@ impl Measured {
     /// Tolerance at a kink of the stress, where every tangent between the two one-sided derivatives is right. Zero if the differences are too
     /// inaccurate.
     pub fn tolerance_of_kink(&self) -> f64 {
-        match self.uncertainty > UNKNOWN {
+        match self.uncertainty > DISTINCTION_UNCERTAINTY {
             true => 0.0,
             // Each of the nine directions may fall on either side of the kink.
             false => self.tolerance() + 3.0 * self.kink,
@@ -392,19 +392,19 @@ fn moduli(reference: &Measured) -> Check {
         told_of(young, largest),
         told_of(poisson, 1.0)
     );
-    // Noise of the stress may exceed rounding; then the sign of the least modulus stays open.
+    // Noise of the stress may exceed rounding; then the sign of the smallest eigenvalue is undecided.
     let noise = 10.0 * reference.uncertainty * largest;
     let (outcome, finding) = match least {
         _ if least.abs() > rounding && least.abs() <= noise && noise.is_finite() => (
             Outcome::Undetermined,
             format!(
-                "{values}; positive definiteness is undecided: least modulus {least:.3e}, accurate to {noise:.0e}"
+                "{values}; positive definiteness is undecided: smallest eigenvalue {least:.3e}, accurate to {noise:.0e}"
             ),
         ),
         _ if least > rounding => (Outcome::Passed, values),
         _ if least < -rounding => (
             Outcome::Failed,
-            format!("{values}; not positive definite: least modulus {least:.3e}"),
+            format!("{values}; not positive definite: smallest eigenvalue {least:.3e}"),
         ),
         _ if shear.abs() <= rounding && bulk > rounding => (
             Outcome::Noted,
@@ -412,7 +412,7 @@ fn moduli(reference: &Measured) -> Check {
         ),
         _ => (
             Outcome::Failed,
-            format!("{values}; semidefinite: the least modulus is zero to rounding"),
+            format!("{values}; semidefinite: the smallest eigenvalue is zero to rounding"),
         ),
     };
     Check {

@@ -90,10 +90,12 @@ impl Convention {
     /// Description of the convention, in words.
     pub fn meaning(self) -> &'static str {
         match self {
-            Self::JaumannKirchhoff => "the Jaumann rate of the Kirchhoff stress over J",
+            Self::JaumannKirchhoff => "the Jaumann rate of the Kirchhoff stress divided by J",
             Self::JaumannCauchy => "the Jaumann rate of the Cauchy stress",
             Self::Truesdell => "the Truesdell rate of the Cauchy stress",
-            Self::GreenNaghdiKirchhoff => "the Green-Naghdi rate of the Kirchhoff stress over J",
+            Self::GreenNaghdiKirchhoff => {
+                "the Green-Naghdi rate of the Kirchhoff stress divided by J"
+            }
             Self::GreenNaghdiCauchy => "the Green-Naghdi rate of the Cauchy stress",
             Self::LogarithmicStrain => {
                 "the Cauchy stress per increment of logarithmic strain, rotation held"
@@ -103,7 +105,7 @@ impl Convention {
             Self::FirstPiola => "dP/dF, first Piola-Kirchhoff stress per deformation gradient",
             Self::Nominal => "dP/dF with the indices of P and of F exchanged (nominal stress)",
             Self::NominalGradient => "d(P^T)/dF, nominal stress per deformation gradient",
-            Self::Reference => "the elasticity of the reference state",
+            Self::Reference => "the elasticity of the reference configuration",
         }
     }
 

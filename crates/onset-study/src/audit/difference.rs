@@ -1,12 +1,12 @@
 //! Finite differences, extrapolated to zero step size.
 
 /// Largest step in each direction, and the number of halvings.
-const LARGEST: f64 = 0.02;
+const LARGEST_STEP: f64 = 0.02;
 const LEVELS: usize = 10;
 
 /// Steps at which a function must be evaluated, largest first; each is also used with negative sign.
 pub fn steps() -> impl Iterator<Item = f64> {
-    (0..LEVELS).map(|level| LARGEST * 0.5_f64.powi(level as i32))
+    (0..LEVELS).map(|level| LARGEST_STEP * 0.5_f64.powi(level as i32))
 }
 
 /// Value extrapolated to zero step size, with the error estimate of the extrapolation.

@@ -160,4 +160,4 @@ fn description(settings: &MaterialSettings) -> String {
 }
 
 /// Largest uncertainty of the differences for which conventions can be distinguished.
-const UNKNOWN: f64 = 1e-4;
+const DISTINCTION_UNCERTAINTY: f64 = 1e-4;

@@ -23,7 +23,7 @@ pub enum Shear {
     Engineering,
     /// Tensor component of the shear strain: columns twice too large.
     Tensor,
-    /// Columns half as large as they should be.
+    /// Columns of shear with half of the correct value.
     Halved,
 }
 
@@ -130,7 +130,7 @@ impl Reading {
             ),
             (
                 self.shear == Shear::Halved,
-                "columns of shear half as large as they should be",
+                "columns of shear half of the correct value",
             ),
             (
                 self.volume == Volume::TimesJacobian,

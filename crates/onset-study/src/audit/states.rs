@@ -14,7 +14,7 @@ pub struct State {
 }
 
 /// Largest relative difference of stretches and components that are considered equal.
-const EQUAL: f64 = 1e-9;
+const STATE_TOLERANCE: f64 = 1e-9;
 
 impl State {
     /// Describes the state of a deformation gradient.
@@ -41,15 +41,15 @@ fn told(value: f64) -> String {
 
 fn position(f: &Matrix3<f64>) -> String {
     let left = f * f.transpose();
-    let is_small = |value: f64| value.abs() <= EQUAL * left.norm();
+    let is_small = |value: f64| value.abs() <= STATE_TOLERANCE * left.norm();
     let mut squares = SymmetricEigen::new(left).eigenvalues;
     squares.as_mut_slice().sort_by(f64::total_cmp);
     let gaps = [squares[1] - squares[0], squares[2] - squares[1]];
     let equal = gaps.into_iter().filter(|gap| is_small(*gap)).count();
     let turned = [left[(0, 1)], left[(0, 2)], left[(1, 2)]];
     let turned = turned.into_iter().filter(|value| !is_small(*value)).count();
-    let is_turned = (f - f.transpose()).norm() > EQUAL * f.norm();
-    let is_isochoric = (f.determinant() - 1.0).abs() <= EQUAL;
+    let is_turned = (f - f.transpose()).norm() > STATE_TOLERANCE * f.norm();
+    let is_isochoric = (f.determinant() - 1.0).abs() <= STATE_TOLERANCE;
     let mut words = vec![match (equal, is_isochoric) {
         (2, true) => "undeformed",
         (2, false) => "pure dilation",

@@ -22,7 +22,7 @@ pub struct Sample {
     pub deformation: DeformationGradient,
     /// Cauchy stress. Units of stress.
     pub cauchy: Matrix3<f64>,
-    /// Energy per reference volume.
+    /// Energy per reference volume. Units of stress.
     pub energy: f64,
     /// Tangent as the material delivers it.
     pub delivery: Delivery,
@@ -36,7 +36,7 @@ pub fn deformation(matrix: &Matrix3<f64>) -> Result<DeformationGradient, Kinemat
 }
 
 impl Subject<'_> {
-    /// Convention in which the tangent should be.
+    /// Expected convention of the tangent.
     pub fn convention(&self) -> Convention {
         match self {
             Self::Law(_, convention) => *convention,

@@ -60,13 +60,13 @@ pub struct Misfit {
 }
 
 /// Largest ratio of the error of a reading to the error of the expected one for which it is clearly closer.
-const CLEARLY_NEARER: f64 = 0.1;
+const DISTINCTION_RATIO: f64 = 0.1;
 
 /// A fit at no more than this fraction of the states is considered a coincidence.
 const COINCIDENCE: f64 = 0.25;
 
 /// Number of misfits that are listed in a sentence.
-const TOLD_STATES: usize = 3;
+const MAX_LISTED_STATES: usize = 3;
 
 impl TangentFinding {
     /// Identifies the tangent from the measured states.
@@ -137,7 +137,7 @@ impl TangentFinding {
         let nearest = all
             .iter()
             .min_by(|a, b| a.error.total_cmp(&b.error))
-            .filter(|nearest| nearest.error <= CLEARLY_NEARER * expected_error)
+            .filter(|nearest| nearest.error <= DISTINCTION_RATIO * expected_error)
             .filter(|_| identified.is_none() && in_part.is_none() && secant.is_none());
         Ok(Self {
             expected: subject.convention(),
@@ -202,7 +202,7 @@ impl TangentFinding {
                     "The stress is not smooth enough at these states to identify {name}: its differences are accurate only to {:.0e}",
                     self.uncertainty
                 ),
-                (_, false) => format!("{name} is {}, as it should be", self.expected.meaning()),
+                (_, false) => format!("{name} is {}, as expected", self.expected.meaning()),
             },
         }
     }
@@ -221,7 +221,7 @@ impl TangentFinding {
             (_, Some(in_part), ..) => {
                 let fits = match in_part.reading.reading == Reading::plain(self.expected) {
                     true => format!(
-                        "{name} is {expected}, as it should be, at {} of {} states",
+                        "{name} is {expected}, as expected, at {} of {} states",
                         in_part.fits, in_part.of
                     ),
                     false => format!(
@@ -229,13 +229,13 @@ impl TangentFinding {
                         in_part.reading.sentence, in_part.fits, in_part.of
                     ),
                 };
-                let told = in_part.fails.iter().take(TOLD_STATES);
+                let told = in_part.fails.iter().take(MAX_LISTED_STATES);
                 let told: Vec<String> = told
                     .map(|misfit| {
                         format!("{}, error {:.1e}", misfit.state.sentence(), misfit.error)
                     })
                     .collect();
-                let more = match in_part.fails.len().saturating_sub(TOLD_STATES) {
+                let more = match in_part.fails.len().saturating_sub(MAX_LISTED_STATES) {
                     0 => String::new(),
                     more => format!("; and {more} more"),
                 };
@@ -300,7 +300,7 @@ fn secant_error<'a>(states: impl Iterator<Item = &'a Measured>) -> Option<f64> {
         secant = secant.max(error(delivered));
         tangent = tangent.max(error(&onset_umat::voigt_of_tensor(&full)));
     }
-    (secant <= CLEARLY_NEARER * tangent).then_some(secant)
+    (secant <= DISTINCTION_RATIO * tangent).then_some(secant)
 }
 
 /// Term that the tangent of a small-strain update lacks; `None` if the stress does not depend on the path.

@@ -23,17 +23,17 @@ pub(super) type Ask<'a> = &'a (dyn Fn([f64; 2]) -> Result<Probe, ProblemError> +
 pub struct Fidelity {
     /// Area of the window; all areas are in the product of the units of its axes.
     pub window_area: f64,
-    /// Area where the material is strongly elliptic.
+    /// Area of the window where the material is strongly elliptic, in the units of its axes.
     pub elliptic_area: f64,
-    /// Area where the material is elliptic and the particles are unstable.
+    /// Area where the material is elliptic and the particles are unstable, in the units of the axes.
     pub false_instability_area: f64,
-    /// False-instability area as a share of the elliptic area; `null` without an elliptic area.
+    /// False-instability area as a fraction of the elliptic area; `null` without an elliptic area.
     pub false_instability_share: Option<f64>,
-    /// Area where the material is not elliptic and the particles are stable.
+    /// Area where the material is not elliptic and the particles are stable, in the units of the axes.
     pub suppressed_instability_area: f64,
-    /// Suppressed-instability area as a share of the elliptic area; `null` without an elliptic area.
+    /// Suppressed-instability area as a fraction of the elliptic area; `null` without an elliptic area.
     pub suppressed_instability_share: Option<f64>,
-    /// Area where the discretization is undefined.
+    /// Area where the discretization is undefined, in the units of the axes.
     pub undefined_area: f64,
     /// Distance between the two boundaries; `null` if either is missing.
     pub hausdorff: Option<Apart>,

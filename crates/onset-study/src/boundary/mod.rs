@@ -296,7 +296,7 @@ pub struct CurveSummary {
     pub right: Phase,
     /// Whether the curve is closed.
     pub closed: bool,
-    /// Reasons why an open curve starts and ends: `edge`, `phase`, `meets`, `lost`, `budget`.
+    /// Reasons why an open curve starts and ends: `edge`, `phase`, `meets`, `lost`, `budget`; `null` for a closed curve.
     pub ends: Option<[&'static str; 2]>,
     /// Arc length in the coordinates of the axes.
     pub length: f64,
@@ -328,8 +328,8 @@ impl CurveSummary {
 fn place(end: &str) -> &str {
     match end {
         "edge" => "the edge of the window",
-        "budget" => "where the search was ended",
-        "lost" => "where it could not be followed",
+        "budget" => "the point at which the search ended",
+        "lost" => "the point at which tracing failed",
         "meets" => "another curve",
         "phase" => "a third phase",
         other => other,

@@ -47,7 +47,10 @@ impl<'s> Probes<'s> {
             .analysis
             .judge(&DeformationGradient::identity(), None);
         if judged.is_ok_and(|judged| judged.verdict == Verdict::ZeroEnergy) {
-            notes.push(zero_energy("at rest the particles have", "here"));
+            notes.push(zero_energy(
+                "in the reference configuration the particles have",
+                "here",
+            ));
         }
         notes
     }

@@ -16,7 +16,7 @@ pub(crate) use row::outcome;
 pub use row::{Measured, Row, WAVELENGTHS};
 pub use table::Table;
 pub use thresholds::Thresholds;
-pub(crate) use thresholds::{OF_TUNING, percent};
+pub(crate) use thresholds::{TUNING_LIMITS, percent};
 
 use crate::answers::{Evidence, ProblemError, notes_on_law, notes_on_method};
 use crate::figure::FigureError;

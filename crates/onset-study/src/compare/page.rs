@@ -122,9 +122,10 @@ impl Table {
                     StretchOnset::AtRest => ("at F = 1".to_owned(), true),
                     StretchOnset::At(stretch) => (format!("at {stretch:.4}"), true),
                     StretchOnset::NotBefore(end) => (format!("up to {end}"), false),
-                    StretchOnset::Undefined(stretch) => {
-                        (format!("up to {stretch:.4}, where the law ends,"), false)
-                    }
+                    StretchOnset::Undefined(stretch) => (
+                        format!("up to {stretch:.4}, the end of the domain of the law,"),
+                        false,
+                    ),
                 };
                 Some((
                     format!("{place} in {}", load.title(self.dimension)),

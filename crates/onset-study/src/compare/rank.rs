@@ -1,6 +1,6 @@
 //! Ranking of methods for a material, by rules that are printed.
 
-use super::thresholds::{OF_RECOMMENDATIONS, Thresholds, percent};
+use super::thresholds::{RECOMMENDATION_LIMITS, Thresholds, percent};
 use super::{Measured, Table};
 use crate::csv;
 use crate::number::counted;
@@ -12,28 +12,26 @@ pub fn rules(limits: &Thresholds) -> [String; 6] {
     let (wrong, weak) = (percent(limits.wrong), percent(limits.weak));
     [
         format!(
-            "1. A method that cannot be evaluated in the reference state, or is unstable there, is not recommended; nor a method that is not \
-             defined on more than {wrong} of the window of states, for want of neighbors."
+            "1. A method is excluded if it cannot be evaluated in the reference state, is unstable there, or has too few neighbors on more than \
+             {wrong} of the window of states;"
         ),
         format!(
-            "2. Nor is a method with zero-energy modes, which the slightest disturbance excites, or with waves slower than {weak} of the \
-             material's slowest wave, which are nearly such."
+            "2. if it has zero-energy modes, which any disturbance excites, or waves slower than {weak} of the material's slowest wave, which \
+             behave almost like them;"
         ),
         format!(
-            "3. Nor a method that is unstable where the material is elliptic, on more than {wrong} of the window of states: a \
-             numerical instability."
+            "3. if it is unstable where the material is elliptic, on more than {wrong} of the window of states: a numerical instability;"
         ),
         format!(
-            "4. Nor a method that is stable where the material is not elliptic, on more than {wrong} of the window: it suppresses a physical \
-             instability."
+            "4. if it is stable where the material is not elliptic, on more than {wrong} of the window: it suppresses a physical instability;"
         ),
         format!(
-            "5. Nor a method whose long-wavelength moduli are wrong by more than {}: it is not consistent, and does not converge to the material.",
+            "5. if its long-wavelength moduli are wrong by more than {}: it is not consistent, and does not converge to the material.",
             percent(limits.long_waves)
         ),
         format!(
-            "6. Among the others the score is the error of the frequencies at {} points per wavelength times the cost (neighbors over the \
-             Courant number), the smallest first: halving the spacing of a method of second order quarters the error.",
+            "6. The score of the other methods is the error of the frequencies at {} points per wavelength times the cost (neighbors divided by the \
+             Courant number), the smallest first: for a method of second order, half the spacing means a quarter of the error.",
             limits.wavelength
         ),
     ]
@@ -59,7 +57,7 @@ pub struct Ranked {
     ///
     /// Infinite if some waves of the material have zero frequency, such as transverse waves of a fluid.
     pub score: f64,
-    /// Cost: number of neighbors over the Courant number.
+    /// Cost: number of neighbors divided by the Courant number.
     pub cost: f64,
 }
 
@@ -83,7 +81,7 @@ pub struct Dependence {
     pub threshold: &'static str,
     /// Changed value of the limit.
     pub value: f64,
-    /// Best method with the changed limit.
+    /// Best method with the changed limit; `null` if no method can be recommended.
     pub best: Option<String>,
     /// Methods that would become recommended.
     pub more: Vec<String>,
@@ -123,7 +121,7 @@ impl Recommendation {
         };
         let own = names(&ranking);
         let dependence = limits
-            .varied(&OF_RECOMMENDATIONS)
+            .varied(&RECOMMENDATION_LIMITS)
             .into_iter()
             .map(|(threshold, value, limits)| {
                 let then = names(&ranked(&table, &limits));

@@ -1,6 +1,6 @@
 //! Measures of one method.
 
-use crate::answers::{BodyStepAnswer, OF_LATTICE, Problem, ProblemError};
+use crate::answers::{BodyStepAnswer, LATTICE_NOTE, Problem, ProblemError};
 use crate::settings::{CompareSettings, Effective, Settings};
 use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
@@ -70,9 +70,9 @@ pub struct Measured {
     /// Critical time step of the body in the study, in the reference state; omitted for methods without bodies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<BodyStepAnswer>,
-    /// Courant number: critical time step times the speed of sound over the particle spacing.
+    /// Courant number: critical time step times the speed of sound divided by the particle spacing.
     pub courant: f64,
-    /// Courant number of the body in the study.
+    /// Courant number of the body in the study; `null` without a body.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body_courant: Option<f64>,
     /// Number of particles visited by an evaluation of the forces on one particle.
@@ -135,7 +135,7 @@ impl Measured {
             onsets,
             fidelity: analysis.fidelity(&window)?,
             critical_time_step: step,
-            critical_time_step_of: OF_LATTICE,
+            critical_time_step_of: LATTICE_NOTE,
             body,
             courant: step * passage,
             body_courant: body

@@ -2,7 +2,7 @@
 
 use super::row::{Measured, Row, SHORT_WAVELENGTH, WAVELENGTHS};
 use super::thresholds::Thresholds;
-use crate::answers::{Evidence, OF_LATTICE};
+use crate::answers::{Evidence, LATTICE_NOTE};
 use crate::csv;
 use crate::number::counted;
 use crate::settings::CompareSettings;
@@ -151,28 +151,28 @@ impl Table {
             column(
                 "false",
                 "false_instability",
-                "share of the window of states that is unstable although the material is elliptic",
+                "fraction of the window of states that is unstable although the material is elliptic",
                 |m| m.fidelity.false_instability,
                 percent,
             )
             .in_short(),
             column(
                 "suppressed", "suppressed_instability",
-                "share of the window that is stable although the material is not elliptic",
+                "fraction of the window that is stable although the material is not elliptic",
                 |m| m.fidelity.suppressed_instability,
                 percent,
             ),
             column(
                 "undefined",
                 "undefined",
-                "share of the window where the law is defined and the method is not: too few neighbors",
+                "fraction of the window where the law is defined and the method is not: too few neighbors",
                 |m| m.fidelity.undefined,
                 percent,
             ),
             column(
                 "Courant",
                 "courant",
-                format!("critical time step times speed of sound over the particle spacing; {OF_LATTICE}"),
+                format!("critical time step times speed of sound divided by the particle spacing; {LATTICE_NOTE}"),
                 |m| m.courant,
                 |x| format!("{x:.3}"),
             )

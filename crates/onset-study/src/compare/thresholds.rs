@@ -7,7 +7,7 @@ use serde::Serialize;
 pub struct Thresholds {
     /// Smallest acceptable ratio of a wave's frequency to the frequency of the slowest material wave; slower waves are weakly controlled.
     pub weak: f64,
-    /// Largest share of the window of states with wrong verdicts.
+    /// Largest fraction of the window of states with wrong verdicts.
     pub wrong: f64,
     /// Largest relative error of the long-wavelength moduli.
     pub long_waves: f64,
@@ -38,9 +38,9 @@ const LONG_WAVES_LIMIT: Limit = ("long-waves", |limits| &mut limits.long_waves);
 const LATER_LIMIT: Limit = ("later", |limits| &mut limits.later);
 
 /// Limits that affect recommendations.
-pub(super) const OF_RECOMMENDATIONS: [Limit; 3] = [WEAK_LIMIT, WRONG_LIMIT, LONG_WAVES_LIMIT];
+pub(super) const RECOMMENDATION_LIMITS: [Limit; 3] = [WEAK_LIMIT, WRONG_LIMIT, LONG_WAVES_LIMIT];
 /// Limits that affect tuning.
-pub(crate) const OF_TUNING: [Limit; 3] = [WEAK_LIMIT, WRONG_LIMIT, LATER_LIMIT];
+pub(crate) const TUNING_LIMITS: [Limit; 3] = [WEAK_LIMIT, WRONG_LIMIT, LATER_LIMIT];
 
 impl Thresholds {
     /// Variants with one limit halved or doubled: its name, its new value, and all limits.

@@ -64,9 +64,9 @@ pub struct Limits {
     pub compression: Option<f64>,
     /// Stretch at which ellipticity is lost in tension; `null` if it is kept.
     pub tension: Option<f64>,
-    /// Critical wave at the limit in compression.
+    /// Critical wave at the limit in compression; `null` if the criterion is kept.
     pub compression_witness: Option<Witness>,
-    /// Critical wave at the limit in tension.
+    /// Critical wave at the limit in tension; `null` if the criterion is kept.
     pub tension_witness: Option<Witness>,
     /// End of the path in compression.
     pub compression_end: EndAnswer,
@@ -87,7 +87,7 @@ pub struct CriterionLimits {
     pub criterion: Criterion,
     /// Whether the criterion is defined for this law.
     pub defined: bool,
-    /// Whether it holds in the reference configuration.
+    /// Whether the criterion holds in the reference configuration.
     pub holds_in_reference: bool,
     /// State at which the criterion is lost in compression; `null` if it is kept.
     pub compression: Option<LimitPoint>,
@@ -126,7 +126,7 @@ const CARD_CRITERIA: [Criterion; 5] = [
     Criterion::LoadMaximum,
 ];
 
-const METHOD: &str = "dense search from the reference with local improvement; no proof. Limits in loadings: every sign change between \
+const METHOD: &str = "dense search from the reference configuration with local improvement; no proof. Limits in loadings: every sign change between \
                       states along the path and dips between them, refined to rounding";
 
 impl Question {
@@ -275,7 +275,7 @@ impl CriterionLimits {
         match limit {
             _ if !self.defined => ["not defined".to_owned(), none(), none()],
             None => ["never".to_owned(), none(), none()],
-            Some(_) if !self.holds_in_reference => ["in the reference".to_owned(), none(), none()],
+            Some(_) if !self.holds_in_reference => ["at F = 1".to_owned(), none(), none()],
             Some(limit) if limit.stretch == 1.0 => ["at once".to_owned(), none(), none()],
             Some(limit) => [
                 told(limit.stretch),
@@ -386,7 +386,7 @@ impl Display for CardAnswer {
         } else if self.material.in_plane {
             writeln!(
                 formatter,
-                "(A law of the plane: no boxes of three stretches.)"
+                "(A two-dimensional law has no boxes of three stretches.)"
             )?;
         } else if self.symmetric_box.is_none() {
             writeln!(

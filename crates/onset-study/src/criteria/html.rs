@@ -33,7 +33,7 @@ impl CardAnswer {
                 "<p>The response is incompressible: there are no boxes of three stretches, which change the volume.</p>\n",
             );
         } else if self.material.in_plane {
-            page.push_str("<p>A law of the plane has no boxes of three stretches.</p>\n");
+            page.push_str("<p>A two-dimensional law has no boxes of three stretches.</p>\n");
         } else {
             page.push_str(&self.page_of_boxes());
         }
@@ -67,7 +67,7 @@ impl CardAnswer {
         let mut page = String::from("<h2>All principal stretches within a box</h2>\n");
         if self.symmetric_box.is_none() {
             page.push_str(
-                "<p>The law is not elliptic in the reference: there is no safe box.</p>\n",
+                "<p>The law is not elliptic in the reference configuration: there is no safe box.</p>\n",
             );
         }
         page.push_str(

@@ -49,14 +49,14 @@ pub enum CriteriaError {
         /// Name of the law.
         law: String,
     },
-    /// Every requested loading changes the volume.
+    /// No requested loading preserves the volume and has a traction-free face.
     #[error(
-        "an incompressible material keeps its volume; expected --mode uniaxial, equibiaxial, planar or simple-shear"
+        "the incompressible response needs a traction-free face, which determines the pressure; expected --mode uniaxial, equibiaxial, planar or simple-shear"
     )]
     ChangesVolume,
     /// The loading directions do not coincide with the material axes of an anisotropic metal.
     #[error(
-        "{law} {how}: each of some ten thousand states would be integrated along a separate path, for minutes; expected loadings along the \
+        "{law} {how}: about ten thousand states would each be integrated along a separate path, which takes minutes; expected loadings along the \
          axes of the metal, material.angle = 0 or 90, without simple shear\n  hint: `onset path --mode uniaxial` follows a single loading at any angle"
     )]
     Turned {
@@ -87,7 +87,7 @@ fn hint(error: &LoadingError) -> &'static str {
     }
 }
 
-/// Appends notes to a message, one a line.
+/// Appends notes to a message, one per line.
 fn told(notes: &[String]) -> String {
     let lines = notes.iter().map(|note| format!("\n  note: {note}"));
     lines.collect()
@@ -144,7 +144,7 @@ pub struct Definition {
 }
 
 /// Meaning of a limit of rank-one convexity.
-const UPPER_BOUND: &str = "a limit is an upper bound of the distance from the reference: jumps that gain energy earlier may exist and not have been \
+const UPPER_BOUND: &str = "a limit is an upper bound of the distance from the reference configuration: jumps that gain energy earlier may exist and not have been \
                            found (so the signs ≤ and ≥); at the limit the jump that is named gains energy";
 
 /// Answer of `onset criteria`: every criterion for every loading.
@@ -260,7 +260,7 @@ pub struct CriterionAnswer {
     pub criterion: Criterion,
     /// Whether the criterion is defined for this law.
     pub defined: bool,
-    /// Whether it holds in the reference configuration.
+    /// Whether the criterion holds in the reference configuration.
     pub holds_in_reference: bool,
     /// Result for stretches below 1.
     pub compression: SideAnswer,
@@ -403,7 +403,7 @@ impl Question {
     ///
     /// # Errors
     /// [`CriteriaError::NotIsotropic`] if the law is anisotropic, [`CriteriaError::NoEnergy`] if its stress depends on the path,
-    /// [`CriteriaError::ChangesVolume`] if every mode changes the volume.
+    /// [`CriteriaError::ChangesVolume`] if no mode preserves the volume and has a traction-free face.
     pub fn incompressible(mut self) -> Result<Self, CriteriaError> {
         if !self.law.isotropic {
             return Err(CriteriaError::NotIsotropic {
@@ -510,7 +510,7 @@ impl Question {
             },
             _ if is_of_volume => PolyconvexityAnswer {
                 knowledge,
-                reason: "the recorded statement is about the compressible law".to_owned(),
+                reason: "the known result holds for the compressible law only".to_owned(),
                 source: String::new(),
             },
             _ => PolyconvexityAnswer {
@@ -644,14 +644,14 @@ fn document(value: Value) -> serde_json::Value {
 }
 
 /// Fractions of the distance to each end of the path at which further equilibria are searched.
-const OTHERS: [f64; 3] = [0.25, 0.5, 1.0];
+const EQUILIBRIUM_SEARCH_FRACTIONS: [f64; 3] = [0.25, 0.5, 1.0];
 
 fn other_states(path: &LoadingPath<'_>) -> Vec<OtherState> {
     let last = |states: &[PathState]| states.last().map_or(0.0, |state| state.parameter);
     let ends = [last(&path.compression), last(&path.tension)];
     let places = ends
         .into_iter()
-        .flat_map(|end| OTHERS.map(|part| part * end));
+        .flat_map(|end| EQUILIBRIUM_SEARCH_FRACTIONS.map(|part| part * end));
     places
         .flat_map(|s| path.other_states(s).into_iter().map(move |f| (s, f)))
         .map(|(s, f)| OtherState {
@@ -701,7 +701,7 @@ fn nominal_stress(loading: Loading, state: &PathState) -> f64 {
 }
 
 /// Relative offsets in `ln lambda` before a change, tried in order if the path has no state at the change itself.
-const BEFORE: [f64; 4] = [1e-12, 1e-11, 1e-9, 1e-7];
+const CHANGE_OFFSETS: [f64; 4] = [1e-12, 1e-11, 1e-9, 1e-7];
 
 fn side(path: &LoadingPath<'_>, loading: Loading, track: Option<&Track>) -> SideAnswer {
     let Some(track) = track else {
@@ -710,9 +710,11 @@ fn side(path: &LoadingPath<'_>, loading: Loading, track: Option<&Track>) -> Side
     let change = |event: &Event| {
         let s = event.stretch.ln();
         // If the equilibrium of the free faces branches at the change, the path has no state there; the state just before it is reported.
-        let state = path
-            .at(s)
-            .or_else(|| BEFORE.iter().find_map(|share| path.at(s * (1.0 - share))));
+        let state = path.at(s).or_else(|| {
+            CHANGE_OFFSETS
+                .iter()
+                .find_map(|share| path.at(s * (1.0 - share)))
+        });
         ChangeAnswer {
             change: event.change,
             stretch: event.stretch,

@@ -118,7 +118,7 @@ fn in_a_line(law: &super::LawAnswer, letters: usize) -> String {
         (true, true) => {
             "isotropic, incompressible: the pressure follows from a traction-free face; the volumetric part has no influence"
         }
-        _ if law.in_plane => "a law of the plane: increments are in-plane",
+        _ if law.in_plane => "a two-dimensional law: increments are in-plane",
         (true, false) => "isotropic",
         (false, _) => "not isotropic",
     };
@@ -170,7 +170,7 @@ pub(super) fn cell(answer: &CriterionAnswer, side: &SideAnswer, digits: usize) -
     match side.limit {
         _ if !answer.defined => "not defined".to_owned(),
         None => "never".to_owned(),
-        Some(_) if !answer.holds_in_reference => "in the reference".to_owned(),
+        Some(_) if !answer.holds_in_reference => "at F = 1".to_owned(),
         Some(1.0) => "at once".to_owned(),
         Some(limit) => {
             let again = side

@@ -6,7 +6,7 @@ use crate::brief::{Brief, Short};
 use onset::criteria::Criterion;
 
 /// Criteria of the short form with their heads.
-const SHOWN: [(Criterion, &str); 4] = [
+const SHORT_COLUMNS: [(Criterion, &str); 4] = [
     (Criterion::StrongEllipticity, "ellipticity"),
     (Criterion::RankOneConvexity, "rank-one"),
     (Criterion::DruckerAbaqus, "Drucker (Abaqus)"),
@@ -22,7 +22,9 @@ const DIGITS: usize = 4;
 impl Brief for CriteriaAnswer {
     fn brief(&self) -> Short {
         let [low, high] = self.range;
-        let head = SHOWN.map(|(_, head)| format!("{head:>CELL$}")).concat();
+        let head = SHORT_COLUMNS
+            .map(|(_, head)| format!("{head:>CELL$}"))
+            .concat();
         let table = self.of_each_mode().map(line);
         Short::new(self.summary())
             .table(
@@ -92,13 +94,13 @@ fn answer(loading: &LoadingAnswer, criterion: Criterion) -> Option<&CriterionAns
 
 /// The limits of a loading in a line.
 fn line(loading: &LoadingAnswer) -> String {
-    let cells = SHOWN.map(|(criterion, _)| {
+    let cells = SHORT_COLUMNS.map(|(criterion, _)| {
         let text = match answer(loading, criterion) {
             Some(own) if own.defined => [&own.compression, &own.tension]
                 .map(|side| {
                     let text = match side.limit {
                         None => "-".to_owned(),
-                        Some(_) => cell(own, side, DIGITS).replace("in the reference", "at F = 1"),
+                        Some(_) => cell(own, side, DIGITS),
                     };
                     format!("{text:>9}")
                 })

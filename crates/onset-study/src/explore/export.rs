@@ -15,13 +15,13 @@ const RESERVED_WORDS: [&str; 2] = ["lambda", "yield"];
 /// Exports the question, or its map, as `toml`, `command`, `python`, `svg` or `csv`.
 pub(super) fn export(question: &Question, trust: &Trust, maps: &Maps) -> Result<String, Refusal> {
     match question.form.as_str() {
-        "toml" => Ok(question.study(trust, map::FINEST)?.document()),
+        "toml" => Ok(question.study(trust, map::FINEST_STATES)?.document()),
         "command" => Ok(command(question, &question.settings(trust)?)),
         "python" => Ok(python(question, &question.settings(trust)?)),
         "csv" => Ok(maps.domain(question, trust, LEVELS)?.csv()),
         "svg" => {
             let domain = maps.domain(question, trust, LEVELS)?;
-            let study = question.study(trust, map::OF_CURVES)?;
+            let study = question.study(trust, map::CURVE_STATES)?;
             let traced = in_time(|| Boundaries::of(&study, Tracing::default(), &()));
             let boundaries = traced.and_then(Result::ok);
             checkpoint();

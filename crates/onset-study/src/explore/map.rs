@@ -11,9 +11,9 @@ const COARSEST_STATES: [usize; 3] = [12, 12, 6];
 /// Largest number of refinements.
 pub(super) const LEVELS: u32 = 3;
 /// Number of states along an axis of the finest map in 2D.
-pub(super) const FINEST: usize = COARSEST_STATES[1] << LEVELS;
+pub(super) const FINEST_STATES: usize = COARSEST_STATES[1] << LEVELS;
 /// Number of states along an axis between which boundaries are searched; tracing then is as exact as in the command.
-pub(super) const OF_CURVES: usize = 32;
+pub(super) const CURVE_STATES: usize = 32;
 /// Number of cached maps.
 const CACHED_MAPS: usize = 8;
 

@@ -42,14 +42,14 @@ use std::time::{Duration, Instant};
 
 /// Time limit for the boundaries of a window.
 const PATIENCE: Duration = Duration::from_secs(20);
-/// Longest piece of work between two checkpoints: eigenvectors of a cell of some hundred particles.
+/// Longest piece of work between two checkpoints: eigenvectors of a cell of about a hundred particles.
 const LAST_PIECE: Duration = Duration::from_secs(2);
 
-/// Reason why a question has no answer.
+/// Reason why a request has no answer.
 #[derive(Debug, thiserror::Error)]
 pub enum Refusal {
-    /// Unknown name of a question.
-    #[error("there is no question `{0}`")]
+    /// Unknown name of a request.
+    #[error("there is no request `{0}`")]
     Unknown(String),
     /// Invalid input, with the message and the hint of the command.
     #[error("{0}")]
@@ -170,7 +170,7 @@ impl Explorer {
             }
             "map" => document(&self.maps.shown(question, &self.trust)?),
             "boundary" => {
-                let study = question.study(&self.trust, map::OF_CURVES)?;
+                let study = question.study(&self.trust, map::CURVE_STATES)?;
                 let traced = in_time(|| Boundaries::of(&study, Tracing::default(), &()));
                 let boundaries = traced.ok_or(Refusal::GivenUp)??;
                 document(&boundary::geojson(&boundaries))

@@ -54,7 +54,7 @@ impl Question {
     /// [`Refusal`] if the text is not a valid question.
     pub fn parse(text: &str) -> Result<Self, Refusal> {
         serde_json::from_str(text)
-            .map_err(|error| Refusal::Input(format!("the question cannot be read: {error}")))
+            .map_err(|error| Refusal::Input(format!("the request cannot be read: {error}")))
     }
 
     /// Material and discretization; a library is loaded only if the user allows it.
@@ -168,7 +168,7 @@ pub(super) fn opened(text: &str) -> Result<Opened, Refusal> {
 }
 
 impl Question {
-    /// Question about the reference state with the given settings.
+    /// Problem of the page in the reference configuration with the given settings.
     pub fn of_settings(settings: &Settings) -> Self {
         of_settings(settings)
     }

@@ -85,7 +85,7 @@ fn a_map_has_the_verdicts_of_its_states_and_becomes_finer() {
 }
 
 #[test]
-fn cancelled_questions_are_not_answered() {
+fn cancelled_requests_are_not_answered() {
     let question = question(&["discretization.method=updated-sph"], "1,1");
     for name in ["state", "mode", "dispersion", "map", "boundary"] {
         let explorer = explorer();
@@ -175,7 +175,7 @@ fn a_wrong_formula_is_shown_with_a_caret() {
 }
 
 #[test]
-fn a_question_starts_no_library_and_reads_no_file() {
+fn a_request_of_the_page_loads_no_library_and_reads_no_file() {
     let library = "/nowhere/at-all.so";
     for set in [
         vec![

@@ -57,9 +57,9 @@ pub struct LawAnswer {
     pub law: String,
     /// Constants in their order.
     pub constants: Vec<ConstantAnswer>,
-    /// Bulk modulus of the settings; `None` for laws without a bulk modulus.
+    /// Bulk modulus of the settings; stress. `None` for laws without a bulk modulus.
     pub kappa: Option<f64>,
-    /// Shear modulus at small strains.
+    /// Shear modulus at small strains; stress.
     pub shear_modulus: f64,
     /// Root mean square of the errors relative to the measured stresses.
     pub error: f64,
@@ -69,7 +69,7 @@ pub struct LawAnswer {
     pub tests: Vec<Misfit>,
     /// Error of the best fit without a demand for stability.
     pub free_error: f64,
-    /// Its sum of squares.
+    /// Sum of squares of the best fit without a demand for stability.
     pub free_loss: f64,
     /// First losses of the best fit without a demand, in tension up to stretch 10.
     pub free_losses: Vec<LossAnswer>,
@@ -643,8 +643,8 @@ impl fmt::Display for FitAnswer {
                 values.collect::<Vec<_>>().join(", ")
             )?;
             let optimum = match own.is_global {
-                true => "the least that constants of this law can reach",
-                false => "the least of many starts",
+                true => "the global minimum for this law",
+                false => "the lowest of many local minima",
             };
             writeln!(
                 formatter,

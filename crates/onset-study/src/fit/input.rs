@@ -57,7 +57,7 @@ pub enum TableError {
 /// Test data as given by the user.
 #[derive(Clone, Debug)]
 pub enum Source {
-    /// File, with the loading that was named for it.
+    /// Table in a file, and its loading if the user named it; `None` if a comment or the file name gives it.
     File(PathBuf, Option<Mode>),
     /// Arrays of the same length.
     Arrays(Arrays),
@@ -85,7 +85,7 @@ pub struct Reading {
     pub unit: Option<String>,
     /// Area of the undeformed cross-section, which turns forces into nominal stresses.
     pub area: Option<f64>,
-    /// Stretches of the points that are used.
+    /// Smallest and largest stretch of the points to use; `None` for all points.
     pub range: Option<[f64; 2]>,
 }
 
@@ -104,7 +104,7 @@ pub struct Tests {
 const UNITS: &str = "expected Pa, kPa, MPa, GPa, N/mm^2, bar, psi or ksi";
 /// Fewest points of a test.
 const LEAST_POINTS: usize = 3;
-/// Largest stretch of rubber; larger numbers are percents.
+/// Largest stretch of rubber; larger numbers are percentages.
 const LARGEST: f64 = 20.0;
 /// Hint for arrays that seem to hold strains.
 const STRETCHES: &str = "a stretch is 1 plus the strain, and 100 % are a strain of 1";
@@ -175,7 +175,7 @@ impl Tests {
                             counted(distinct.len(), "strain"),
                             match reading.range {
                                 Some(_) => " in the range of --range",
-                                None => " besides the reference",
+                                None => " other than the reference configuration",
                             },
                         ),
                         match reading.range {
@@ -262,7 +262,7 @@ impl Tests {
         if most.1 > CONTRADICTION * least.1 {
             return Err(TableError::Tests {
                 message: text,
-                hint: "check the units of stress, percents taken as strains, and the loading of each file".to_owned(),
+                hint: "check the units of stress, percentages taken as strains, and the loading of each file".to_owned(),
             });
         }
         if most.1 > DISAGREEMENT * least.1 {
@@ -472,7 +472,7 @@ impl Table<'_> {
         {
             return Err(self.refused(
                 format!(
-                    "its comment says {}, and its name {}",
+                    "the comment gives the loading {}, the file name {}",
                     comment.name(),
                     name.name()
                 ),
@@ -481,7 +481,7 @@ impl Table<'_> {
         }
         given.or(comment).or(name).ok_or_else(|| {
             self.refused(
-                "the loading is not known: neither the name of the file nor a comment `# mode: planar` says it",
+                "the loading is not known: neither the file name nor a comment `# mode: planar` gives it",
                 "use --uniaxial, --equibiaxial, --planar, --simple-shear or --volumetric FILE",
             )
         })
@@ -818,7 +818,7 @@ impl Table<'_> {
         self.test(own.mode, rows, Column::Array)
     }
 
-    /// Test of rows whose signs and order are checked, without the points in the reference.
+    /// Test of rows whose signs and order are checked, without the points in the reference configuration.
     fn test(
         &self,
         mode: Mode,
@@ -875,7 +875,7 @@ impl Table<'_> {
         let (what, percents) = match (mode, self.is_deck()) {
             (Mode::SimpleShear, _) => (
                 "amount of shear",
-                "if they are percents, name the column gamma [%]",
+                "if they are percentages, name the column gamma [%]",
             ),
             (Mode::Volumetric, _) => (
                 "volume ratio",
@@ -883,11 +883,11 @@ impl Table<'_> {
             ),
             (_, true) => (
                 "stretch",
-                "data lines of Abaqus hold nominal stress and nominal strain, not percents",
+                "data lines of Abaqus hold nominal stress and nominal strain, not percentages",
             ),
             (_, false) => (
                 "stretch",
-                "if the strains are percents, name the column strain [%]",
+                "if the strains are percentages, name the column strain [%]",
             ),
         };
         if mode == Mode::SimpleShear {
@@ -895,7 +895,7 @@ impl Table<'_> {
                 true => Err(self.line(
                     line,
                     format!(
-                        "the {what} is {}, more than any rubber bears ({LARGEST})",
+                        "the {what} is {}, more than any rubber can bear ({LARGEST})",
                         told(stretch)
                     ),
                     percents,
@@ -925,7 +925,7 @@ impl Table<'_> {
             return Err(self.line(
                 line,
                 format!(
-                    "the {what} is {}, more than any rubber bears ({LARGEST})",
+                    "the {what} is {}, more than any rubber can bear ({LARGEST})",
                     told(stretch)
                 ),
                 match column {
@@ -1015,7 +1015,7 @@ impl Table<'_> {
             return Err(self.line(
                 *line,
                 format!("the largest strain of the table is {}", told(most)),
-                "if the strains are not percents, remove [%] from the name of the column",
+                "if the strains are not percentages, remove [%] from the name of the column",
             ));
         }
         if let Some((line, point)) = rows.iter().find(|own| strain(&own.1) != 0.0)
@@ -1032,9 +1032,9 @@ impl Table<'_> {
                     told(strain(point))
                 ),
                 match (self.is_deck(), mode) {
-                    (true, _) => "data lines of Abaqus hold nominal stress and nominal strain, neither percents nor stretches",
-                    (_, Mode::SimpleShear) => "if they are percents, name the column gamma [%]; otherwise add points of small strains",
-                    _ => "if they are percents, name the column strain [%], and if they are stretches, stretch; otherwise give stretches",
+                    (true, _) => "data lines of Abaqus hold nominal stress and nominal strain, not percentages or stretches",
+                    (_, Mode::SimpleShear) => "if they are percentages, name the column gamma [%]; otherwise add points of small strains",
+                    _ => "name a column of percentages strain [%] and a column of stretches stretch; otherwise give stretches",
                 },
             ));
         }

@@ -60,7 +60,7 @@ pub enum FittingError {
     Output(#[from] crate::output::OutputError),
 }
 
-/// Weights by their name, with the smallest scale of relative errors as a part of the largest stress of the test.
+/// Weights by their name, with the smallest scale of relative errors as a fraction of the largest stress of the test.
 ///
 /// # Errors
 /// [`FittingError::Choice`] if there are no such weights.
@@ -111,7 +111,7 @@ pub fn stable_range(text: &str) -> Result<Option<Range>, String> {
         let [low, high] = stretches_between(own)?;
         match low < 1.0 && high > 1.0 {
             true => Ok((low, high)),
-            false => Err("expected limits on both sides of 1, the reference".to_owned()),
+            false => Err("expected limits on both sides of 1".to_owned()),
         }
     };
     Ok(match text.split_once('=') {

@@ -2,7 +2,7 @@
 
 use super::{LimitQuestion, VALUES};
 use crate::answers::{
-    BodyStepAnswer, Evidence, FiniteBodyAnswer, OF_LATTICE, Problem, ProblemError, Strain, notes,
+    BodyStepAnswer, Evidence, FiniteBodyAnswer, LATTICE_NOTE, Problem, ProblemError, Strain, notes,
 };
 use crate::csv;
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Points, Rule, palette};
@@ -37,13 +37,13 @@ pub struct Tried {
     pub critical_time_step: f64,
     /// Verdict on the state. For an unstable state the step belongs to the waves that do not grow.
     pub verdict: Option<Verdict>,
-    /// Critical step of the body of the study at this state.
+    /// Critical step of the body of the study at this state; `None` without a body.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<BodyStepAnswer>,
     /// Critical step of an isolated material point, for methods with a transfer. Time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub isolated_point_time_step: Option<f64>,
-    /// Reason why the value cannot be evaluated.
+    /// Reason why the value cannot be evaluated; `None` if it can be evaluated.
     pub note: Option<String>,
     /// Whether the value was added by the refinement, between values of the grid.
     #[serde(skip)]
@@ -88,10 +88,10 @@ pub struct End {
     pub value: f64,
     /// Reason why the interval ends.
     pub kind: EndKind,
-    /// Nearest value found that cannot be evaluated.
+    /// Nearest value found that cannot be evaluated; `None` if all values can be evaluated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub undefined_at: Option<f64>,
-    /// Reason why it cannot be evaluated.
+    /// Reason why this value cannot be evaluated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
@@ -338,8 +338,13 @@ impl LimitAnswer {
                 .then(|| question.integrator.name()),
             deformation_gradient: *strain.0.components(),
             critical_time_step_of: body.map_or_else(
-                || OF_LATTICE.to_owned(),
-                |body| format!("{}, or infinite lattice where smaller", body.words()),
+                || LATTICE_NOTE.to_owned(),
+                |body| {
+                    format!(
+                        "{}, or of the infinite lattice if that is smaller",
+                        body.words()
+                    )
+                },
             ),
             finite_bodies,
             present,
@@ -589,13 +594,17 @@ impl LimitAnswer {
             ));
         }
         if step.is_infinite() {
-            return Some(format!("It is {value} now, with no critical step."));
+            return Some(format!(
+                "Its present value is {value}, with no critical step."
+            ));
         }
         if step == 0.0 {
-            return Some(format!("It is {value} now, with no stable step."));
+            return Some(format!(
+                "Its present value is {value}, with no stable step."
+            ));
         }
         Some(format!(
-            "It is {value} now, with a critical step of {}; the ratio of the given to the critical step is {}.",
+            "Its present value is {value}, with a critical step of {}; the ratio of the given to the critical step is {}.",
             self.step(step),
             told(self.time_step / step)
         ))

@@ -39,7 +39,7 @@ pub struct LimitQuestion {
 }
 
 impl LimitQuestion {
-    /// Creates a question for a key and a time step as typed.
+    /// Parses the name of the key to vary and the time step (text, with an optional unit).
     ///
     /// # Errors
     /// [`SettingError`] when the key does not exist or is not a number.

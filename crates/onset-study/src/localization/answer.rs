@@ -21,22 +21,22 @@ pub struct LocalizationAnswer {
     pub told: String,
     /// State at first yield.
     pub first_yield: PointAnswer,
-    /// State at which strong ellipticity is lost: the symmetric part of the acoustic tensor becomes singular.
+    /// State at which strong ellipticity is lost: the symmetric part of the acoustic tensor becomes singular. `null` if it is not lost on the path.
     pub strong_ellipticity_lost: Option<PointAnswer>,
-    /// State at which ellipticity is lost and a band can form.
+    /// State at which ellipticity is lost and a band can form; `null` if it is not lost on the path.
     pub localization: Option<PointAnswer>,
     /// State with the smallest `h - h_cr`, which is the onset if localization occurs.
     pub closest: PointAnswer,
     /// Reason why the path ends.
     pub end: End,
-    /// Critical moduli by direction at the closest state, in the plane of the largest and the smallest principal stress.
+    /// Critical moduli by direction at the state closest to localization, in the plane of the largest and the smallest principal stress.
     pub directions: Vec<DirectionAnswer>,
     /// States of the path.
     pub path: Vec<PointAnswer>,
     /// For incremental laws: the onset with half the number of increments, as a measure of convergence.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub with_half_the_increments: Option<HalfAnswer>,
-    /// Message of an incremental law whose failure ends the path.
+    /// Message of an incremental law whose failure ends the path; `null` for other ends.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refusal: Option<String>,
     /// Elastic shear stiffness, the scale for moduli.
@@ -47,9 +47,9 @@ pub struct LocalizationAnswer {
 /// Onset of localization with half the number of increments; `None` in each field without localization.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HalfAnswer {
-    /// Plastic shear strain at the onset.
+    /// Plastic shear strain at the onset; `null` if the path does not localize.
     pub localization_slip: Option<f64>,
-    /// Strain along axis 1 at the onset.
+    /// Strain along axis 1 at the onset; `null` if the path does not localize.
     pub localization_strain: Option<f64>,
 }
 
@@ -68,11 +68,11 @@ pub struct PointAnswer {
     pub mean_stress: f64,
     /// Plastic modulus `h`. Units of stress.
     pub plastic_modulus: f64,
-    /// Critical modulus of localization, maximized over all directions.
+    /// Critical modulus of localization `h_cr`, the maximum over all normals. Units of stress.
     pub critical_modulus: f64,
-    /// Upper bound of the critical modulus over all directions.
+    /// Upper bound of the critical modulus `h_cr` over all normals. Units of stress.
     pub critical_modulus_bound: f64,
-    /// Critical modulus of strong ellipticity.
+    /// Critical modulus of strong ellipticity, the maximum over all normals. Units of stress.
     pub strong_critical_modulus: f64,
     /// Band at the critical modulus of localization.
     pub band: BandAnswer,
@@ -98,9 +98,9 @@ pub struct BandAnswer {
 pub struct DirectionAnswer {
     /// Angle in degrees of the normal from the axis of the smallest principal stress, toward the axis of the largest.
     pub angle: f64,
-    /// Critical modulus of ellipticity.
+    /// Critical modulus of ellipticity. Units of stress.
     pub critical_modulus: f64,
-    /// Critical modulus of strong ellipticity.
+    /// Critical modulus of strong ellipticity. Units of stress.
     pub strong_critical_modulus: f64,
 }
 

@@ -4,7 +4,7 @@ use super::LocalizationAnswer;
 use crate::figure::{Axis, Figure, Line, Panel, Points, Rule, palette};
 
 impl LocalizationAnswer {
-    /// Draws plastic and critical moduli against plastic shear strain, and critical moduli by direction at the closest state.
+    /// Draws plastic and critical moduli against plastic shear strain, and critical moduli by direction at the state closest to localization.
     pub fn figure(&self, title: impl Into<String>) -> Figure {
         Figure::new(title)
             .columns(2)

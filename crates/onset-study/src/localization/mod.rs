@@ -32,7 +32,7 @@ fn hint(error: &PlasticityError) -> String {
     let hint = match error {
         PlasticityError::Parameter { name, .. } => format!("set it with --set plasticity.{name}=..."),
         PlasticityError::SnapBack { .. } => {
-            "soften less (plasticity.hardening-modulus, a larger plasticity.reference-slip), or raise the stiffness"
+            "reduce the softening (plasticity.hardening-modulus, a larger plasticity.reference-slip), or raise the stiffness"
                 .to_owned()
         }
         PlasticityError::NeverYields { .. } => {
@@ -52,7 +52,7 @@ fn hint(error: &PlasticityError) -> String {
             "take --path uniaxial-stress or sheet-stretch and plasticity.confinement=0, or plasticity.bands=bulk".to_owned()
         }
         PlasticityError::NoElasticRange => {
-            "add plasticity.confinement if the law has no strength without pressure; laws without an elastic range are not followed".to_owned()
+            "if the law has no strength without pressure, add plasticity.confinement; laws without an elastic range are not supported".to_owned()
         }
         PlasticityError::NoBalance => {
             "check with `onset audit` whether DDSDDE is the tangent of the stress; choose another path or a plasticity.confinement".to_owned()

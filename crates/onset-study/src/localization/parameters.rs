@@ -461,7 +461,7 @@ impl PlasticSettings {
             let origin = Origin::CommandLine(format!("--set {one}"));
             let message = "`material.plane` has no effect here".to_owned();
             return Err(SettingError::new(origin, message)
-                .hint("plasticity.path says which strains and stresses are held along the path"));
+                .hint("plasticity.path determines which strains and stresses are prescribed"));
         }
         let model = [format!("material.model={UMAT}")];
         let all = model.iter().map(String::as_str);

@@ -181,7 +181,7 @@ fn numbers() -> Vec<(Field, Taken)> {
         ),
         number(
             "growth_rate",
-            "growth rate of the fastest growing mode, zero if stable; with a transfer of material points, in steps of discretization.time-step",
+            "growth rate of the fastest growing mode, zero if stable; with a transfer of material points, in discrete time with the step discretization.time-step",
             "1/time",
             |record| record.growth_rate,
         ),

@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 /// Number of grid points along each axis, for successively finer grids.
 const GRID_POINTS: [usize; 6] = [2, 3, 5, 9, 17, 33];
 /// Largest number of tiles whose refinement is rehearsed, evenly chosen.
-const REHEARSED_TILES: usize = 200;
+const MAX_REHEARSED_TILES: usize = 200;
 /// Numbers of timed states: in the first group, in the initial batch, in the largest batch, and in total.
 ///
 /// Batches fill the vector lanes as in a map.
@@ -138,7 +138,7 @@ impl Work {
     /// Work of an adaptive map.
     fn rehearsed(study: &Study, tiling: &Tiling, sample: &Sample<'_>) -> Self {
         let tiles = tiling.tiles();
-        let some = tiles.min(REHEARSED_TILES);
+        let some = tiles.min(MAX_REHEARSED_TILES);
         let mut states = Vec::new();
         let mut prepared = 0;
         let clock = Clock::start();

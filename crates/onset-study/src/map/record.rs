@@ -9,7 +9,7 @@ use onset::verdict::Verdict;
 pub struct Finding {
     /// Origin of the first instability; `None` if the support holds too few or too many particles for the method.
     pub verdict: Option<Verdict>,
-    /// Stability of the particles: stable, flutter or divergence.
+    /// Stability of the particles: stable, flutter or divergence; `None` if the method cannot be evaluated.
     pub stability: Option<Stability>,
 }
 
@@ -74,13 +74,13 @@ impl From<&certificate::Certainty<3>> for Certainty {
 pub struct Proof {
     /// Certainty for the material, on strong ellipticity.
     pub material: Certainty,
-    /// Bound on the acoustic eigenvalue over `rho0 c^2`: a lower bound if elliptic, an upper bound otherwise.
+    /// Bound on the acoustic eigenvalue, divided by `rho0 c^2`: a lower bound if elliptic, an upper bound otherwise.
     pub material_bound: f64,
     /// Certainty for the waves of the particles.
     pub particles: Certainty,
     /// Bound on the scaled minimum: a lower bound if stable, an upper bound if unstable.
     pub bound: f64,
-    /// Reason why the particles are undecided.
+    /// Reason why the particles are undecided; `None` if they are not undecided.
     pub reason: Option<Reason>,
     /// Whether the proof contradicts verdict or stability of the search.
     pub corrects: bool,

@@ -85,7 +85,7 @@ impl Add for Tally {
     }
 }
 
-/// Number and share of the states with one verdict.
+/// Number and fraction of the states with one verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Share {
     /// Number of states with this verdict.

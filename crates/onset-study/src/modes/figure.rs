@@ -7,14 +7,14 @@ use crate::figure::{
 };
 
 /// Maximum number of modes that are drawn.
-const DRAWN: usize = 6;
+const MAX_MODES: usize = 6;
 
 /// Half the edge of the cube of particles that is drawn in 3D, in spacings.
 const HALF_SIDE: f64 = 1.6;
 /// Radius of a ball, in spacings.
 const RADIUS: f64 = 0.15;
 /// Largest distance of neighbors that are joined by a line, in spacings.
-const JOINED: f64 = 1.05;
+const JOINING_DISTANCE: f64 = 1.05;
 /// Color of the lines between neighbors.
 const PALE: Color = Color::hex(0xc4c4c4);
 
@@ -22,7 +22,7 @@ impl ModesAnswer {
     /// Draws the first modes, each on a patch of particles with their displacements. In 3D the middle of the patch is drawn in perspective.
     pub fn figure(&self) -> Figure {
         let figure = Figure::new("Spurious modes of the reference configuration").columns(3);
-        let shown = self.modes.iter().take(DRAWN);
+        let shown = self.modes.iter().take(MAX_MODES);
         let mut figure = shown.fold(figure, |figure, mode| figure.with(self.panel(mode)));
         // All panels show the same patch at the same scale.
         let ranges = figure
@@ -42,7 +42,7 @@ impl ModesAnswer {
                 caption.push_str(" Arrows: twice the displacements.");
             }
         }
-        match self.modes.len().saturating_sub(DRAWN) {
+        match self.modes.len().saturating_sub(MAX_MODES) {
             0 => {}
             1 => caption.push_str(" One more mode is listed, but not drawn."),
             rest => caption.push_str(&format!(" {rest} more modes are listed, but not drawn.")),
@@ -172,7 +172,7 @@ impl ModesAnswer {
         for (n, a) in places.iter().enumerate() {
             for b in &places[n + 1..] {
                 let distance = (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
-                if distance < JOINED * self.spacing {
+                if distance < JOINING_DISTANCE * self.spacing {
                     points.extend([view.seen(a).at, view.seen(b).at, (f64::NAN, f64::NAN)]);
                 }
             }

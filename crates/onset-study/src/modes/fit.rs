@@ -7,7 +7,7 @@ pub(super) const MAX_CELLS: usize = 512;
 /// Maximum number of cells for an incommensurate wave, the denominator of its approximate fraction.
 const MAX_DENOMINATOR: usize = 16;
 /// Largest deviation from a whole number of wavelengths for a wave that fits.
-const WHOLE: f64 = 1e-6;
+const WHOLE_NUMBER_TOLERANCE: f64 = 1e-6;
 
 /// Patch with equal numbers of cells along the primitive vectors, and the wave closest to a given one that fits into it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -32,7 +32,11 @@ impl Fit {
         let error = apart.fold(0.0, f64::max);
         Self {
             cells,
-            error: if error * count <= WHOLE { 0.0 } else { error },
+            error: if error * count <= WHOLE_NUMBER_TOLERANCE {
+                0.0
+            } else {
+                error
+            },
             fractional: nearest,
         }
     }

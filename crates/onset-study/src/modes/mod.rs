@@ -22,7 +22,7 @@ use serde::Serialize;
 use std::fmt;
 
 /// Maximum number of particles of a patch.
-const LARGEST: f64 = 40_000.0;
+const MAX_PARTICLES: f64 = 40_000.0;
 
 /// Options for the list and the export of modes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,10 +128,10 @@ impl ModesAnswer {
         } = Problem::new(settings.clone())?;
         let dimension = analysis.dimension();
         let particles = (question.cells as f64).powi(dimension as i32) * analysis.sites() as f64;
-        if particles > LARGEST {
+        if particles > MAX_PARTICLES {
             return Err(ProblemError::Patch {
                 particles,
-                admitted: LARGEST,
+                admitted: MAX_PARTICLES,
             });
         }
         let found = analysis.spurious_modes(question.weak)?;
@@ -348,7 +348,7 @@ impl ModesAnswer {
         }
         writeln!(
             formatter,
-            "spurious modes of the reference configuration, wave vectors in units of the reciprocal vectors (of k and -k one)\n"
+            "spurious modes of the reference configuration, wave vectors in units of the reciprocal vectors (k and -k counted once)\n"
         )?;
         for (n, mode) in self.modes.iter().enumerate() {
             writeln!(
@@ -396,7 +396,7 @@ mod tests {
         assert_eq!(place(&[-0.5, 0.0]), "(1/2, 0)");
         assert_eq!(place(&[-0.5, -0.5]), "(1/2, 1/2)");
         assert_eq!(place(&[1.0 / 3.0, -1.0 / 3.0]), "(1/3, -1/3)");
-        // Of k and -k one.
+        // One of k and -k.
         assert_eq!(place(&[-0.2, 0.3]), place(&[0.2, -0.3]));
         assert_eq!(place(&[-0.5, -0.28044]), "(1/2, 0.2804)");
         assert_eq!(place(&[0.0, 0.0]), "(0, 0)");

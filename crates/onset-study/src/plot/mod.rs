@@ -59,17 +59,17 @@ pub enum Lines {
 /// Changes to the usual appearance of a figure.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Look<'a> {
-    /// Title of the figure.
+    /// Title of the figure; `None` for the title of the study.
     pub title: Option<&'a str>,
-    /// Width and height of a panel in pixels of 1/96 inch.
+    /// Width and height of a panel in pixels of 1/96 inch; `None` for the default size.
     pub size: Option<(f64, f64)>,
-    /// Ends of the horizontal axis.
+    /// Ends of the horizontal axis; `None` for the range of the map.
     pub x: Option<(f64, f64)>,
-    /// Ends of the vertical axis.
+    /// Ends of the vertical axis; `None` for the range of the map.
     pub y: Option<(f64, f64)>,
-    /// Numbers at the ends of the color bar.
+    /// Numbers at the ends of the color bar; `None` for the limits of the middle 99 % of the values.
     pub range: Option<(f64, f64)>,
-    /// Color map of a field of numbers.
+    /// Color map of a field of numbers; `None` for the default of the field.
     pub color_map: Option<ColorMap>,
 }
 

@@ -282,13 +282,13 @@ impl StoredMap {
             (material.model, material.entries())
         };
         if self.study.axes.len() != 2 || other.study.axes.len() != 2 {
-            Some("an overlay shows maps with two axes")
+            Some("only maps with two axes can be overlaid")
         } else if quantities(&self.study) != quantities(&other.study) {
             Some("they have different axes")
         } else if material(&self.study) != material(&other.study) {
             Some("they have different materials")
         } else if self.study.state != other.study.state {
-            Some("they hold different states fixed")
+            Some("their fixed quantities differ")
         } else {
             None
         }

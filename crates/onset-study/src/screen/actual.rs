@@ -18,9 +18,9 @@ const MODES: usize = 6;
 const ROUNDING_FRACTION: f64 = 1e-9;
 /// Radius of the neighborhoods in which a mode is linear or not, in spacings: nearest neighbors and, on square lattices, those along diagonals.
 const RADIUS: f64 = 1.6;
-/// Smallest share of short waves in a mode of this kind: waves of up to four spacings.
+/// Smallest fraction of short waves in a mode of this kind: waves of up to four spacings.
 const SHORT_WAVE_SHARE: f64 = 0.2;
-/// Largest share of the body that strains in a localized mode, and its largest width in spacings.
+/// Largest fraction of the body that strains in a localized mode, and its largest width in spacings.
 const LOCALIZED: (f64, f64) = (0.2, 6.0);
 
 /// Kind of a mode of the body.
@@ -46,11 +46,11 @@ pub struct BodyModeAnswer {
     pub growth: f64,
     /// Kind of the mode.
     pub kind: ModeKind,
-    /// Share of the mode that is not linear in the neighborhood of a particle, from 0 to 1.
+    /// Fraction of the mode that is not linear in the neighborhood of a particle, from 0 to 1.
     pub short_waves: f64,
-    /// Share of the particles that strain, `(sum g)^2 / (n sum g^2)` with the squared gradients `g` of the mode.
+    /// Fraction of the particles that strain, `(sum g)^2 / (n sum g^2)` with the squared gradients `g` of the mode.
     pub strained: f64,
-    /// This share of the longest side of the body; spacings.
+    /// Width of the region that strains: the fraction above times the longest side of the body; particle spacings.
     pub width: f64,
     /// Particle with the largest displacement.
     pub particle: usize,

@@ -7,9 +7,9 @@ use nalgebra::Matrix3;
 use onset::kinematics::DeformationGradient;
 
 /// Median of relative differences that gradients and stresses of one state can have.
-const DIFFERENT: f64 = 0.05;
+const DISAGREEMENT: f64 = 0.05;
 /// Smallest norm of `F - 1` for which gradients are compared.
-const DEFORMED: f64 = 1e-3;
+const COMPARABLE_STRAIN: f64 = 1e-3;
 /// Largest number of points whose stresses are compared in a frame.
 const SAMPLES: usize = 500;
 /// Number of frames at the beginning whose stresses are compared.
@@ -58,7 +58,7 @@ impl Agreement {
             }
             f
         };
-        let deformed = |f: &Matrix3<f64>| (f - Matrix3::identity()).norm() > DEFORMED;
+        let deformed = |f: &Matrix3<f64>| (f - Matrix3::identity()).norm() > COMPARABLE_STRAIN;
         let pairs: Vec<(Matrix3<f64>, Matrix3<f64>)> = given
             .iter()
             .zip(found)
@@ -93,8 +93,8 @@ impl Agreement {
             .map(|(name, reading)| (name, difference(reading)))
             .min_by(|a, b| a.1.total_cmp(&b.1));
         self.gradient = match other {
-            _ if own <= DIFFERENT => None,
-            Some((name, rest)) if rest <= DIFFERENT => Some(format!(
+            _ if own <= DISAGREEMENT => None,
+            Some((name, rest)) if rest <= DISAGREEMENT => Some(format!(
                 "deformation gradients in the files are {name} and do not fit the positions; gradients of the positions are used instead"
             )),
             _ => Some(format!(
@@ -164,12 +164,12 @@ impl Agreement {
         let (Some(difference), Some(factor)) = (difference, factor) else {
             return notes;
         };
-        if difference <= DIFFERENT {
+        if difference <= DISAGREEMENT {
             return notes;
         }
         let method = &problem.settings.method;
         let reason = match factor {
-            _ if (factor + 1.0).abs() < DIFFERENT => {
+            _ if (factor + 1.0).abs() < DISAGREEMENT => {
                 "they have the opposite sign: pressure is positive in the files".to_owned()
             }
             _ if !(0.5..2.0).contains(&factor) => format!(
@@ -177,7 +177,7 @@ impl Agreement {
                 told(factor)
             ),
             _ if method.method == Family::UpdatedSph && !method.corrected => {
-                "uncorrected gradients of SPH measure other strains than the positions".to_owned()
+                "uncorrected SPH gradients differ from the gradients of the positions".to_owned()
             }
             _ => "check the law, its parameters, and whether the run is in plane strain".to_owned(),
         };

@@ -1,4 +1,4 @@
-//! Answer to a run: the first cause, with its evidence, its limits and the remedy.
+//! Answer of `onset screen`: the first cause of an instability in a run, with its evidence, its limits and the remedy.
 
 use super::actual::Actual;
 use super::course::{
@@ -20,24 +20,24 @@ use serde::Serialize;
 use std::fmt;
 use std::fmt::Write;
 
-/// Largest error of the predictions, as a share of the limit, for which a step or a state is at the limit.
-const AT_THE_LIMIT: f64 = 0.02;
-/// Factor of the largest stable step that is safe: loads and disorder stiffen a body.
-const SAFE: f64 = 0.9;
+/// Relative error of the predicted limits; a step or a state closer to its limit counts as at the limit.
+const LIMIT_TOLERANCE: f64 = 0.02;
+/// Recommended fraction of the largest stable step: loads and disorder stiffen a body.
+const SAFETY_FACTOR: f64 = 0.9;
 /// Smallest growth exponent before the observation that explains short waves, even if they were expected later: gradients of strain, which
 /// are part of the short waves, let them show earlier.
-const GROWN: f64 = 1.0;
+const EXPLAINING_EXPONENT: f64 = 1.0;
 /// Smallest growth exponent before the observation in a body that is then destroyed.
-const BEGUN: f64 = 0.5;
+const DESTROYED_BODY_EXPONENT: f64 = 0.5;
 /// Ratio of short waves to the threshold at which a body is destroyed.
-const DESTROYED: f64 = 10.0;
+const DESTROYED_BODY_RATIO: f64 = 10.0;
 /// Smallest growth of short waves that are still below the threshold but follow a prediction.
-const RISEN: f64 = 10.0;
-/// Largest delay of a prediction after the observation, as a share of the time until then.
-const LATE: f64 = 0.35;
+const RISE_RATIO: f64 = 10.0;
+/// Largest delay of a prediction after the observation, as a fraction of the time until then.
+const LATENESS_FRACTION: f64 = 0.35;
 
 /// Smallest amplitude in the figure; spacings.
-const LEAST_SHOWN: f64 = 1e-8;
+const SMALLEST_DRAWN_AMPLITUDE: f64 = 1e-8;
 /// Width of the map; pixels.
 const PANEL_WIDTH: f64 = 420.0;
 
@@ -137,26 +137,26 @@ impl fmt::Display for ScreenChecks {
     }
 }
 
-/// Answer to a run.
+/// Answer of `onset screen`: the first cause of an instability in a run, with its evidence.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ScreenAnswer {
     /// First cause of the instability.
     pub cause: Cause,
-    /// Mechanism of a numerical instability.
+    /// Mechanism of a numerical instability; `None` for other causes.
     pub mechanism: Option<Mechanism>,
     /// Cause, time, place, numbers and remedy in words.
     pub sentence: String,
-    /// Whether two percent decide about the cause.
+    /// Whether a change of the limit by 2 % would change the cause.
     pub at_the_limit: bool,
     /// Place and time at which the cause begins. For a time step, it then exceeds the largest stable step.
     pub first: Option<Event>,
-    /// Time at which short waves are expected to show.
+    /// Time at which short waves are expected to show; `null` if they are not expected.
     pub expected: Option<f64>,
-    /// First short waves above the threshold in the positions.
+    /// First short waves above the threshold in the positions; `null` if all short waves stay below it.
     pub observed: Option<Event>,
-    /// Wavelength of the fastest-growing wave in the reference configuration, in spacings.
+    /// Wavelength of the fastest-growing wave in the reference configuration, in spacings; `null` unless the cause is numerical.
     pub wavelength: Option<f64>,
-    /// Growth rate of this wave; 1/time.
+    /// Growth rate of this wave; 1/time. `null` unless the cause is numerical or the time step.
     pub growth: Option<f64>,
     /// Facts that support the cause.
     pub evidence: Vec<String>,
@@ -166,7 +166,7 @@ pub struct ScreenAnswer {
     pub changes: Vec<Remedy>,
     /// Limits of the theory in this run.
     pub limits: Vec<String>,
-    /// Lowest modes of the body in one frame.
+    /// Lowest modes of the body in one frame; `null` if they were not requested.
     pub actual: Option<Actual>,
     /// Largest stable time steps.
     pub time_step: Option<StepLimit>,
@@ -176,7 +176,7 @@ pub struct ScreenAnswer {
     pub seed: f64,
     /// Width of the bins of stretch.
     pub bin: f64,
-    /// Time at which growth is expected to show with bins of twice the width.
+    /// Time at which growth is expected to show with bins of twice the width; `null` unless the cause is numerical.
     pub expected_in_wide_bins: Option<f64>,
     /// Number of states that were evaluated.
     pub states: usize,
@@ -257,9 +257,9 @@ impl ScreenAnswer {
         let lost = course.lost.as_ref().map(|event| event.time);
         // An instability that is predicted long after the first short waves is not their cause.
         let last = course.moments.last();
-        let is_rising = last.is_some_and(|last| last.observed_mean > RISEN * course.seed);
+        let is_rising = last.is_some_and(|last| last.observed_mean > RISE_RATIO * course.seed);
         let is_in_time = |time: f64| match observed {
-            Some(observed) => time <= observed + LATE * (observed - start),
+            Some(observed) => time <= observed + LATENESS_FRACTION * (observed - start),
             None => is_rising,
         };
         let causes = [
@@ -280,10 +280,12 @@ impl ScreenAnswer {
         };
         // Noise of another origin can come before the growth that then destroys the body.
         let most = course.moments.iter().map(|moment| moment.observed);
-        let is_destroyed = most.fold(0.0, f64::max) > DESTROYED * threshold;
+        let is_destroyed = most.fold(0.0, f64::max) > DESTROYED_BODY_RATIO * threshold;
         let exceeded = course.step.as_ref().and_then(|limit| limit.exceeded);
-        let by_growth = course.grown_until_observed > GROWN
-            || is_destroyed && grown.is_some() && course.grown_until_observed > BEGUN;
+        let by_growth = course.grown_until_observed > EXPLAINING_EXPONENT
+            || is_destroyed
+                && grown.is_some()
+                && course.grown_until_observed > DESTROYED_BODY_EXPONENT;
         let by_excess = exceeded.filter(|_| is_destroyed).and(by_step.or(observed));
         let (cause, expected) = match (first, observed) {
             (Some((cause, time)), _) => (cause, Some(time)),
@@ -300,8 +302,8 @@ impl ScreenAnswer {
             // The limit of the undeformed body, and the least during the run.
             let limits = limit.least..=limit.body.unwrap_or(limit.lattice).max(limit.least);
             matches!(cause, Cause::None | Cause::TimeStep | Cause::Forced)
-                && step > (1.0 - AT_THE_LIMIT) * limits.start()
-                && step < (1.0 + AT_THE_LIMIT) * limits.end()
+                && step > (1.0 - LIMIT_TOLERANCE) * limits.start()
+                && step < (1.0 + LIMIT_TOLERANCE) * limits.end()
         });
         // Short waves distort the gradients.
         let until = observed.unwrap_or(f64::INFINITY);
@@ -435,7 +437,7 @@ impl ScreenAnswer {
         }
         let moment = |time: f64| self.moments.iter().find(|moment| moment.time >= time);
         if self.cause == Cause::Numerical {
-            // Growth from the begin of the exponential part to the time at which it shows.
+            // Growth from the beginning of the exponential part to the time at which it is observed.
             let begun = self
                 .moments
                 .iter()
@@ -505,7 +507,7 @@ impl ScreenAnswer {
                 .map(|moment| moment.observed)
                 .fold(0.0, f64::max);
             evidence.push(format!(
-                "short waves of the positions stay below {} spacings (threshold {})",
+                "short waves in the positions stay below {} spacings (threshold {})",
                 told(most),
                 told(self.threshold)
             ));
@@ -525,12 +527,12 @@ impl ScreenAnswer {
         match self.cause {
             Cause::TimeStep => {
                 if let Some(limit) = &self.time_step {
-                    let safe = told_with(SAFE * limit.least, 2);
+                    let safe = told_with(SAFETY_FACTOR * limit.least, 2);
                     remedy.push(format!("a time step of {safe}"));
                 }
             }
             Cause::Physical => remedy.push(
-                "no spacing converges after this state: use a law that stays elliptic there, or one with a length".to_owned(),
+                "results no longer converge under refinement beyond this state: use a law that stays elliptic there, or a regularized law with an internal length".to_owned(),
             ),
             Cause::Numerical => remedy.extend(self.changes.iter().map(Remedy::told)),
             Cause::ZeroEnergy => {}
@@ -566,7 +568,7 @@ impl ScreenAnswer {
             && event.time < end
         {
             limits.push(format!(
-                "after t = {} the neighbors are not those of the reference configuration",
+                "after t = {} the neighbors differ from the neighbors in the reference configuration",
                 told(event.time)
             ));
         }
@@ -598,7 +600,7 @@ impl ScreenAnswer {
     /// Returns true if short waves are expected to have grown clearly at the end.
     fn rises(&self) -> bool {
         let last = self.moments.last();
-        last.is_some_and(|last| last.predicted > RISEN * self.seed)
+        last.is_some_and(|last| last.predicted > RISE_RATIO * self.seed)
     }
 
     fn in_words(&self, problem: &Problem, question: &Question) -> String {
@@ -647,10 +649,10 @@ impl ScreenAnswer {
             ),
             (false, ..) => String::new(),
             (true, Cause::None, None) => {
-                " The law is at the limit of ellipticity: two percent of its modulus decide."
+                " The law is at the limit of ellipticity: a change of 2 % in its modulus would change the verdict."
                     .to_owned()
             }
-            (true, ..) => " The time step is at the limit: two percent decide.".to_owned(),
+            (true, ..) => " The time step is at the limit: a change of 2 % would change the verdict.".to_owned(),
         };
         let sentence = match self.cause {
             Cause::Physical => format!(
@@ -688,7 +690,7 @@ impl ScreenAnswer {
                     from.map_or("?".to_owned(), |event| short(event.time)),
                     told(step),
                     short(critical),
-                    told_with(SAFE * critical, 2)
+                    told_with(SAFETY_FACTOR * critical, 2)
                 )
             }
             Cause::ZeroEnergy => format!(
@@ -749,7 +751,7 @@ impl ScreenAnswer {
             all.filter_map(|own| Some((own.time, value(own)?)))
                 .collect()
         };
-        let floor = LEAST_SHOWN;
+        let floor = SMALLEST_DRAWN_AMPLITUDE;
         let amplitude =
             |value: &dyn Fn(&Moment) -> f64| of(&|own| Some(value(own).clamp(floor, 10.0)));
         let times = || self.moments.iter().map(|own| own.time);
@@ -835,7 +837,7 @@ impl ScreenAnswer {
         let logs: Vec<f64> = picture
             .observed
             .iter()
-            .map(|observed| observed.max(LEAST_SHOWN).log10())
+            .map(|observed| observed.max(SMALLEST_DRAWN_AMPLITUDE).log10())
             .collect();
         let most = logs.iter().copied().fold(self.threshold.log10(), f64::max);
         let least = logs.iter().copied().fold(f64::INFINITY, f64::min);

@@ -22,13 +22,13 @@ const INTEGRAL_AT_BEGINNING: f64 = 0.05;
 /// Largest integral whose exponential is finite for all seeds.
 const LARGEST_INTEGRAL: f64 = 500.0;
 /// Largest amplitude of short waves, in spacings, at which a particle has a state. Beyond it the neighbors have changed.
-const ENDED: f64 = 0.5;
-/// Smallest acoustic eigenvalue over the modulus of a strongly elliptic material; below it is rounding.
-const ELLIPTIC: f64 = 1e-9;
-/// Largest acoustic eigenvalue over the modulus of a state at the limit of ellipticity.
+const FINAL_AMPLITUDE: f64 = 0.5;
+/// Smallest acoustic eigenvalue of a strongly elliptic material, divided by its modulus; smaller values are rounding.
+const ELLIPTICITY_ROUNDING: f64 = 1e-9;
+/// Largest acoustic eigenvalue of a state at the limit of ellipticity, divided by the modulus.
 pub(super) const ELLIPTIC_MARGIN: f64 = 0.02;
 /// Amplitude of short waves in an exact lattice; spacings.
-const EXACT: f64 = 1e-10;
+const EXACT_LATTICE_AMPLITUDE: f64 = 1e-10;
 /// Radius of neighborhoods in spacings, for methods without a support radius.
 const RADIUS: f64 = 2.01;
 
@@ -45,11 +45,11 @@ pub struct Moment {
     pub observed: f64,
     /// Root mean square of the amplitudes of short waves in the positions; spacings.
     pub observed_mean: f64,
-    /// Smallest acoustic eigenvalue over the modulus of the reference state.
+    /// Smallest acoustic eigenvalue, divided by the modulus of the reference configuration; `None` if no particle has a state.
     pub acoustic: Option<f64>,
-    /// Largest growth rate of a wave; 1/time.
+    /// Largest growth rate of a wave; 1/time. `None` if no particle has a state.
     pub growth: Option<f64>,
-    /// Time step over the largest stable step of the body.
+    /// Time step divided by the largest stable step of the body; `None` without a time step.
     pub step_ratio: Option<f64>,
     /// Number of points without a state: inverted, too few neighbors, or outside of the domain of the law or the method.
     pub undefined: usize,
@@ -79,7 +79,7 @@ pub struct StepLimit {
     pub body: Option<f64>,
     /// Smallest value of the largest stable step during the run, until the first event; time.
     pub least: f64,
-    /// Time at which the step of the run first exceeds it.
+    /// Time at which the step of the run first exceeds this limit; `None` if it stays below.
     pub exceeded: Option<f64>,
     /// Growth rate of the fastest oscillation at that time; 1/time.
     pub growth: f64,
@@ -468,7 +468,7 @@ impl<'p> Follower<'p> {
         if self.course.moments.is_empty() {
             self.first_seed = self.first_seed(frame, mean_observed);
             self.course.seed = self.first_seed;
-        } else if self.first_seed < EXACT && self.question.seed.is_none() {
+        } else if self.first_seed < EXACT_LATTICE_AMPLITUDE && self.question.seed.is_none() {
             // Positions of an exact lattice without velocities: noise appears in a later frame.
             self.first_seed = self.first_seed.max(mean_observed);
             self.course.seed = self.first_seed;
@@ -489,7 +489,7 @@ impl<'p> Follower<'p> {
         let stretches = self.stretches(&found);
         let growth = &mut self.growth;
         for (n, own) in stretches.iter().enumerate() {
-            let is_far = self.points.cells.is_none() && observed[n] > ENDED;
+            let is_far = self.points.cells.is_none() && observed[n] > FINAL_AMPLITUDE;
             growth.is_over[n] |= self.is_asked[n] && (own.is_none() || is_far);
         }
         let keys: Vec<Option<[i32; 6]>> = stretches
@@ -565,7 +565,7 @@ impl<'p> Follower<'p> {
             let ratio = ratio.map(|(step, critical)| step * harder / critical);
             fields.step_ratio[point] = ratio.unwrap_or(f64::NAN);
             fields.cause[point] = match ratio {
-                _ if rates.acoustic < ELLIPTIC => Cause::Physical,
+                _ if rates.acoustic < ELLIPTICITY_ROUNDING => Cause::Physical,
                 Some(ratio) if ratio > 1.0 => Cause::TimeStep,
                 _ if amplitude > threshold => Cause::Numerical,
                 _ => Cause::None,
@@ -574,7 +574,7 @@ impl<'p> Follower<'p> {
         }
         let last = self.course.moments.last();
         if self.course.lost.is_none()
-            && let Some((point, least)) = softest.filter(|(_, least)| *least < ELLIPTIC)
+            && let Some((point, least)) = softest.filter(|(_, least)| *least < ELLIPTICITY_ROUNDING)
         {
             let f = rates_of(point).map_or([[0.0; 3]; 3], |rates| *rates.f.components());
             let positive = last.and_then(|own| own.acoustic).unwrap_or(0.0).max(0.0);
@@ -668,7 +668,7 @@ impl<'p> Follower<'p> {
         if !(first..=last).contains(&asked) {
             return Err(ScreenError::Run {
                 what: format!(
-                    "the actual state is asked for at t = {}, but the frames are from t = {} to {}",
+                    "--actual is {}, but the frames are from t = {} to {}",
                     told(asked),
                     told(first),
                     told(last)

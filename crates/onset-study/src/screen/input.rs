@@ -17,7 +17,7 @@ const LEAST_FACE: usize = 3;
 const REGULAR: f64 = 1e-3;
 
 /// Largest coordinate: fits use its square.
-const LARGEST: f64 = 1e100;
+const LARGEST_COORDINATE: f64 = 1e100;
 
 /// Box of the reference configuration.
 #[derive(Clone, Debug, PartialEq)]
@@ -113,7 +113,7 @@ pub struct Source {
     pub reference: Reference,
     /// Particles with prescribed motion.
     pub held: Held,
-    /// The answer is restricted to this box.
+    /// The answer is restricted to this box; `None` for all particles.
     pub region: Option<Region>,
 }
 
@@ -202,9 +202,8 @@ impl Recording {
             let written = frame.len();
             let fault = own.ordered(&mut frame).or_else(|| broken(&frame));
             if let Some(fault) = fault {
-                own.notes.push(format!(
-                    "{fault}: this frame and those after it are left out"
-                ));
+                own.notes
+                    .push(format!("{fault}: this and all later frames are left out"));
                 break;
             }
             if written > frame.len() && !has_others {
@@ -297,7 +296,7 @@ impl Recording {
         if let Some(fault) = broken(frame) {
             return Err(wrong(
                 fault,
-                "a run begins with a frame that is sound; choose frames with --frames FIRST:END",
+                "the first frame must be complete and valid; choose frames with --frames FIRST:END",
             ));
         }
         if let Some(id) = frame.doubled().first() {
@@ -523,11 +522,11 @@ fn time_of(frame: &Read) -> Result<f64, ScreenError> {
 
 /// Reason why a frame is not sound: coordinates that are not finite, or so large that their squares are not.
 fn broken(frame: &Read) -> Option<String> {
-    let is_finite = |x: &[f64; 3]| x.iter().all(|x| x.abs() < LARGEST);
+    let is_finite = |x: &[f64; 3]| x.iter().all(|x| x.abs() < LARGEST_COORDINATE);
     let n = frame.position.iter().position(|x| !is_finite(x))?;
     let number = frame.identity.as_ref().map_or(n as u64, |all| all[n]);
     Some(format!(
-        "{}: particle {number} has no finite position below {LARGEST:e}",
+        "{}: particle {number} has no finite position below {LARGEST_COORDINATE:e}",
         frame.source
     ))
 }

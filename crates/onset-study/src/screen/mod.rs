@@ -55,13 +55,13 @@ pub struct Question {
     pub time_step: Option<f64>,
     /// Time integration of the code.
     pub stepping: Stepping,
-    /// Amplitude at which short waves show; spacings.
+    /// Amplitude above which short waves count as observed; spacings.
     pub threshold: f64,
     /// Amplitude of the waves when growth begins, in spacings; `None` for the short waves in the files.
     pub seed: Option<f64>,
     /// Width of the bins of stretch in which particles share a state. The expected time is also computed with twice this width.
     pub bin: f64,
-    /// Time at whose nearest frame the lowest modes of the body are found.
+    /// Time at whose nearest frame the lowest modes of the body are found; `None` for no modes.
     pub actual: Option<f64>,
 }
 
@@ -97,7 +97,7 @@ pub struct Run {
     pub cells: Option<Vec<Vec<usize>>>,
     /// Rounding of positions in the file; length.
     pub rounding: f64,
-    /// The answer is restricted to this box.
+    /// The answer is restricted to this box; `None` for all particles.
     pub region: Option<Region>,
 }
 
@@ -136,7 +136,7 @@ pub enum ScreenError {
     Problem(#[from] ProblemError),
     /// The reference state cannot be evaluated.
     #[error(
-        "law or method are not defined in the reference state\n  hint: try `onset state --stretch 1,1` with the same settings"
+        "the law or the method is not defined in the reference configuration\n  hint: try `onset state --stretch 1,1` with the same settings"
     )]
     Reference,
     /// The run and the settings do not belong together, or a frame does not belong to the run.

@@ -11,8 +11,8 @@ const SINGULAR: f64 = 1e-6;
 
 /// Smallest ratio of the eigenvalues of normal equations that determine a polynomial.
 const REGULAR: f64 = 1e-4;
-/// Largest mean position of the neighbors over their mean distance in a neighborhood that no face cuts.
-const CUT: f64 = 0.2;
+/// Largest mean position of the neighbors in a neighborhood that no face cuts, divided by their mean distance.
+const CUT_NEIGHBORHOOD_OFFSET: f64 = 0.2;
 
 /// Neighbors of each particle within a radius in the reference configuration.
 pub(super) struct Neighborhoods {
@@ -48,7 +48,7 @@ fn fitted(vectors: &[Vector3<f64>], dimension: usize) -> Option<Vec<(Vector3<f64
     let length = (scale / vectors.len() as f64).sqrt();
     let scaled: Vec<Vector3<f64>> = vectors.iter().map(|vector| vector / length).collect();
     let mean = scaled.iter().sum::<Vector3<f64>>() / scaled.len() as f64;
-    let is_cut = mean.norm() > CUT;
+    let is_cut = mean.norm() > CUT_NEIGHBORHOOD_OFFSET;
     let quadratic = || {
         is_cut
             .then(|| value_at_origin(&scaled, dimension, 2))
@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn homogeneous_deformations_have_their_gradient_and_no_short_waves() {
+    fn the_gradient_of_a_homogeneous_deformation_is_exact_and_no_short_waves_are_found() {
         let reference = lattice(9);
         let near = Neighborhoods::new(&reference, 2, 2.01);
         let x: Vec<[f64; 3]> = reference

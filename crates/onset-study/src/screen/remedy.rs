@@ -31,7 +31,7 @@ impl Remedy {
     pub(super) fn told(&self) -> String {
         let change = self.settings.join(" and ");
         match self.expected {
-            None => format!("{change}: no such wave is expected to show in this run"),
+            None => format!("with {change} no such wave is expected in this run"),
             Some(time) => format!("{change}: expected to show at t = {}", told(time)),
         }
     }

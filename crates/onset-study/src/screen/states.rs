@@ -167,7 +167,7 @@ impl<'p> States<'p> {
             stepped: None,
             squared: 0.0,
         };
-        // In steps the fastest-growing wave or the wave that limits the step most grows fastest.
+        // In discrete time the fastest wave is the wave that grows fastest in continuous time, or the wave that limits the time step.
         let mut decisive = [None; 2];
         for (wave, parts) in self.waves.iter().zip(&parts) {
             let (growth, squared) = (parts.growth(), parts.limiting(scheme));

@@ -131,7 +131,10 @@ const WORDS: &[(&str, &str, Meaning)] = &[
         "discretization.kernel",
         "quartic",
         OneOf(&[
-            ("quartic-spline", "a polynomial of degree four, the paper's"),
+            (
+                "quartic-spline",
+                "the polynomial of degree four in the paper",
+            ),
             ("quartic-b-spline", "the B-spline of degree four"),
         ]),
     ),
@@ -187,7 +190,7 @@ const KEYS: &[(&str, &str)] = &[
 const HINTS: &[(&str, &str)] = &[
     (
         "h",
-        "set discretization.smoothing-length, the smoothing length over the spacing, or discretization.spacing itself",
+        "set discretization.smoothing-length, the smoothing length divided by the spacing, or discretization.spacing itself",
     ),
     ("dx", "set discretization.spacing"),
     ("rho", "set discretization.density"),
@@ -204,7 +207,7 @@ const HINTS: &[(&str, &str)] = &[
     ("poisson", "did you mean `material.poisson`?"),
     (
         "smoothing-length",
-        "did you mean `discretization.smoothing-length`, the smoothing length over the spacing?",
+        "did you mean `discretization.smoothing-length`, the smoothing length divided by the spacing?",
     ),
 ];
 

@@ -1,6 +1,6 @@
 //! The axes of a study: which quantity a map varies, over which range, in how many states.
 
-use super::key::OF_ANY_DIMENSION;
+use super::key::ANY_DIMENSION;
 use super::{KEYS, Key, Kind, Units, Value, units};
 
 /// Quantity that an axis varies.
@@ -76,7 +76,7 @@ impl Quantity {
     fn kind(self) -> Kind {
         match self {
             Self::Setting(key) if key.is_parameter() => {
-                Kind::Number(key.unit().unwrap_or("1"), OF_ANY_DIMENSION)
+                Kind::Number(key.unit().unwrap_or("1"), ANY_DIMENSION)
             }
             Self::Setting(key) => key.kind,
             _ => Key::named(&self.key_name()).map_or(Kind::Text, |key| key.kind),

@@ -15,7 +15,7 @@ use toml::de::{DeTable, DeValue};
 
 const BLOCKS: &[&str] = &["bar", "block", "plate"];
 const ROUND: &[&str] = &["disk", "ring"];
-const CUT: &[&str] = &["bar", "block", "plate", "disk", "ring"];
+const SHAPES: &[&str] = &["bar", "block", "plate", "disk", "ring"];
 
 /// The keys of a body. Lengths are in units of `discretization.spacing`.
 pub const BODY_KEYS: &[Key] = &[
@@ -57,7 +57,7 @@ pub const BODY_KEYS: &[Key] = &[
     key(
         "body.height",
         Kind::Number("1", Positive),
-        "height in spacings of a disk or a ring in three dimensions, from zero",
+        "3D: height of a disk or a ring, 0 <= x3 <= height; particle spacings",
     )
     .only_with(&[&[is("body.shape", ROUND)]]),
     key(
@@ -65,7 +65,7 @@ pub const BODY_KEYS: &[Key] = &[
         Kind::Numbers("1", Any),
         "shift of a second copy of the shape, a vector in spacings with a number for each dimension",
     )
-    .only_with(&[&[is("body.shape", CUT)]]),
+    .only_with(&[&[is("body.shape", SHAPES)]]),
     key(
         "body.contact",
         Kind::Number("1", Positive),
@@ -87,7 +87,7 @@ pub const GRIP_KEYS: &[Key] = &[
     key(
         "grips.from",
         Kind::Numbers("1", Any),
-        "lower corner of the box that holds the gripped particles in the reference state, in spacings",
+        "lower corner of the box that contains the gripped particles in the reference configuration, in spacings",
     ),
     key(
         "grips.to",
@@ -323,9 +323,9 @@ impl BodySettings {
             let origin = origin.unwrap_or(&self.origin).clone();
             return Err(SettingError::new(
                 origin,
-                "`body.second` is zero: the second shape would be the first",
+                "`body.second` is zero: the two copies of the shape coincide",
             )
-            .hint("expected the vector from the first to the second"));
+            .hint("expected the vector from the first copy of the shape to the second, in particle spacings, for example [10, 0]"));
         }
         Ok(BodyParticles::Cut(Shape::Twice {
             shape: Box::new(shape),
@@ -364,7 +364,7 @@ impl BodySettings {
                 if let (Some((_, origin)), true) = (self.values.get("body.height"), dimension < 3) {
                     return Err(SettingError::new(
                         origin.clone(),
-                        "`body.height` has no effect in the plane",
+                        "`body.height` has no effect in two dimensions",
                     )
                     .hint("leave it out"));
                 }
@@ -449,7 +449,7 @@ impl BodySettings {
             if let (Some((_, origin)), true) =
                 (values.get("grips.ramp"), ramp > 0.0 && until == 0.0)
             {
-                let message = "`grips.ramp` has no effect with `grips.until = 0`, which lets go before the velocity rises";
+                let message = "`grips.ramp` has no effect with `grips.until = 0`: the grip releases its particles before the ramp begins";
                 return Err(
                     SettingError::new(origin.clone(), message).hint("leave one of them out")
                 );

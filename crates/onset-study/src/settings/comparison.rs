@@ -41,7 +41,7 @@ pub const COMPARISON_KEYS: &[Key] = &[
     key(
         "compare.weak",
         Kind::Number("1", Positive),
-        "waves slower than this share of the material's slowest wave are listed as weakly controlled",
+        "waves slower than this fraction of the material's slowest wave are listed as weakly controlled",
     ),
     key(
         "compare.integrator",
@@ -62,7 +62,7 @@ pub struct CompareSettings {
     pub tension: f64,
     /// Smallest stretch in compression.
     pub compression: f64,
-    /// Largest relative frequency of weak waves.
+    /// Largest frequency of weakly controlled waves, relative to the slowest material wave.
     pub weak: f64,
     /// Time integrator for the critical time step.
     pub integrator: Integrator,

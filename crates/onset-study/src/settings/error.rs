@@ -57,7 +57,7 @@ pub struct SettingError {
     pub origin: Origin,
     /// Description of the error.
     pub message: String,
-    /// Suggestion for the user.
+    /// Suggestion for the user; `None` without a suggestion.
     pub hint: Option<String>,
 }
 

@@ -173,7 +173,7 @@ pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
         key(
             "material.plane",
             Kind::Words(&["strain", "stress", "membrane"]),
-            "in two dimensions plane strain, plane stress (a thin sheet whose thickness is computed) or membrane (a law of the plane itself, as for cloth); in one, uniaxial strain or uniaxial stress",
+            "in two dimensions plane strain, plane stress (a thin sheet whose thickness is computed) or membrane (a two-dimensional law, as for cloth); in one, uniaxial strain or uniaxial stress",
         ),
     ];
     keys.extend(parameter_keys());
@@ -229,13 +229,13 @@ pub(super) const STRETCH: Admitted = Within(STRETCHES.0, STRETCHES.1);
 /// Range of support radii and horizons in spacings.
 pub(super) const IN_SPACINGS: Admitted = Within(1e-3, 1e4);
 /// Range of the parameters of a user-defined model.
-pub(super) const OF_ANY_DIMENSION: Admitted = Within(-1e30, 1e30);
+pub(super) const ANY_DIMENSION: Admitted = Within(-1e30, 1e30);
 
 /// Key that sets the support in smoothing lengths; the support is the setting in effect.
 static SMOOTHING_LENGTH: Key = key(
     aliases::SMOOTHING_LENGTH,
     Kind::Number("1", Positive),
-    "smoothing length over the spacing, h/dx: sets discretization.support to h/dx times R0/h, the ratio of support radius to smoothing length of the kernel (2 for the cubic spline)",
+    "smoothing length divided by the spacing, h/dx: sets discretization.support to h/dx times R0/h, the ratio of support radius to smoothing length of the kernel (2 for the cubic spline)",
 )
 .only_with(WEIGHTED);
 
@@ -411,13 +411,13 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     key(
         "discretization.current-lattice",
         Kind::Words(&["convected", "regular"]),
-        "Eulerian kernels: positions of the particles",
+        "Eulerian kernels: lattice in the deformed state",
     )
     .only_with(EULERIAN_ALONE),
     key(
         "discretization.support-size",
         Kind::Words(&["fixed", "scaled", "convected"]),
-        "Eulerian kernels and updated SPH: size of the support",
+        "Eulerian kernels and updated SPH: change of the support with the deformation",
     )
     .only_with(SUPPORT_SIZE),
     key(
@@ -523,7 +523,7 @@ fn free_parameter(name: &str) -> &'static Key {
         let meaning = "a user-defined parameter";
         Box::leak(Box::new(key(
             name,
-            Kind::Number("1", OF_ANY_DIMENSION),
+            Kind::Number("1", ANY_DIMENSION),
             meaning,
         )))
     })

@@ -1,7 +1,7 @@
 //! The material as set: a model with its parameters.
 
 use super::error::{Origin, SettingError, nearest};
-use super::key::OF_ANY_DIMENSION;
+use super::key::ANY_DIMENSION;
 use super::model::{LIBRARY, sum};
 use super::{
     HandedLaw, Key, Kind, Model, Settings, TRUST_VARIABLE, Trust, Units, Value, aliases, moduli,
@@ -202,7 +202,7 @@ impl MaterialSettings {
         let takes = match key.kind {
             Kind::Number(..) => value
                 .number()
-                .is_some_and(|number| OF_ANY_DIMENSION.holds(number, "1")),
+                .is_some_and(|number| ANY_DIMENSION.holds(number, "1")),
             kind => kind.accepts(value),
         };
         let name = key.parts().1;
@@ -413,7 +413,7 @@ impl MaterialSettings {
         );
         let library = quoted_file(Path::new(library));
         Err(SettingError::new(origin.clone(), message).hint(format!(
-            "if you trust it: {command}--allow-library {library}, or for good the variable {TRUST_VARIABLE} with libraries or folders"
+            "if you trust it: {command}--allow-library {library}, or permanently with the environment variable {TRUST_VARIABLE} (libraries or folders)"
         )))
     }
 
@@ -468,7 +468,7 @@ impl MaterialSettings {
         }
         if dimension > 2 {
             return refused(
-                "`material.plane` is stress, and the discretization has three dimensions, with no faces across it".to_owned(),
+                "`material.plane` is stress, and the discretization has three dimensions and no out-of-plane direction".to_owned(),
                 "leave material.plane out, or set a lattice of two dimensions (a sheet) or a chain (a bar)",
             );
         }
@@ -485,12 +485,12 @@ impl MaterialSettings {
         Ok(())
     }
 
-    /// Refuses plane stress for questions about the law in three dimensions.
+    /// Refuses plane stress for commands that evaluate the law in three dimensions.
     pub(super) fn check_in_space(&self) -> Result<(), SettingError> {
         match &self.plane {
             Some((Plane::Stress, origin)) => Err(SettingError::new(
                 origin.clone(),
-                "`material.plane` is stress, and this question is about the law in three dimensions",
+                "`material.plane` is stress, but this command evaluates the law in three dimensions",
             )
             .hint(
                 "leave material.plane out, or set material.plane=strain; state, path, map and others of particles read it, and `onset criteria` follows \

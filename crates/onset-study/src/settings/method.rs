@@ -357,7 +357,7 @@ const SMOOTH_FUNCTIONS: Cases = &[&[is(
     "discretization.grid-functions",
     &["gimp", "quadratic-spline", "cubic-spline"],
 )]];
-const OF_POINTS: Cases = &[&[is("discretization.unknowns", &["particles"])]];
+const PARTICLE_UNKNOWNS: Cases = &[&[is("discretization.unknowns", &["particles"])]];
 const FLIP: Cases = &[&[is("discretization.transfer", &["flip"])]];
 const TRANSFERRED: Cases = &[&[is("discretization.transfer", &["flip", "pic", "apic"])]];
 const CURRENT: Cases = &[&[is("discretization.unknowns", &["updated", "particles"])]];
@@ -527,7 +527,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.partial-volumes",
         Kind::Words(&["whole", "inside", "tapered"]),
-        "peridynamics: volumes at the horizon",
+        "peridynamics: treatment of particle volumes that the horizon cuts",
     )
     .only_with(PERIDYNAMICS),
     key(
@@ -558,7 +558,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.control-coefficient",
         Kind::Number("1", NotNegative),
-        "correspondence peridynamics: coefficient of the control",
+        "correspondence peridynamics: coefficient of the control of zero-energy modes",
     )
     .only_with(CONTROL),
     key(
@@ -600,7 +600,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.unknowns",
         Kind::Words(&["total-lagrangian", "updated", "particles"]),
-        "material points: what is displaced",
+        "material points: points that carry the unknowns",
     )
     .only_with(POINTS),
     key(
@@ -608,7 +608,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
         Kind::Words(&["continuous", "flip", "pic", "apic"]),
         "material points: transfer of velocities through the grid, in continuous time or once per time step",
     )
-    .only_with(OF_POINTS),
+    .only_with(PARTICLE_UNKNOWNS),
     key(
         "discretization.flip-share",
         Kind::Number("1", Fraction),
@@ -624,7 +624,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.grid-mass",
         Kind::Words(&["lumped", "consistent"]),
-        "material points: masses of the nodes",
+        "material points: mass matrix of the grid",
     )
     .only_with(NODES),
     key(

@@ -319,9 +319,8 @@ impl Settings {
         let key = Key::for_setting(name, value.is_measure());
         let Some(key) = key.filter(of_problem) else {
             if let Some(key) = study_keys().find(|key| key.name == name) {
-                let message = format!(
-                    "`{name}` has no effect here: this question is not about a map of states"
-                );
+                let message =
+                    format!("`{name}` has no effect here: this command computes no map of states");
                 return Err(SettingError::new(origin, message)
                     .hint(format!("leave `{name}` out ({})", key.meaning)));
             }
@@ -330,8 +329,7 @@ impl Settings {
                 .chain(GRIP_KEYS)
                 .any(|key| key.name == name)
             {
-                let message =
-                    format!("`{name}` has no effect here: this question is not about a body");
+                let message = format!("`{name}` has no effect here: this command computes no body");
                 return Err(SettingError::new(origin, message)
                     .hint("[body] and [[grips]] are written in a study file"));
             }
@@ -360,7 +358,7 @@ impl Settings {
         let meant = aliases::meant(key, typed, &origin)?;
         let value = measured.as_ref().unwrap_or(&*meant);
         self.check_support_is_set_once(name, &origin)?;
-        // The law itself restricts its parameters, because a user-defined model may use the name for another one.
+        // The law itself restricts its parameters, because a user-defined model may use the name for another parameter.
         let accepted = Some(value).filter(|value| key.kind.accepts(value));
         let number = accepted.and_then(Value::number);
         let numbers = || accepted.and_then(Value::numbers).map(<[f64]>::to_vec);
@@ -546,7 +544,7 @@ fn kernel(value: &Value) -> Option<Result<Kernel, KernelError>> {
     }
 }
 
-/// Assigns a value if there is one, and returns whether there was.
+/// Assigns a value if it exists, and returns whether it exists.
 fn assign<T>(target: &mut T, read: Option<T>) -> bool {
     let done = read.is_some();
     if let Some(value) = read {

@@ -41,7 +41,7 @@ pub(super) fn is_modulus(name: &str) -> bool {
 /// Contributions to a modulus below this fraction are rounding errors.
 const CONTRIBUTION_ROUNDING: f64 = 1e-12;
 /// Relative tolerance for moduli that a law prescribes.
-const AGREEMENT: f64 = 1e-9;
+const MODULUS_TOLERANCE: f64 = 1e-9;
 
 /// Shear and bulk modulus from two of the moduli, `mu = E / (2 (1 + nu))`, `K = E / (3 (1 - 2 nu))`.
 ///
@@ -161,7 +161,7 @@ pub(super) fn parameters(
         .find(|(n, ..)| was_set(start[*n].0))
     {
         return Err(format!(
-            "material.{} is set, and follows from the moduli ({}) too",
+            "material.{} is set, but also follows from the moduli ({})",
             start[*n].0,
             given
                 .iter()
@@ -196,7 +196,7 @@ pub(super) fn parameters(
         }
     }
     let (mu_then, kappa_then) = moduli(&all)?;
-    let agrees = |a: f64, b: f64| (a - b).abs() <= AGREEMENT * b.abs();
+    let agrees = |a: f64, b: f64| (a - b).abs() <= MODULUS_TOLERANCE * b.abs();
     match agrees(mu_then, mu) && agrees(kappa_then, kappa) {
         true => Ok(found),
         false => Err(format!(

@@ -24,7 +24,7 @@ pub struct Measured {
     pub difference: f64,
     /// Uncertainty of the rate, relative to the same quantity.
     pub uncertainty: f64,
-    /// Root mean square of the residual over the largest amplitude of the record.
+    /// Root mean square of the residual, divided by the largest amplitude of the record.
     pub residual: f64,
     /// Number of samples in the record.
     pub samples: usize,
@@ -73,7 +73,7 @@ pub struct SimulateAnswer {
     pub measured: Option<Measured>,
     /// Largest relative difference that counts as agreement.
     pub tolerance: f64,
-    /// Largest change of the energy in the history, over the largest sum of the magnitudes of kinetic and potential energy.
+    /// Largest change of the energy in the history, divided by the largest sum of the magnitudes of kinetic and potential energy.
     pub energy_drift: f64,
     /// Largest displacement of a particle from the homogeneous state in the history; length.
     pub largest_displacement: f64,
@@ -187,7 +187,7 @@ fn explained(
     let fastest = others.fold(0.0, f64::max);
     let overrun = match fastest > rate + 1e-6 * fastest {
         true => format!(
-            "; other waves of the patch grow at up to {}, and overrun it: choose a shorter --time",
+            "; other waves of the patch grow at up to {} and dominate it: choose a shorter --time",
             told(fastest)
         ),
         false => String::new(),
@@ -196,7 +196,7 @@ fn explained(
         return (
             Outcome::Undecided,
             format!(
-                "the particles have moved by up to {} spacings, beyond what is linear: choose a smaller --amplitude or --time{overrun}",
+                "the particles have moved by up to {} spacings, beyond the linear range: choose a smaller --amplitude or --time{overrun}",
                 told(displacement)
             ),
         );
@@ -205,7 +205,7 @@ fn explained(
         Outcome::Differs if is_noise => (
             Outcome::Undecided,
             format!(
-                "in noise the other waves of the patch are measured too: let it grow longer, or seed the wave alone{overrun}"
+                "with noise the record also contains other waves of the patch: choose a longer --time, or seed the wave alone{overrun}"
             ),
         ),
         _ if reason.is_empty() => (outcome, reason),

@@ -1,7 +1,7 @@
 //! Run of a body with grips.
 
 use super::SimulateError;
-use super::picture::{DRAWN, figure};
+use super::picture::{MAX_DRAWN_PARTICLES, figure};
 use super::plan::{
     DEFAULT_STEP_FRACTION, Duration, Pace, checked, every, fields, mark, refused, stable,
 };
@@ -73,15 +73,15 @@ pub struct BodyAnswer {
     pub steps: u64,
     /// Number of steps taken.
     pub steps_taken: u64,
-    /// Kinetic energy at the end; energy.
+    /// Kinetic energy at the end; energy, in 2D per unit thickness.
     pub kinetic_energy: f64,
-    /// Strain energy at the end; energy.
+    /// Strain energy at the end; energy, in 2D per unit thickness.
     pub strain_energy: f64,
-    /// Work of the grips up to the end; energy.
+    /// Work of the grips up to the end; energy, in 2D per unit thickness.
     pub work_of_grips: f64,
     /// Relative drift of the energy balance in the history.
     ///
-    /// The largest change of kinetic plus strain energy minus the work of the grips, over the largest of these magnitudes. With a penalty the drift
+    /// The largest change of kinetic plus strain energy minus the work of the grips, divided by the largest of these magnitudes. With a penalty the drift
     /// includes the work of the penalty forces, which have no potential.
     pub energy_drift: f64,
     /// Largest displacement of a particle in the history; length.
@@ -157,11 +157,13 @@ fn course(
         noise: question.amplitude * spacing,
         seed: question.seed,
     };
-    let unstarted = |fault| SimulateError::Fault {
+    let unstarted = |fault| {
+        SimulateError::Fault {
         fault,
-        hint: "the body cannot even start: choose a smaller --amplitude, or another --stretch"
+        hint: "the initial state is already inadmissible: choose a smaller --amplitude, or another --stretch"
             .to_owned(),
         checkpoint: None,
+    }
     };
     body.start(&start, 0.0).map_err(unstarted)?;
     let critical = body.critical_time_step().map_err(unstarted)?;
@@ -225,7 +227,8 @@ fn run(
     let mut last = Vec::new();
     if !is_interrupted {
         last = keeper.collection();
-        if place.is_some() && problem.dimension() == 2 && moving.places.len() <= DRAWN {
+        if place.is_some() && problem.dimension() == 2 && moving.places.len() <= MAX_DRAWN_PARTICLES
+        {
             // If the run was already complete, no forces have been evaluated yet.
             let evaluated = moving.body.quantities(course.step);
             evaluated.map_err(|fault| keeper.failed(fault))?;

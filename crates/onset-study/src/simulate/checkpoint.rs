@@ -64,7 +64,7 @@ impl Progress {
         mark: &str,
         start: &PatchState,
     ) -> Result<Self, SimulateError> {
-        const ANEW: &str = "run it anew with --overwrite, or into another folder";
+        const ANEW: &str = "start afresh with --overwrite, or choose another folder";
         let wrong = |what: &str, hint| SimulateError::Checkpoint {
             path: path.to_owned(),
             what: what.to_owned(),

@@ -5,7 +5,7 @@ use crate::html::escaped;
 use crate::modes::{STYLE, moving_particles};
 
 /// Largest displacement in the animation, in particle spacings.
-const SHOWN: f64 = 0.3;
+const DRAWN_AMPLITUDE: f64 = 0.3;
 /// Duration of one loop of the animation; seconds.
 const SECONDS: u32 = 4;
 
@@ -21,7 +21,7 @@ pub(super) fn page(
     let dimension = answer.wave_vector.len();
     let largest = fields.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
     let magnified = if largest > 0.0 {
-        SHOWN * spacing / largest
+        DRAWN_AMPLITUDE * spacing / largest
     } else {
         1.0
     };

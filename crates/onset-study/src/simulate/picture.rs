@@ -6,7 +6,7 @@ use crate::settings::Units;
 use onset::motion::BodyMotion;
 
 /// Largest number of particles in a picture.
-pub(super) const DRAWN: usize = 50_000;
+pub(super) const MAX_DRAWN_PARTICLES: usize = 50_000;
 /// Width of the picture; pixels.
 const WIDTH: f64 = 760.0;
 

@@ -42,7 +42,7 @@ pub struct Pace {
     pub duration: Duration,
     /// Ratio of the step to the largest stable step; `None` for one half, or less if the wave requires it.
     pub fraction: Option<f64>,
-    /// Time step, in place of `fraction`; time.
+    /// Time step, in place of `fraction`; time. `None` to use `fraction`.
     pub time_step: Option<f64>,
     /// Whether a step above the largest stable step is intended.
     pub is_supercritical: bool,
@@ -106,7 +106,7 @@ const MAX_PARTICLES: usize = 1_000_000;
 /// Largest number of waves in a patch; all of them are computed.
 const MAX_WAVES: usize = 200_000;
 /// Largest number of displacements in a page with an animation.
-pub(super) const SHOWN: usize = 100_000;
+pub(super) const MAX_ANIMATED_DISPLACEMENTS: usize = 100_000;
 /// Default number of lines in a history.
 const DEFAULT_LINES: u64 = 400;
 /// Largest number of lines in a history.
@@ -226,7 +226,8 @@ impl Plan {
             "every": every,
             "fields": fields,
         });
-        let is_shown = fields.len() > 1 && start.displacements.len() * fields.len() <= SHOWN;
+        let is_shown = fields.len() > 1
+            && start.displacements.len() * fields.len() <= MAX_ANIMATED_DISPLACEMENTS;
         Ok(Self {
             course: Course {
                 mark: mark(&decisive),
@@ -240,7 +241,7 @@ impl Plan {
                 is_shown,
                 columns: COLUMNS,
                 start,
-                grown: "a wave that grows has left the small perturbations, or --amplitude is large: choose fewer --steps or a smaller --amplitude",
+                grown: "a growing wave has left the linear range, or --amplitude is large: choose fewer --steps or a smaller --amplitude",
             },
             stepper,
             integrator,

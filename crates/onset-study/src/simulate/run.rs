@@ -293,7 +293,7 @@ impl<'a> Keeper<'a> {
                 "the step is above the largest stable one: leave --supercritical out"
             }
             Ground::Method(MethodError::SingularMoment { .. }) => {
-                "the particle has lost its neighbors: with discretization.corrected = false it flies on as it is"
+                "the particle has lost its neighbors: with discretization.corrected = false it would continue as a free particle"
             }
             Ground::NotFinite => "choose a smaller --fraction: the motion outgrew its step",
             _ => self.course.grown,
@@ -327,8 +327,8 @@ fn begun(course: &Course, place: Option<&Place>) -> Result<Progress, SimulateErr
     };
     if !place.is_resumed && path.exists() && !place.is_overwritten {
         return Err(wrong(
-            "there is a checkpoint already".to_owned(),
-            "go on with --resume, begin anew with --overwrite, or choose another folder",
+            "the folder already contains a checkpoint".to_owned(),
+            "continue with --resume, start afresh with --overwrite, or choose another folder",
         ));
     }
     // A run that ended before its first checkpoint starts over.

@@ -20,7 +20,7 @@ pub(super) struct Label<'a> {
 }
 
 /// Number of values converted to bytes at a time.
-const VALUES_AT_ONCE: usize = 1024;
+const BATCH_VALUES: usize = 1024;
 /// Length of the checksum; bytes.
 const CHECKSUM_BYTES: usize = 4;
 
@@ -29,7 +29,7 @@ pub(super) fn encode(values: &Column, label: Label<'_>) -> io::Result<Vec<u8>> {
     let header = GzBuilder::new().filename(label.key).comment(label.identity);
     let mut gzip = header.write(Vec::new(), Compression::new(GZIP_LEVEL));
     // Small groups of values stay in the cache.
-    let mut raw = [0; 8 * VALUES_AT_ONCE];
+    let mut raw = [0; 8 * BATCH_VALUES];
     match values {
         Column::Flags(flags) => {
             for some in flags.chunks(raw.len()) {
@@ -40,7 +40,7 @@ pub(super) fn encode(values: &Column, label: Label<'_>) -> io::Result<Vec<u8>> {
             }
         }
         Column::Numbers(numbers) => {
-            for some in numbers.chunks(VALUES_AT_ONCE) {
+            for some in numbers.chunks(BATCH_VALUES) {
                 for (bytes, number) in raw.as_chunks_mut().0.iter_mut().zip(some) {
                     *bytes = number.to_le_bytes();
                 }

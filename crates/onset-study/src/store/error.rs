@@ -36,8 +36,8 @@ pub enum StoreError {
     #[error(
         "{} exists, with {done} of {tiles} tiles done\n  hint: {}",
         path.display(),
-        if done == tiles { "it is complete; --overwrite computes it anew" }
-        else { "--resume resumes it, --overwrite starts afresh" }
+        if done == tiles { "it is complete; --overwrite starts afresh" }
+        else { "--resume continues it, --overwrite starts afresh" }
     )]
     Exists {
         /// Path of the store.
@@ -59,14 +59,14 @@ pub enum StoreError {
         difference: String,
     },
     /// Store to be replaced while another process writes to it.
-    #[error("{} is being written by another process\n  hint: let it end, or interrupt it; then --overwrite", path.display())]
+    #[error("{} is being written by another process\n  hint: wait until it ends, or interrupt it and continue with --resume; --overwrite starts afresh", path.display())]
     Occupied {
         /// Path of the store.
         path: PathBuf,
     },
     /// Store locked exclusively by another process.
     #[error(
-        "{} is in use by another process, which holds a lock on its zarr.json\n  hint: let it end; `lsof {}` shows the process",
+        "{} is in use by another process, which holds a lock on its zarr.json\n  hint: wait until it ends; `lsof {}` shows the process",
         path.display(),
         quoted_file(&path.join("zarr.json"))
     )]
@@ -77,7 +77,7 @@ pub enum StoreError {
     /// Store of another format version.
     #[error(
         "{} is a store of format {found}; this version of onset reads format {expected}\n  hint: use the version that wrote it, or \
-         compute it anew with --overwrite",
+         start afresh with --overwrite",
         path.display()
     )]
     Format {

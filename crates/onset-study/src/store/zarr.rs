@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 
 /// File name of the metadata of a store, and of each array in it.
 pub(super) const METADATA: &str = "zarr.json";
-/// Largest size of metadata that is read, in bytes; studies with long texts have some ten thousand.
+/// Largest size of metadata that is read, in bytes; studies with long texts have about ten thousand.
 const MAX_METADATA_BYTES: u64 = 16 << 20;
 /// Largest number of values in a chunk: a tile with the largest edge, with three components.
 const MAX_CHUNK_VALUES: usize = 4 << 20;
@@ -305,7 +305,7 @@ impl ZarrStore {
             };
             if found != Some(values) {
                 let key = format!("{name}/c/0");
-                return Err(self.damaged(&key, "it does not hold the coordinates".to_owned()));
+                return Err(self.damaged(&key, "it does not contain the coordinates".to_owned()));
             }
         }
         Ok(())

@@ -1,9 +1,9 @@
 //! Effect of a stabilization coefficient, and the recommended value.
 
 use super::TuneQuestion;
-use crate::answers::{Evidence, OF_LATTICE, ProblemError, notes, stabilization};
+use crate::answers::{Evidence, LATTICE_NOTE, ProblemError, notes, stabilization};
 use crate::brief::{Brief, Short};
-use crate::compare::{Measured, OF_TUNING, Thresholds, outcome, percent};
+use crate::compare::{Measured, TUNING_LIMITS, Thresholds, outcome, percent};
 use crate::csv;
 use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
 use crate::number;
@@ -179,7 +179,7 @@ impl TuneAnswer {
                 format!("; {key} is a stiffness that can be tuned")
             });
             notes.push(format!(
-                "{} is a damping without stiffness: it slows waves that grow, and leaves zero-energy modes and the frequencies of weak ones as they are{stiffness}",
+                "{} is a damping without stiffness: it slows the growth of waves, but changes neither zero-energy modes nor the frequencies of weakly controlled modes{stiffness}",
                 question.key()
             ));
         }
@@ -188,7 +188,7 @@ impl TuneAnswer {
             recommended,
             thresholds: limits,
             dependence: limits
-                .varied(&OF_TUNING)
+                .varied(&TUNING_LIMITS)
                 .into_iter()
                 .map(|(threshold, value, limits)| Dependence {
                     threshold,
@@ -232,11 +232,14 @@ impl TuneAnswer {
             ),
             None => panel,
         };
-        let shares =
-            Axis::linear("share of the window of states (%)", (0.0, 100.0)).covering([0.0, 100.0]);
+        let shares = Axis::linear("fraction of the window of states (%)", (0.0, 100.0))
+            .covering([0.0, 100.0]);
         let unit = || {
-            Axis::linear("frequency over the material's slowest (−)", (0.0, 1.0))
-                .covering([0.0, 1.0])
+            Axis::linear(
+                "frequency relative to the material's slowest (−)",
+                (0.0, 1.0),
+            )
+            .covering([0.0, 1.0])
         };
         let steps = Axis::linear("c Δt / spacing (−)", (0.0, 1.0));
         let steps = steps.covering(
@@ -421,7 +424,7 @@ impl Brief for TuneAnswer {
                     percent(limits.wrong)
                 ),
             )
-            .row(1, "Courant", format!("c dt / h; {OF_LATTICE}"));
+            .row(1, "Courant", format!("c dt / h; {LATTICE_NOTE}"));
         if self.tried.len() > shown.len() {
             let others = self.tried.len() - shown.len();
             short = short.row(2, "values", format!("{} others: --all", others));
@@ -446,7 +449,7 @@ impl fmt::Display for TuneAnswer {
              unstable (--wrong)\n\
              masks: more than {} of the states stable though the material is not elliptic (--wrong), or onset later than the material's by \
              more than {} of its strain (--later)\n\
-             Courant: critical time step times speed of sound over the particle spacing; {OF_LATTICE}{}\n\nwith other limits, of the values above",
+             Courant: critical time step times speed of sound over the particle spacing; {LATTICE_NOTE}{}\n\nwith other limits, of the values above",
             percent(limits.weak),
             percent(limits.wrong),
             percent(limits.wrong),

@@ -24,7 +24,7 @@ pub struct Fit {
     ///
     /// The larger of four standard deviations, and the change of the rate if the last three tenths of the record are omitted.
     pub uncertainty: f64,
-    /// Root mean square of the residual over the largest amplitude of the record.
+    /// Root mean square of the residual, divided by the largest amplitude of the record.
     pub residual: f64,
 }
 

@@ -73,7 +73,7 @@ pub struct Judgment {
     pub uncertainty: f64,
     /// Largest relative difference that counts as agreement.
     pub tolerance: f64,
-    /// Root mean square of the residual over the largest amplitude of the record.
+    /// Root mean square of the residual, divided by the largest amplitude of the record.
     pub residual: f64,
     /// Number of frames read.
     pub frames: usize,

@@ -126,7 +126,7 @@ impl Volumetric {
 /// Pressure, its slope, shear modulus and deviator of a law whose stress rate at a state is a Jaumann rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct JaumannRates {
-    /// Pressure and its slope, as for a law of the volume alone.
+    /// Pressure and its slope, as for a purely volumetric law.
     pub(super) volumetric: Volumetric,
     /// Shear modulus of the rate; stress.
     pub(super) shear: f64,
@@ -202,7 +202,7 @@ mod tests {
     use crate::settings::Settings;
     use onset::kinematics::DeformationGradient;
 
-    const OF_THE_VOLUME: [&str; 3] = [
+    const VOLUMETRIC_LAW: [&str; 3] = [
         "material.model=formula",
         "material.energy=K*(J-ln(J))",
         "material.K=2",
@@ -214,8 +214,8 @@ mod tests {
     }
 
     #[test]
-    fn a_law_of_the_volume_is_recognized_with_its_pressure() {
-        let law = law(&OF_THE_VOLUME);
+    fn a_purely_volumetric_law_is_recognized_with_its_pressure() {
+        let law = law(&VOLUMETRIC_LAW);
         let f = DeformationGradient::from_stretches([1.2, 0.9, 1.1]).expect("a state");
         let own = Volumetric::of(&*law, &f)
             .expect("a response")
@@ -278,8 +278,8 @@ mod tests {
     }
 
     #[test]
-    fn a_law_of_the_volume_has_jaumann_rates_without_shear() {
-        let law = law(&OF_THE_VOLUME);
+    fn a_purely_volumetric_law_has_jaumann_rates_without_shear() {
+        let law = law(&VOLUMETRIC_LAW);
         let f = DeformationGradient::from_stretches([1.2, 0.9, 1.1]).expect("a state");
         let own = JaumannRates::of(&*law, &f, 1.0).expect("a response");
         let own = own.expect("Jaumann's rate");

@@ -78,7 +78,7 @@ impl<'a> Projector<'a> {
             None => Err(self.wrong(
                 line,
                 format!(
-                    "the output does not say that it is of case {}",
+                    "the output does not contain the mark of case {}",
                     self.case.id
                 ),
                 "run the deck as it was written; the page `verify` of the book describes the formats",
@@ -138,7 +138,7 @@ impl<'a> Projector<'a> {
                     "particle {number} is {largest:.3e} away from its place in the homogeneous state, the spacing being {:e}",
                     self.case.spacing()
                 ),
-                "is this the output of another deck, or did the run leave the state? choose fewer --steps for waves that grow",
+                "check that the output is of this deck; for growing waves choose fewer --steps, so that the run stays near the state",
             ));
         }
         let projection = self.case.prediction.projection.iter();

@@ -21,7 +21,7 @@ pub fn run(folder: &Path, program: Option<&Path>) -> Result<Judgment, VerifyErro
     let Some(usual) = code.program() else {
         return Err(VerifyError::Refused {
             code: code.name(),
-            what: "how this code is run is not known".to_owned(),
+            what: "onset cannot start this code".to_owned(),
             hint: format!(
                 "run it, and read its {} with `onset verify read`",
                 code.output()

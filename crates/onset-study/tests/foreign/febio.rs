@@ -128,7 +128,7 @@ fn yeoh_and_arruda_boyce_have_the_stresses_of_the_sources() {
         }
         assert!(told(Febio, &file(kind, parameters), None).contains("the evaluated law is read"));
     }
-    // With many links the first two terms are those of the series.
+    // With many links the first two terms agree with the series.
     let f = DeformationGradient::new(STATES[0]).expect("a state");
     let law = read(
         Febio,

@@ -1,4 +1,4 @@
-//! Models of felupe beyond those of rubber with published stresses.
+//! Models of felupe other than the models of rubber with published stresses.
 
 use crate::{STATES, agrees, invariants, read, told};
 use onset::kinematics::DeformationGradient;
@@ -47,7 +47,7 @@ fn further_models_have_the_stresses_of_felupe() {
     }
 }
 
-/// felupe perturbs eigenvalues and the invariant of `van_der_waals`; the energies are those that it documents.
+/// felupe perturbs eigenvalues and the invariant of `van_der_waals`; the energies agree with its documentation.
 #[test]
 fn hencky_and_van_der_waals_have_the_documented_energies() {
     let text = "fem.Hyperelastic(fem.saint_venant_kirchhoff, mu=1.0, lmbda=20.0, k=0)";

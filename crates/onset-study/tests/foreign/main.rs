@@ -540,7 +540,7 @@ fn marlows_energy_reproduces_an_abaqus_table() {
     });
 }
 
-/// A table may be as long as a test records; a neo-Hookean table of 1,000 points has the right shear modulus.
+/// A table may have any number of recorded points; a neo-Hookean table of 1,000 points has the right shear modulus.
 #[test]
 fn a_table_of_many_points_is_accepted_with_a_short_note() {
     let rows: String = (1..=1000)
@@ -604,7 +604,7 @@ fn ignored_keywords_of_a_deck_are_listed_with_their_lines() {
     assert!(notes(Program::Ansys, ansys, Some("2")).contains("material.c10=1"));
 }
 
-/// Keywords begin lines, so that a path with `/mat/` in a study is no deck.
+/// Keywords begin lines, so that a path with `/mat/` in a study does not count as a deck.
 #[test]
 fn programs_are_recognized_by_their_keywords() {
     for (text, program) in [

@@ -197,7 +197,7 @@ fn equal_stresses(
 }
 
 #[test]
-fn what_is_written_reads_back_as_the_same_law() {
+fn written_blocks_read_back_as_the_same_law() {
     for case in cases() {
         let law = own(&case).build().expect("a law");
         for program in Program::ALL {
@@ -247,7 +247,7 @@ fn what_is_written_reads_back_as_the_same_law() {
 
 /// Limits of the incompressible response, which no volumetric function changes.
 #[test]
-fn what_is_written_reads_back_with_equal_limits() {
+fn written_blocks_read_back_with_equal_limits() {
     let limits = |settings: &MaterialSettings| {
         let range = Range::new(0.3, 4.0).expect("a range");
         let question = Question::new(settings, range, &[Mode::Equibiaxial]).expect("a question");
@@ -288,7 +288,7 @@ fn what_is_written_reads_back_with_equal_limits() {
 
 /// Blocks in the words of the manuals, with constants converted by hand.
 #[test]
-fn blocks_have_the_constants_of_the_manuals() {
+fn written_blocks_use_the_constants_of_the_manuals() {
     let ogden = [
         ("mu1", 0.6),
         ("alpha1", 1.3),
@@ -373,7 +373,7 @@ fn blocks_have_the_constants_of_the_manuals() {
 }
 
 #[test]
-fn laws_and_constants_that_cannot_be_written_are_refused_in_words() {
+fn laws_and_constants_that_cannot_be_written_are_refused_with_a_reason() {
     let kappa = ("kappa", 1.0);
     for (program, law, parameters, fact) in [
         (

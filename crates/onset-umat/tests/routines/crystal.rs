@@ -83,7 +83,8 @@ fn slip_follows_schmid_and_the_tangent_is_consistent_with_the_stress() {
 ///
 /// For the unit polarization along `s* = F s` and the normal `m` of the undeformed slip plane, the acoustic tensor is `G h/(h + G |s*|^2)`.
 #[test]
-fn the_resistance_of_the_slip_plane_to_bands_has_its_closed_form_and_vanishes_without_hardening() {
+fn the_resistance_of_the_slip_plane_to_bands_agrees_with_its_closed_form_and_vanishes_without_hardening()
+ {
     let (s, m) = system();
     for f in states() {
         let slipped = f.matrix() * s;

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 const HOSTILE: [&str; 1] = ["tests/fortran/hostile.f90"];
 
-/// UMAT with a flaw; 0 stands for no flaw.
+/// UMAT with a flaw; 0 means no flaw.
 fn hostile(flaw: u32) -> Umat {
     Umat::new(flawed(flaw)).expect("a UMAT")
 }

@@ -22,7 +22,7 @@ const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
 ];
 
-/// Sines and cosines, accurate to the rounding error of one for arguments up to some thousands.
+/// Sines and cosines, accurate to the rounding error of one for arguments up to a few thousand.
 ///
 /// There are no branches, so that it is vectorized when inlined.
 #[inline(always)]

@@ -244,7 +244,7 @@ pub trait Analysis: Send + Sync {
     /// Calls `work` with a body of particles of the method. Contact between the pieces of the body is optional.
     ///
     /// # Errors
-    /// [`BodyError`] if the method has no bodies, or if particles or grips are not admissible.
+    /// [`BodyError`] if the method does not support bodies, or if particles or grips are not admissible.
     fn with_body(
         &self,
         particles: &BodyParticles,
@@ -340,7 +340,7 @@ pub struct PatchParticle {
 /// Stable time step of central differences for finite bodies of a lattice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FiniteBodyStep {
-    /// Time step of central differences.
+    /// Largest stable time step of central differences; time.
     pub time_step: f64,
     /// Reason why the step is stable.
     pub ground: FiniteBodyGround,
@@ -349,7 +349,7 @@ pub struct FiniteBodyStep {
 /// Reason why a time step is stable for finite bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FiniteBodyGround {
-    /// Proved for any body: the step of a single element or material point is a bound, and a body of one attains it.
+    /// Proved for any body: the step of a single element or material point is a lower bound, attained by a body of one element or point.
     Parts,
     /// Proved for any body: it has a subset of the interactions of the lattice, which are positive semidefinite.
     Lattice,

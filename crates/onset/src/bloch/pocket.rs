@@ -689,7 +689,7 @@ mod tests {
         }
     }
 
-    /// The predicted growth rate on the crossing is that of the pair at that place. No place of a finer grid within reach grows much faster if the
+    /// The predicted growth rate on the crossing agrees with the pair at that place. No place of a finer grid within reach grows much faster if the
     /// crossing determines the growth.
     #[test]
     fn growth_on_a_crossing_agrees_with_the_pair() {

@@ -13,7 +13,7 @@ const HALF_PERIOD: f64 = 25736.0 / 8192.0;
 /// Number of boxes along the half period in the first cover.
 const FIRST_BOXES: f64 = 4.0;
 /// Number of boxes before candidate waves are requested: about the cost of a floating-point search.
-const BEFORE_CANDIDATES: usize = 2_000;
+const CANDIDATE_DELAY_BOXES: usize = 2_000;
 /// Widest zone, in half periods, of a lattice whose dynamical matrix is not periodic.
 const LARGEST_ZONE: f64 = 16.0;
 
@@ -84,7 +84,7 @@ pub(super) fn cover(
         expansion,
         question,
     };
-    let first = cover.finding(question.budget.min(BEFORE_CANDIDATES));
+    let first = cover.finding(question.budget.min(CANDIDATE_DELAY_BOXES));
     if !matches!(first, Finding::Open { .. }) {
         return first;
     }
@@ -93,7 +93,7 @@ pub(super) fn cover(
         .filter(|phases| cover.is_inside(*phases));
     match waves.find_map(|phases| cover.confirmed(phases)) {
         Some(wave) => Finding::Grows(wave),
-        None if question.budget > BEFORE_CANDIDATES => cover.finding(question.budget),
+        None if question.budget > CANDIDATE_DELAY_BOXES => cover.finding(question.budget),
         None => first,
     }
 }

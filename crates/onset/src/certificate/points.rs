@@ -18,7 +18,7 @@ const VOLUME_ULPS: u32 = 64;
 const PLACE_TOLERANCE: f64 = 2e-16;
 
 /// Distance from the edge of the support, in support radii, within which [`Kernel::weight`](crate::kernel::Kernel::weight) ignores a neighbor.
-const ON_THE_RIM: f64 = 1e-12;
+const RIM_DISTANCE: f64 = 1e-12;
 
 /// Up to three coefficients or basis functions; unused entries are zero.
 type Basis = [Interval; 3];
@@ -213,7 +213,7 @@ fn term<const D: usize>(
         return None;
     }
     let mut profile = method.choices().kernel.profile::<D, _>(q);
-    if q.high >= 1.0 - ON_THE_RIM {
+    if q.high >= 1.0 - RIM_DISTANCE {
         profile.value = profile.value.hull(Interval::ZERO);
         profile.slope_over_q = profile.slope_over_q.hull(Interval::ZERO);
         profile.curvature_over_q = profile.curvature_over_q.hull(Interval::ZERO);

@@ -25,7 +25,7 @@ const BUDGET: usize = 20_000;
 pub struct SpaceCertificate {
     /// Result of the proof. Measures are acoustic eigenvalues in units of a given scale, witnesses are directions `N`.
     pub certainty: Certainty<3>,
-    /// Polarization `g` (of any length) that confirms the witness: `g . Q(N) g < 0`.
+    /// Polarization `g` (of any length) that confirms the witness: `g . Q(N) g < 0`. `None` without a witness.
     pub polarization: Option<Vector3<f64>>,
 }
 

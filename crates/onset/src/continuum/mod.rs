@@ -45,7 +45,7 @@ pub struct AcousticMinimum<const D: usize> {
     pub bound: f64,
     /// Eigenvalues smaller than this in magnitude can be rounding: [`ACOUSTIC_ROUNDING`] of the largest component of the stiffness. Units of the stiffness.
     pub rounding: f64,
-    /// Waves with complex eigenvalues, from [`Stiffness::flutter`].
+    /// Waves with complex eigenvalues, from [`Stiffness::flutter`]; `None` if all eigenvalues are real.
     pub flutter: Option<AcousticFlutter<D>>,
 }
 
@@ -64,7 +64,7 @@ pub struct AcousticFlutter<const D: usize> {
 pub const ACOUSTIC_ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// Stiffness ratio of volume changes to all others; above this ratio the search for the softest wave treats the volumetric part separately.
-const STIFF: f64 = 1e8;
+const STIFF_RATIO: f64 = 1e8;
 /// Reduced stiffness ratio of the volumetric part in that search.
 const REDUCED_STIFFNESS_RATIO: f64 = 1e6;
 
@@ -206,7 +206,7 @@ impl<const D: usize> Stiffness<D> {
         Self::from_tangent(&response.tangent).with_volume(&response.deformation)
     }
 
-    /// Separates the volumetric part if it exceeds all others by the factor [`STIFF`].
+    /// Separates the volumetric part if it exceeds all others by the factor [`STIFF_RATIO`].
     fn with_volume(self, f: &DeformationGradient) -> Self {
         if D < 2 {
             return self;
@@ -220,7 +220,7 @@ impl<const D: usize> Stiffness<D> {
         };
         let stiffness = (0..D).map(along).fold(f64::INFINITY, f64::min);
         let rest = self.and_volume(-stiffness, &m);
-        let is_stiff = stiffness * m.norm_squared() > STIFF * rest.magnitude();
+        let is_stiff = stiffness * m.norm_squared() > STIFF_RATIO * rest.magnitude();
         Self(self.0, self.1, is_stiff.then_some((stiffness, m)))
     }
 

@@ -84,7 +84,7 @@ const AT_END: f64 = 1e-7;
 
 /// Returns the largest box `[h^-k, h]^3` of principal stretches within a range in which a law is strongly elliptic.
 ///
-/// The exponent `k = skew` is 1 for a box that is symmetric in the logarithms. The result is `None` if the law is not elliptic in the reference.
+/// The exponent `k = skew` is 1 for a box that is symmetric in the logarithms. The result is `None` if the law is not elliptic in the reference configuration.
 ///
 /// The principal axes are the coordinate axes, which is not a restriction for an isotropic law ([`is_isotropic`]). The box results from a dense search
 /// with local improvement and is not proved. Rays lead from the reference through grid points on the surface of the box to the first state at which
@@ -106,9 +106,9 @@ pub fn safe_box(material: &dyn Hyperelastic, skew: f64, range: &Range) -> Option
 
 /// Returns the widest box `[low, high]^3` of principal stretches within a range in which a law is strongly elliptic.
 ///
-/// It has the largest `high / low` among the boxes of all skews that [`safe_box`] finds, including boxes that begin or end at the reference. The best
+/// It has the largest `high / low` among the boxes of all skews that [`safe_box`] finds, including boxes that begin or end at stretch 1. The best
 /// of 19 skews is refined locally, and boxes that reach the ends of the range are tried as well. The result is `None` if the law is not elliptic in
-/// the reference.
+/// the reference configuration.
 pub fn widest_safe_box(material: &dyn Hyperelastic, range: &Range) -> Option<SafeBox> {
     let field = Field::new(material);
     let width = |found: &SafeBox| (found.high / found.low).ln();

@@ -31,23 +31,23 @@ pub struct Event {
     pub stretch: f64,
     /// Half the width of the bracket of `ln lambda`, or the shift that rounding of the measure or of the free stretches can cause, if that is larger.
     pub tolerance: f64,
-    /// Whether the criterion may be lost nearer to the reference: the loss is proved at `stretch`, the criterion is not proved to hold before.
+    /// Whether the criterion may be lost nearer to the reference configuration: the loss is proved at `stretch`, the criterion is not proved to hold before.
     pub is_upper_bound: bool,
     /// Perturbation on the side where the criterion fails.
     pub witness: Witness,
 }
 
-/// Changes of a criterion on one side of the reference, in tension or in compression.
+/// Changes of a criterion on one side of the reference configuration, in tension or in compression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
-    /// Whether the criterion holds in the reference.
+    /// Whether the criterion holds in the reference configuration.
     pub holds_at_start: bool,
     /// Changes along the loading, nearest to the reference first.
     pub events: Vec<Event>,
 }
 
 impl Event {
-    /// Marks the event as an upper bound of the distance from the reference.
+    /// Marks the event as an upper bound of the distance from the reference configuration.
     fn upper_bound(self) -> Self {
         Self {
             is_upper_bound: true,
@@ -57,7 +57,7 @@ impl Event {
 }
 
 impl Track {
-    /// Stretch at the first loss of the criterion, counted from the reference; `None` if it is not lost.
+    /// Stretch at the first loss of the criterion, counted from the reference configuration; `None` if it is not lost.
     pub fn limit(&self) -> Option<f64> {
         match self.holds_at_start {
             true => self.events.first().map(|event| event.stretch),
@@ -73,7 +73,7 @@ impl Track {
 
 /// Width of the bracket of a change, in `ln lambda`.
 const RESOLUTION: f64 = 1e-14;
-/// Changes within this distance of the reference, in `ln lambda`, count as changes at the reference.
+/// Changes within this distance of the reference configuration, in `ln lambda`, count as changes at this configuration.
 const AT_REFERENCE: f64 = 1e-9;
 /// Finite-difference step of the slope of a measure, in `ln lambda`.
 const SLOPE_STEP: f64 = 1e-5;
@@ -202,7 +202,7 @@ fn undetermined(
     let noise = changes
         .map(|measure| (measure.signed() - own.signed()).abs())
         .fold(own.zero.max(own.neutral), f64::max);
-    // One-sided slope toward the reference, where the state is certain to exist.
+    // One-sided slope toward the reference configuration, where the state is certain to exist.
     let step = SLOPE_STEP.min(0.5 * s.abs());
     let slope =
         value(s - step.copysign(s)).map_or(0.0, |before| (own.signed() - before).abs() / step);
@@ -251,7 +251,7 @@ const OUTWARD: i32 = 22;
 /// energy before it. Behind a step up of the energy, jumps back gain energy. The first jump found is followed back to its break-even point, where the
 /// search is repeated for other families. Nothing is searched beyond the limit.
 ///
-/// Other jumps may gain energy nearer to the reference, so the limit is an upper bound of the distance from the reference up to which the law is
+/// Other jumps may gain energy nearer to the reference configuration, so the limit is an upper bound of the distance from the reference up to which the law is
 /// rank-one convex. Its tolerance refers to the jump reported. Interval arithmetic proves the gain at the limit if the law provides enclosures
 /// ([`JumpSearch::proves`]). If the best jump leads to the edge of the reach, its largest stretch, the limit depends on the reach.
 pub fn follow_jumps(path: &LoadingPath<'_>, elliptic: &Track, reach: f64, tension: bool) -> Track {
@@ -309,7 +309,7 @@ struct Jumps<'p, 'a> {
 }
 
 impl Jumps<'_, '_> {
-    /// Parameters at which finite jumps are searched for, starting at the reference.
+    /// Parameters at which finite jumps are searched for, starting at the reference configuration.
     fn places(&self, elliptic: &Track, tension: bool) -> Vec<f64> {
         let limit = elliptic.limit().map(f64::ln);
         let within = |s: f64| limit.is_none_or(|limit| s.abs() < limit.abs());
@@ -350,7 +350,7 @@ impl Jumps<'_, '_> {
         found.filter(Jump::gains)
     }
 
-    /// Follows a jump that gains energy back to the place where no gain is found. The `places` lie nearer to the reference.
+    /// Follows a jump that gains energy back to the place where no gain is found. The `places` lie nearer to the reference configuration.
     fn break_even(&self, places: &[f64], (mut behind, mut jump): (f64, Jump)) -> Track {
         let mut before = 0.0;
         for _ in 0..FAMILIES {

@@ -71,7 +71,7 @@ impl Loading {
 /// costs the pressure of a compressible law more digits.
 const STIFF: f64 = 1e8;
 
-/// Bulk modulus of a law in the reference, if it counts as infinite.
+/// Bulk modulus of a law in the reference configuration, if it counts as infinite.
 pub(super) fn huge_bulk_modulus(material: &dyn Hyperelastic) -> Option<f64> {
     if material.dimension() < 3 || material.is_path_dependent() {
         return None;

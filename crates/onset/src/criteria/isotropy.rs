@@ -6,7 +6,7 @@ use crate::kinematics::DeformationGradient;
 use crate::material::{FourthOrder, Hyperelastic, Response};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-/// Largest difference, relative to their magnitude, of stresses that count as equal after a rotation of the reference.
+/// Largest difference, relative to their magnitude, of stresses that count as equal after a rotation of the reference configuration.
 const TOLERANCE: f64 = 1e-9;
 
 /// Returns true if a law is isotropic: `P(F Q) = P(F) Q` to rounding.

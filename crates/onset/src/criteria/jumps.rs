@@ -12,7 +12,7 @@ use nalgebra::{Matrix3, Matrix6, Rotation3, Vector3, Vector6};
 pub struct Jump {
     /// Amplitude `a` of the jump.
     pub amplitude: Vector3<f64>,
-    /// Unit normal `N` in the reference.
+    /// Unit normal `N` in the reference configuration.
     pub direction: Vector3<f64>,
     /// Scaled excess `2 (W(F + a (x) N) - W(F) - P : (a (x) N)) / |a|^2`; units of stress. For infinitesimal jumps it tends to `a . Q(N) a / |a|^2`.
     pub excess: f64,

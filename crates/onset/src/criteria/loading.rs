@@ -329,7 +329,7 @@ pub struct PathState {
     pub rate: Matrix3<f64>,
     /// Logarithms of the free stretches, in the order of the axes.
     lateral: Vector2<f64>,
-    /// Unit tangent of the branch, away from the reference, in the space of the logarithms of the free stretches and `s`.
+    /// Unit tangent of the branch, away from the reference configuration, in the space of the logarithms of the free stretches and `s`.
     tangent: Vector3<f64>,
 }
 
@@ -390,16 +390,16 @@ enum Volume {
     },
 }
 
-/// States of a loading in tension and in compression, followed from the reference.
+/// States of a loading in tension and in compression, followed from the reference configuration.
 pub struct LoadingPath<'a> {
     material: &'a dyn Hyperelastic,
     isotropic: bool,
     volume: Volume,
     /// Loading that is followed.
     pub loading: Loading,
-    /// States at increasing stretch, starting at the reference.
+    /// States at increasing stretch, starting at the reference configuration.
     pub tension: Vec<PathState>,
-    /// States at decreasing stretch, starting at the reference.
+    /// States at decreasing stretch, starting at the reference configuration.
     pub compression: Vec<PathState>,
     /// Reason why the path ends in tension.
     pub tension_end: PathEnd,
@@ -409,7 +409,7 @@ pub struct LoadingPath<'a> {
     pub(super) kinks: OnceLock<Vec<Kink>>,
 }
 
-/// Number of steps from the reference to an end of the range.
+/// Number of steps from the reference configuration to an end of the range.
 const PATH_STEPS: usize = 192;
 /// Number of trial steps along one side of a path before it is abandoned. A law with very large powers of its stretches permits only the shortest
 /// steps.
@@ -434,18 +434,18 @@ const ITERATIONS: usize = 40;
 /// Reason why a loading cannot be followed.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum LoadingError {
-    /// The law has no response in the reference.
+    /// The law has no response in the reference configuration.
     #[error("{0}")]
     Law(#[from] MaterialError),
-    /// No state with free faces was found near the reference.
+    /// No state with free faces was found near the reference configuration.
     #[error(
         "at stretch 1 no lateral stretches with traction-free faces were found; expected a law that \
          is without stress at F = 1, or near it"
     )]
     NoReference,
-    /// The loading changes the volume, so the incompressible response does not admit it.
+    /// The loading changes the volume or has no traction-free face, so that the pressure of the incompressible response is undetermined.
     #[error(
-        "an incompressible material keeps its volume; expected a loading with a free face: uniaxial, equibiaxial, planar or simple-shear"
+        "the incompressible response needs a traction-free face, which determines the pressure; expected uniaxial, equibiaxial, planar or simple-shear loading with a free face"
     )]
     ChangesVolume,
 }
@@ -463,7 +463,7 @@ impl<'a> LoadingPath<'a> {
     /// volume. Otherwise rounding would hide the change of volume that carries the pressure.
     ///
     /// # Errors
-    /// [`LoadingError`] if no state exists in the reference, `lambda = 1`.
+    /// [`LoadingError`] if no state exists in the reference configuration, `lambda = 1`.
     pub fn new(
         material: &'a dyn Hyperelastic,
         isotropic: bool,
@@ -494,7 +494,7 @@ impl<'a> LoadingPath<'a> {
     /// ```
     ///
     /// # Errors
-    /// [`LoadingError`] if the law has no state in the reference, [`LoadingError::ChangesVolume`] for any other loading.
+    /// [`LoadingError`] if the law has no state in the reference configuration, [`LoadingError::ChangesVolume`] for any other loading.
     pub fn incompressible(
         material: &'a dyn Hyperelastic,
         loading: Loading,
@@ -705,7 +705,7 @@ impl<'a> LoadingPath<'a> {
 
 /// Part of a loading between two imposed stretches or amounts of shear, as a deformation path.
 ///
-/// The imposed stretch is linear in the path parameter, and states with free faces are on the branch that begins at the reference.
+/// The imposed stretch is linear in the path parameter, and states with free faces are on the branch that begins at the reference configuration.
 ///
 /// ```
 /// use onset::kinematics::DeformationPath;
@@ -761,7 +761,7 @@ impl DeformationPath for LoadingSection<'_, '_> {
     }
 }
 
-/// Follows the branch from the reference to `end`. Returns its states and the reason why it ends.
+/// Follows the branch from the reference configuration to `end`. Returns its states and the reason why it ends.
 ///
 /// A step leads to the next parameter of the path. Where the branch bends away from its tangent, shorter steps are taken along the tangent. They
 /// reach a fold and detect that the branch turns back there.
@@ -1161,7 +1161,7 @@ impl Linear {
         self
     }
 
-    /// Finite-difference derivative by `s`, one-sided toward the reference, where the law has a state.
+    /// Finite-difference derivative by `s`, one-sided toward the reference configuration, where the law has a state.
     fn imposed_difference(
         &self,
         material: &dyn Hyperelastic,

@@ -90,7 +90,7 @@ pub enum Criterion {
     /// Source: Ball, Arch. Ration. Mech. Anal. 63 (1977) 337; Morrey (1952). The measure is the smallest
     /// `2 (W(F + a (x) N) - W(F) - P : a (x) N) / |a|^2` found by a [`JumpSearch`]. Units of stress. A negative value is a proof to rounding (or in
     /// interval arithmetic: [`JumpSearch::proves`]). A positive value means that the search found no such jump, so a limit along a loading is an
-    /// upper bound: other jumps may gain energy nearer to the reference. The limit is never later than the loss of ellipticity, and it is earlier if
+    /// upper bound: other jumps may gain energy nearer to the reference configuration. The limit is never later than the loss of ellipticity, and it is earlier if
     /// the third derivative of the energy along the critical wave does not vanish.
     RankOneConvexity,
     /// Baker-Ericksen inequalities: the larger principal stress acts along the larger principal stretch,
@@ -198,7 +198,7 @@ impl Measure {
 pub enum Witness {
     /// Plane wave with unit direction `N` (reference) and unit polarization `g`.
     Wave {
-        /// Unit direction `N` in the reference.
+        /// Unit direction `N` in the reference configuration.
         direction: [f64; 3],
         /// Unit polarization `g` of the wave.
         polarization: [f64; 3],
@@ -224,7 +224,7 @@ pub enum Witness {
     Jump {
         /// Amplitude `a` of the jump.
         amplitude: [f64; 3],
-        /// Unit normal `N` in the reference.
+        /// Unit normal `N` in the reference configuration.
         direction: [f64; 3],
         /// Whether the jump leads to the largest stretch of the search. The limit then depends on this stretch and is approximate.
         at_edge: bool,

@@ -3,7 +3,7 @@
 use super::graph::{Function, Graph, Id, Node};
 
 /// Order that counts as infinitely smooth.
-const ENDLESS: u32 = 64;
+const INFINITE_ORDER: u32 = 64;
 
 /// Lower bounds of the smoothness of a node where a test is zero.
 #[derive(Clone, Copy)]
@@ -41,12 +41,12 @@ pub(super) fn is_smooth_across(graph: &Graph, needed: &[bool], test: Id, result:
 fn across(graph: &Graph, contacts: &[Contact], test: Id, id: Id) -> Contact {
     let of = |id: Id| contacts[id];
     let limited = |order: u32, agreement: u32| Contact {
-        order: order.min(ENDLESS),
-        agreement: agreement.min(ENDLESS),
+        order: order.min(INFINITE_ORDER),
+        agreement: agreement.min(INFINITE_ORDER),
     };
-    let smooth = |order: u32| limited(order, ENDLESS);
+    let smooth = |order: u32| limited(order, INFINITE_ORDER);
     let mut contact = match graph.nodes()[id] {
-        Node::Constant(bits) if bits.value() == 0.0 => smooth(ENDLESS),
+        Node::Constant(bits) if bits.value() == 0.0 => smooth(INFINITE_ORDER),
         Node::Constant(_) | Node::Parameter(_) | Node::Leaf(_) => smooth(0),
         Node::Apply(function, a) => {
             let vanishes_with = matches!(
@@ -72,7 +72,7 @@ fn across(graph: &Graph, contacts: &[Contact], test: Id, id: Id) -> Contact {
         }
         Node::Power(a, b) => match graph.value(b) {
             Some(exponent) if exponent >= 1.0 && exponent.fract() == 0.0 => {
-                let count = exponent.min(f64::from(ENDLESS)) as u32;
+                let count = exponent.min(f64::from(INFINITE_ORDER)) as u32;
                 let a = of(a);
                 limited(count * a.order, (count - 1) * a.order + a.agreement)
             }
@@ -85,7 +85,7 @@ fn across(graph: &Graph, contacts: &[Contact], test: Id, id: Id) -> Contact {
             let order = below.order.min(above.order);
             let within = below.agreement.min(above.agreement);
             // The selected side changes with the test, or because the inner test changes.
-            let changes = graph.multiple(own, test).is_some() || of(own).agreement < ENDLESS;
+            let changes = graph.multiple(own, test).is_some() || of(own).agreement < INFINITE_ORDER;
             limited(order, if changes { within.min(order) } else { within })
         }
     };

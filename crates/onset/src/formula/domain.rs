@@ -12,7 +12,7 @@ use crate::real::{Interval, Jet, Real, Side};
 use std::ops::{Add, Div, Mul, Neg, Range, Sub};
 
 /// Largest number of uncertain tests for which all combinations of sides are tried. Beyond it the tests are varied one at a time.
-const TOGETHER: usize = 6;
+const MAX_COMBINED_TESTS: usize = 6;
 
 /// Returns the reason why a formula has no stress at a state, with its place in the text.
 ///
@@ -72,7 +72,7 @@ struct Examiner<'a> {
 }
 
 /// Placeholder for a step that is not yet known.
-const NOW: usize = usize::MAX;
+const PENDING_STEP: usize = usize::MAX;
 
 impl Observer<Guarded> for Examiner<'_> {
     fn side(&mut self, _step: usize, test: &Guarded) -> Option<Side> {
@@ -84,7 +84,11 @@ impl Observer<Guarded> for Examiner<'_> {
         let branch = self.tape.branches().get(self.next);
         let branch = branch.filter(|branch| branch.step == step);
         self.next += usize::from(branch.is_some());
-        let Some(fault) = result.fault.as_mut().filter(|fault| fault.step == NOW) else {
+        let Some(fault) = result
+            .fault
+            .as_mut()
+            .filter(|fault| fault.step == PENDING_STEP)
+        else {
             return;
         };
         fault.step = step;
@@ -114,7 +118,7 @@ impl Guarded {
     fn with(self, bounds: Interval, is_defined: bool) -> Self {
         let new = (!is_defined).then_some(Fault {
             is_undefined: true,
-            step: NOW,
+            step: PENDING_STEP,
         });
         Self {
             bounds,
@@ -202,7 +206,7 @@ impl Real for Guarded {
     fn blended(self, _threshold: f64, below: Self, above: Self) -> Self {
         let undecided = Fault {
             is_undefined: false,
-            step: NOW,
+            step: PENDING_STEP,
         };
         let fault = graver(graver(self.fault, below.fault), above.fault);
         Self {
@@ -278,13 +282,13 @@ fn disagreement(tape: &Tape, jet: impl Fn(Leaf) -> Jet<9, Interval>) -> Option<(
     while seen < choices.len() {
         // Another side can lead to tests that were not reached before.
         seen = choices.len();
-        let count = if seen <= TOGETHER {
+        let count = if seen <= MAX_COMBINED_TESTS {
             1 << seen
         } else {
             seen + 1
         };
         for number in 1..count {
-            let is_below = |n: usize| match seen <= TOGETHER {
+            let is_below = |n: usize| match seen <= MAX_COMBINED_TESTS {
                 true => number >> n & 1 == 1,
                 false => n + 1 == number,
             };

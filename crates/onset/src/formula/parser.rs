@@ -15,10 +15,10 @@ use std::ops::Range;
 pub(super) const LONGEST: usize = 20_000;
 
 /// Largest nesting depth of parentheses, calls, signs and powers.
-pub(super) const DEEPEST: usize = 100;
+pub(super) const MAX_DEPTH: usize = 100;
 
 /// Largest number of operations of a formula.
-pub(super) const LARGEST: usize = 5_000;
+pub(super) const MAX_OPERATIONS: usize = 5_000;
 
 /// Binding strength of operators.
 const OR: u8 = 1;
@@ -247,8 +247,8 @@ impl<'a> Parser<'a> {
     /// Parses operands and operators that bind at least as strongly as `least`.
     fn expression(&mut self, least: u8) -> Result<Ranged, FormulaError> {
         self.depth += 1;
-        if self.depth > DEEPEST {
-            return Err(self.error(self.range(), Problem::TooDeep { limit: DEEPEST }));
+        if self.depth > MAX_DEPTH {
+            return Err(self.error(self.range(), Problem::TooDeep { limit: MAX_DEPTH }));
         }
         let mut left = self.operand()?;
         while let Some((operator, strength)) = binary(self.token())
@@ -377,8 +377,13 @@ impl<'a> Parser<'a> {
     }
 
     fn check_size(&self, range: &Range<usize>) -> Result<(), FormulaError> {
-        if self.graph.len() > LARGEST {
-            Err(self.error(range.clone(), Problem::TooManyOperations { limit: LARGEST }))
+        if self.graph.len() > MAX_OPERATIONS {
+            Err(self.error(
+                range.clone(),
+                Problem::TooManyOperations {
+                    limit: MAX_OPERATIONS,
+                },
+            ))
         } else {
             Ok(())
         }

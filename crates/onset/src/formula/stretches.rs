@@ -15,7 +15,7 @@ use std::ops::Range;
 pub(super) struct StretchTape(Tape);
 
 /// Stretches at which the symmetry is tested.
-const TRIED: [[f64; 3]; 3] = [[0.9, 1.05, 1.2], [1.3, 0.7, 1.1], [0.8, 1.02, 1.6]];
+const PROBE_STRETCHES: [[f64; 3]; 3] = [[0.9, 1.05, 1.2], [1.3, 0.7, 1.1], [0.8, 1.02, 1.6]];
 
 /// Permutations of three other than the identity.
 const ORDERS: [[usize; 3]; 5] = [[0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
@@ -39,9 +39,9 @@ impl StretchTape {
             }
         }
         let tape = Self(Tape::new(graph, result));
-        let largest = TRIED.each(|at| tape.of_stretches(at).abs());
+        let largest = PROBE_STRETCHES.each(|at| tape.of_stretches(at).abs());
         let scale = largest.into_iter().fold(0.0, f64::max);
-        for stretches in TRIED {
+        for stretches in PROBE_STRETCHES {
             let value = tape.of_stretches(stretches);
             for order in ORDERS {
                 let exchanged = tape.of_stretches(order.each(|n| stretches[n]));

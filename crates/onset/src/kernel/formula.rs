@@ -13,7 +13,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 /// Largest distance in support radii at which `W'/q` is computed from higher derivatives, because the quotient loses more digits.
 const QUOTIENT_DISTANCE: f64 = 1e-6;
 /// Rounding error of a zero at the rim and at the origin, relative to the value at the origin.
-const NOTHING: f64 = 1e-10;
+const ZERO_TOLERANCE: f64 = 1e-10;
 /// Cells of the midpoint rule that encloses an integral.
 const CELLS: u32 = 4096;
 
@@ -125,7 +125,7 @@ impl Compiled {
             return Err(KernelError::NotPositive { value: peak });
         }
         let end = function.at(1.0);
-        if end.abs() > NOTHING * peak {
+        if end.abs() > ZERO_TOLERANCE * peak {
             return Err(KernelError::NotZeroAtRim { value: end });
         }
         let scaled = |q: Jet<1, Jet<1>>| function.at(q) * (1.0 / peak);
@@ -137,7 +137,7 @@ impl Compiled {
         let smoothness = Smoothness::measured(origin, &breaks, rim);
         let slope = function.at(variable(0.0)).gradient[0];
         // A NaN slope does not vanish either.
-        let is_cusped = slope.is_nan() || slope.abs() > NOTHING * peak;
+        let is_cusped = slope.is_nan() || slope.abs() > ZERO_TOLERANCE * peak;
         let mut compiled = Self {
             text: text.to_owned(),
             function,

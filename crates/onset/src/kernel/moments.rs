@@ -153,7 +153,7 @@ impl Kernel {
             Self::Formula(formula) => {
                 Interval::around(sphere::<D>(), 1) * formula.radial_enclosure::<D>()
             }
-            // The integral is a sum of a few terms of order one, which cancel to some hundredths.
+            // The integral is a sum of a few terms of order one, which cancel to a few hundredths.
             Self::Gaussian | Self::LaguerreGauss => Interval::around(self.integral::<D>(1.0), 512),
             _ => Interval::around(self.integral::<D>(1.0), 4),
         }

@@ -80,7 +80,7 @@ macro_rules! switch {
 pub(super) use switch;
 
 /// Distance between a particle and itself to rounding, in support radii. A cusped profile has the mean over all directions there, with zero gradient.
-pub(super) const SELF: f64 = 1e-12;
+pub(super) const SELF_DISTANCE: f64 = 1e-12;
 
 /// Profile with `W'(0) != 0`, for which `S = W'/q` is unbounded near the origin.
 ///
@@ -96,5 +96,5 @@ pub(super) fn cusped<R: Real>(
         value: at_origin,
         ..Profile::zero()
     };
-    switch!(q, SELF => origin, Profile::from_derivatives(q, derivatives()))
+    switch!(q, SELF_DISTANCE => origin, Profile::from_derivatives(q, derivatives()))
 }

@@ -61,7 +61,7 @@ pub enum KinematicsError {
     /// Start and end of a path are equal.
     #[error("the start and the end of the path are equal")]
     EmptyPath,
-    /// A loading has no state with free faces on the branch that begins at the reference.
+    /// A loading has no state with free faces on the branch that begins at the reference configuration.
     #[error("at the stretch {stretch} the loading has no state on its branch")]
     NoState {
         /// Imposed stretch of the missing state.

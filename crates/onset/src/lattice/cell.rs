@@ -13,7 +13,7 @@ pub(super) struct VoronoiCell<const D: usize> {
 }
 
 /// Relative lengths and sines of angles below this are rounding. Lengths are relative to a polygon's.
-const NEGLIGIBLE: f64 = 1e-9;
+const LENGTH_ROUNDING: f64 = 1e-9;
 /// Number of nearest neighbors used for the first estimate of a cell.
 const FIRST_NEIGHBORS: usize = 32;
 
@@ -158,9 +158,9 @@ fn turning(polygon: &[[f64; 2]]) -> Vec<[f64; 2]> {
         .map(|p| length(apart(polygon[0], *p)))
         .fold(0.0, f64::max);
     let mut corners = polygon.to_vec();
-    corners.dedup_by(|a, b| length(apart(*a, *b)) < NEGLIGIBLE * size);
+    corners.dedup_by(|a, b| length(apart(*a, *b)) < LENGTH_ROUNDING * size);
     if let [first, .., last] = corners[..]
-        && length(apart(first, last)) < NEGLIGIBLE * size
+        && length(apart(first, last)) < LENGTH_ROUNDING * size
     {
         corners.pop();
     }
@@ -168,10 +168,11 @@ fn turning(polygon: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let turns = |n: &usize| {
         let before = apart(corners[(n + count - 1) % count], corners[*n]);
         let after = apart(corners[*n], corners[(n + 1) % count]);
-        before[0] * after[1] - before[1] * after[0] > NEGLIGIBLE * length(before) * length(after)
+        before[0] * after[1] - before[1] * after[0]
+            > LENGTH_ROUNDING * length(before) * length(after)
     };
     let turning: Vec<[f64; 2]> = (0..count).filter(turns).map(|n| corners[n]).collect();
-    if area(&turning) > NEGLIGIBLE * size * size {
+    if area(&turning) > LENGTH_ROUNDING * size * size {
         turning
     } else {
         Vec::new()

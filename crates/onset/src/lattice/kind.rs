@@ -1,6 +1,6 @@
 //! Named lattices and their geometry.
 
-use super::reduction::ELONGATED;
+use super::reduction::ELONGATION_RATIO;
 use super::{BravaisLattice, Fractional, LatticeError, Reduced};
 use nalgebra::{SMatrix, SVector};
 
@@ -189,10 +189,10 @@ impl LatticeKind {
         let short = Reduced::of(&columns)?.vectors;
         let lengths = short.column_iter().map(|a| a.norm());
         let ratio = lengths.clone().fold(0.0, f64::max) / lengths.fold(f64::INFINITY, f64::min);
-        if ratio > ELONGATED {
+        if ratio > ELONGATION_RATIO {
             return Err(LatticeError::Elongated {
                 ratio,
-                limit: ELONGATED,
+                limit: ELONGATION_RATIO,
             });
         }
         // A spacing whose powers overflow or underflow is as invalid as a negative one.

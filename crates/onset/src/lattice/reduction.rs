@@ -12,9 +12,9 @@ const REDUCTION_STEPS: usize = 1000;
 /// Relative difference of lengths and angles that counts as rounding.
 const LENGTH_TOLERANCE: f64 = 1e-9;
 /// Largest lattice coordinate of a short primitive vector. Beyond it the places of particles lose their digits.
-pub(super) const SHEARED: f64 = 1e5;
+pub(super) const SHEAR_RATIO: f64 = 1e5;
 /// Largest ratio of the lengths of short primitive vectors.
-pub(super) const ELONGATED: f64 = 30.0;
+pub(super) const ELONGATION_RATIO: f64 = 30.0;
 
 /// Short primitive vectors of a lattice, with their coordinates in the given basis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,10 +49,10 @@ impl<const D: usize> Reduced<D> {
             };
             reduced.subtract(column, &factors);
             let coefficient = reduced.change.amax().max(reduced.inverse.amax());
-            if coefficient > SHEARED {
+            if coefficient > SHEAR_RATIO {
                 return Err(LatticeError::Sheared {
                     coefficient,
-                    limit: SHEARED,
+                    limit: SHEAR_RATIO,
                 });
             }
         }

@@ -6,7 +6,7 @@ use crate::algebra::{array_of, sort_by_value};
 use nalgebra::SMatrix;
 
 /// Difference of lengths and angles that counts as rounding, relative to the longest vector squared.
-const EQUAL: f64 = 1e-9;
+const LENGTH_TOLERANCE: f64 = 1e-9;
 
 impl<const D: usize> BravaisLattice<D> {
     /// Named lattice of equal shape, up to rotation and size, with the basis in which the points of its zone have their names.
@@ -18,10 +18,10 @@ impl<const D: usize> BravaisLattice<D> {
         let metric = short.transpose() * short;
         let squares: [f64; D] = array_of(|i| metric[(i, i)]);
         let least = squares.iter().copied().fold(f64::INFINITY, f64::min);
-        let is_equal = |a: f64, b: f64| (a - b).abs() <= EQUAL * metric.amax();
+        let is_equal = |a: f64, b: f64| (a - b).abs() <= LENGTH_TOLERANCE * metric.amax();
         let fitting = |metric: SMatrix<f64, D, D>| {
             let given = own.transpose() * own - metric;
-            match given.amax() <= EQUAL * metric.amax() {
+            match given.amax() <= LENGTH_TOLERANCE * metric.amax() {
                 true => Some(own),
                 false => bases_with(&short, &metric).into_iter().next(),
             }

@@ -8,7 +8,7 @@ use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
 
 /// Difference of lengths and angles that counts as rounding, relative to the longest vector squared.
-const EQUAL: f64 = 1e-9;
+const LENGTH_TOLERANCE: f64 = 1e-9;
 
 /// Orthogonal map of a lattice onto itself.
 #[derive(Clone, Copy, Debug)]
@@ -158,7 +158,7 @@ pub(super) fn bases_with<const D: usize>(
     reduced: &SMatrix<f64, D, D>,
     metric: &SMatrix<f64, D, D>,
 ) -> Vec<SMatrix<f64, D, D>> {
-    let equal = |a: f64, b: f64| (a - b).abs() <= EQUAL * metric.amax();
+    let equal = |a: f64, b: f64| (a - b).abs() <= LENGTH_TOLERANCE * metric.amax();
     // Add one vector at a time.
     let mut bases: Vec<Vec<SVector<f64, D>>> = vec![Vec::new()];
     for column in 0..D {

@@ -421,7 +421,7 @@ mod tests {
         }
     }
 
-    /// Each point is at most as far from zero as any equivalent point, in the metric of the zone, and is equivalent to the point of the plain grid.
+    /// Each point is not farther from zero than any equivalent point, in the metric of the zone, and is equivalent to the point of the plain grid.
     #[test]
     fn folded_wave_vectors_are_equivalent_and_in_the_zone() {
         for (kind, stretch) in [

@@ -26,9 +26,9 @@ impl Eq for Admitted {}
 
 /// Largest magnitude of a number with a unit, and reciprocal of the smallest positive one: third powers of products of such numbers neither
 /// overflow nor underflow, and the SI values of atoms and of planets are within.
-const LARGEST_WITH_UNIT: f64 = 1e20;
+const LARGEST_DIMENSIONAL_VALUE: f64 = 1e20;
 /// Largest magnitude of a number without unit, and reciprocal of the smallest positive one.
-const LARGEST_WITHOUT: f64 = 1e6;
+const LARGEST_DIMENSIONLESS_VALUE: f64 = 1e6;
 /// Degrees of a full turn.
 const TURN: f64 = 360.0;
 
@@ -36,10 +36,10 @@ impl Admitted {
     /// The smallest and the largest admitted number in a unit.
     pub fn limits(self, unit: &str) -> [f64; 2] {
         let largest = match unit {
-            "1" => LARGEST_WITHOUT,
+            "1" => LARGEST_DIMENSIONLESS_VALUE,
             "deg" => TURN,
             "rad" => std::f64::consts::TAU,
-            _ => LARGEST_WITH_UNIT,
+            _ => LARGEST_DIMENSIONAL_VALUE,
         };
         match self {
             Self::Any => [-largest, largest],
@@ -124,7 +124,7 @@ impl Parameter {
     }
 }
 
-/// Symmetry group of a law: the rotations of the reference that leave its response unchanged.
+/// Symmetry group of a law: the rotations of the reference configuration that leave its response unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Symmetry {
     /// Invariant under all rotations.
@@ -149,7 +149,7 @@ impl Symmetry {
     }
 }
 
-/// Stiffness `dS/dE` at small strains in the reference, by `[11, 22, 33, 23, 13, 12]` (Voigt, with shear angles).
+/// Stiffness `dS/dE` at small strains in the reference configuration, by `[11, 22, 33, 23, 13, 12]` (Voigt, with shear angles).
 pub type SmallStrainStiffness = [[f64; 6]; 6];
 
 /// Hooke's stiffness `C_IJKL = (K - 2/3 mu) d_IJ d_KL + mu (d_IK d_JL + d_IL d_JK)`.
@@ -190,9 +190,9 @@ pub struct Law {
     pub parameters: &'static [Parameter],
     /// Domain: the states at which the law is defined, and the strains for which it is intended.
     pub domain: &'static str,
-    /// Rotations of the reference that leave the law unchanged.
+    /// Rotations of the reference configuration that leave the law unchanged.
     pub symmetry: Symmetry,
-    /// Reason for stress in the reference; `None` if the reference is stress-free.
+    /// Reason for stress in the reference configuration; `None` if there is no stress.
     pub stressed_reference: Option<&'static str>,
     /// Moduli at small strains, in words.
     pub small_strains: &'static str,
@@ -242,7 +242,7 @@ impl Law {
         (self.make)(&self.checked(given)?)
     }
 
-    /// Stiffness at small strains in the reference, in closed form; parameters as for [`Law::build`]. Units of stress.
+    /// Stiffness at small strains in the reference configuration, in closed form; parameters as for [`Law::build`]. Units of stress.
     ///
     /// # Errors
     /// [`MaterialError`] under the conditions of [`Law::build`].

@@ -71,7 +71,7 @@ pub enum MaterialError {
     },
     /// The material in the reference state has no waves, so results cannot be scaled by a wave speed.
     #[error(
-        "the material in the reference state carries no waves: its largest acoustic eigenvalue is {eigenvalue:e}; expected a positive number"
+        "the material in the reference configuration carries no waves: its largest acoustic eigenvalue is {eigenvalue:e}; expected a positive number"
     )]
     NoWaves {
         /// Largest acoustic eigenvalue of the material.
@@ -79,8 +79,8 @@ pub enum MaterialError {
     },
     /// The wave speed is so large or small that its powers over- or underflow.
     #[error(
-        "the squared speed of sound is {stiffness:e} / {density:e}, the largest acoustic eigenvalue of the material in the reference state \
-         over its density; expected a number from {:e} to {:e}: choose other units of stress or density",
+        "the squared speed of sound is {stiffness:e} / {density:e}, the largest acoustic eigenvalue of the material in the reference configuration \
+         divided by its density; expected a number from {:e} to {:e}: choose other units of stress or density",
         .range[0], .range[1]
     )]
     WaveSpeed {
@@ -93,7 +93,7 @@ pub enum MaterialError {
     },
     /// Some strain of the reference state has no stress, so that Young's modulus is zero or undefined.
     #[error(
-        "the law has no stiffness against some strain at F = 1 (a fluid has none against shear), so that what is scaled with Young's modulus has no size"
+        "the law has no stiffness against some strain at F = 1 (a fluid has none against shear), so that Young's modulus, with which the stabilization is scaled, is not positive"
     )]
     NoYoungsModulus,
     /// The law is not applicable to a sheet in plane stress, or to a bar in uniaxial stress.
@@ -102,9 +102,9 @@ pub enum MaterialError {
         /// Reason why it is not applicable.
         reason: &'static str,
     },
-    /// The branch of plane-stress states that begins at the reference ends before this state.
+    /// The branch of plane-stress states that begins in the reference configuration ends before this state.
     #[error(
-        "there is no state of plane stress at this deformation: the branch of states with traction-free faces that begins at the reference ends at \
+        "there is no state of plane stress at this deformation: the branch of states with traction-free faces that begins in the reference configuration ends at \
          {reached:.3} of the path, where the through-thickness stretch is {stretch:.6}"
     )]
     PlaneStressEnds {

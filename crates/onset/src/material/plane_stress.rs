@@ -22,18 +22,18 @@ const CONTRACTION: f64 = 0.25;
 const STEP_ROUNDING: f64 = 1e-15;
 /// Relative steps smaller than this count as rounding if they do not contract.
 const CONTRACTION_FLOOR: f64 = 1e-7;
-/// Smallest step along the branch, as a fraction of the path from the reference to a state. For a stretch of ten thousand it is a small strain.
+/// Smallest step along the branch, as a fraction of the path from the reference configuration to a state. For a stretch of ten thousand it is a small strain.
 const SMALLEST_STRIDE: f64 = 1.0 / (1u32 << 26) as f64;
 /// Stiffness across the sheet, relative to the largest stiffness, that is rounding.
-const NO_STIFFNESS: f64 = 1e-12;
+const STIFFNESS_ROUNDING: f64 = 1e-12;
 /// Cosine of the largest angle between the branch at a state and the chord to the next state.
-const ALONG: f64 = 0.98;
+const BRANCH_ALIGNMENT_COSINE: f64 = 0.98;
 /// Cosine of this angle for a metal, whose branch turns where flow begins.
-const ALONG_FLOW: f64 = 0.9;
+const FLOW_ALIGNMENT_COSINE: f64 = 0.9;
 /// Relative changes of the state smaller than this may turn by any angle, as at a kink of the stress.
-const KINKED: f64 = 1e-6;
+const KINK_STEP: f64 = 1e-6;
 /// Relative step of finite differences of the tractions, for a law whose tangent is not the derivative of its stress.
-const DIFFERENCE: f64 = 1e-6;
+const DIFFERENCE_STEP: f64 = 1e-6;
 /// Largest number of times that an interval of the components across is widened until it contains a root for every state.
 const WIDENINGS: usize = 8;
 
@@ -51,7 +51,7 @@ const WIDENINGS: usize = 8;
 ///
 /// `Q` is the acoustic tensor of waves across the sheet, so the stationary point is a minimum if these waves have real speeds. For isotropic laws, or
 /// if the plane of the sheet is a plane of mirror symmetry, `F_13` and `F_23` are zero and one stretch is computed; otherwise all three components
-/// are. A bar has the second column too, up to a rotation about its axis. If several minima exist, the minimum that continues from the reference
+/// are. A bar has the second column too, up to a rotation about its axis. If several minima exist, the minimum that continues from the reference configuration
 /// along `R ((1 - t) 1 + t U)` is used, with the in-plane `F = R U`.
 ///
 /// Components of a state beyond its dimensions are not read: [`Response::deformation`] contains the computed components. Stress and tangent beyond
@@ -86,8 +86,8 @@ impl PlaneStress {
     /// Creates the law of a sheet (`dimension` 2) or a bar (1).
     ///
     /// # Errors
-    /// [`MaterialError::NoPlaneStress`] if the law has no stiffness against strains across the reference, like a fluid, if codes integrate its stress
-    /// in time, and in three dimensions.
+    /// [`MaterialError::NoPlaneStress`] if the law has no out-of-plane stiffness in the reference configuration, like a fluid, if codes integrate its
+    /// stress in time, and in three dimensions.
     pub fn new(law: Arc<dyn Hyperelastic>, dimension: usize) -> Result<Self, MaterialError> {
         let refused = |reason| Err(MaterialError::NoPlaneStress { reason });
         let across = match dimension {
@@ -140,7 +140,7 @@ impl PlaneStress {
     /// Eliminates the components across from slopes and stiffness of the law; `None` unless they are at a minimum.
     fn condensed(&self, response: &Response) -> Option<Condensed<f64>> {
         let tangent = &response.tangent;
-        let least = NO_STIFFNESS * tangent.largest();
+        let least = STIFFNESS_ROUNDING * tangent.largest();
         Condensed::new(
             self.across,
             |i, j| response.first_piola[(i, j)],
@@ -155,17 +155,17 @@ impl PlaneStress {
         let mut columns = [[0.0; 9]; 9];
         for &m in self.across {
             let mut beside = *state;
-            beside[m / 3][m % 3] += DIFFERENCE;
+            beside[m / 3][m % 3] += DIFFERENCE_STEP;
             let there = self
                 .law
                 .response(&DeformationGradient::from_components(beside))?;
             for &p in self.across {
                 let change = there.first_piola - response.first_piola;
-                columns[p][m] = change[(p / 3, p % 3)] / DIFFERENCE;
+                columns[p][m] = change[(p / 3, p % 3)] / DIFFERENCE_STEP;
             }
         }
         let tangent = &response.tangent;
-        let least = NO_STIFFNESS * tangent.largest();
+        let least = STIFFNESS_ROUNDING * tangent.largest();
         let is_across = |n: usize| self.across.contains(&n);
         Ok(Condensed::new(
             self.across,
@@ -214,11 +214,11 @@ impl PlaneStress {
         Err(Unsettled::Lost)
     }
 
-    /// Plane-stress state that continues from the reference.
+    /// Plane-stress state that continues from the reference configuration.
     fn found(&self, f: &DeformationGradient) -> Result<Settled, MaterialError> {
         let way = Way::to(f, self.dimension);
         let mut state = way.turned(&self.reference);
-        // A law with a kink at the reference has no slope there.
+        // A law with a kink at the reference configuration has no slope there.
         let mut slope = self
             .settled(state)
             .ok()
@@ -230,12 +230,12 @@ impl PlaneStress {
                 let there = way.slope(&settled.condensed, self.across);
                 let chord = chord(&state, settled.response.deformation.components());
                 let least = match self.law.is_path_dependent() {
-                    true => ALONG_FLOW,
-                    false => ALONG,
+                    true => FLOW_ALIGNMENT_COSINE,
+                    false => BRANCH_ALIGNMENT_COSINE,
                 };
                 let along =
                     |slope: &Slope| dot(&chord, slope) >= least * norm(&chord) * norm(slope);
-                let is_short = norm(&chord) < KINKED * (1.0 + norm(&there));
+                let is_short = norm(&chord) < KINK_STEP * (1.0 + norm(&there));
                 match is_short || along(&there) && slope.as_ref().is_none_or(along) {
                     true => Ok((settled, there)),
                     false => Err(Unsettled::Lost),
@@ -511,7 +511,7 @@ fn norm(a: &Slope) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// Path from the reference to a state, `R ((1 - t) 1 + t U)` within the dimensions.
+/// Path from the reference configuration to a state, `R ((1 - t) 1 + t U)` within the dimensions.
 struct Way {
     dimension: usize,
     rotation: [[f64; 2]; 2],

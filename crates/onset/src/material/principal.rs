@@ -390,7 +390,7 @@ const BY_SHAPE: [[f64; 3]; 3] = {
 
 /// The volumetric stiffness is separated if it exceeds the shape stiffness by this ratio. Below it derivatives by each stretch keep more digits if
 /// the stretches differ much.
-const STIFF: f64 = 1e6;
+const STIFF_RATIO: f64 = 1e6;
 
 /// Energy with its derivatives in one of two sets of variables.
 enum Local {
@@ -420,7 +420,7 @@ impl Local {
             let curvature = 0.5 * (h[i][i] + h[j][j]) - h[i][j];
             curvature.abs().max((w[i] - w[j]).abs())
         });
-        match volume.abs() > STIFF * shape.into_iter().fold(0.0, f64::max) {
+        match volume.abs() > STIFF_RATIO * shape.into_iter().fold(0.0, f64::max) {
             true => Self::VolumeAndShape(by(&BY_SHAPE)),
             false => Self::Stretches(own),
         }

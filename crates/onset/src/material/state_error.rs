@@ -103,7 +103,7 @@ pub enum Trouble {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateError {
-    /// Reason of the failure.
+    /// Reason for the failure.
     pub trouble: Trouble,
     /// Part of the formula that causes it.
     pub place: Place,

@@ -32,7 +32,7 @@ const SPACINGS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 /// Largest admissible lattice coordinate.
 const COORDINATES: f64 = 1e6;
 /// Lattice sites that may be examined for each admissible neighbor.
-const PLACES: f64 = 25.0;
+const MAX_SITES_PER_NEIGHBOR: f64 = 25.0;
 /// Largest sum of gradients, times the support radius, that is zero to rounding.
 const TRANSLATION: f64 = 1e-9;
 
@@ -89,7 +89,7 @@ pub enum CurrentLattice {
     serde(rename_all = "kebab-case")
 )]
 pub enum SupportSize {
-    /// Constant radius `R0` in space, independent of the deformation.
+    /// Constant radius `R0` in the current configuration, independent of the deformation.
     Fixed,
     /// Radius `R0 J^(1/D)`, with a constant mean number of neighbors.
     Scaled,
@@ -180,7 +180,7 @@ pub struct KernelMethodChoices {
     pub approximation: Approximation,
     /// Type of quadrature points.
     pub quadrature: Quadrature,
-    /// Stress points: fraction of the cell's volume at the stress points, in place of Voronoi volumes.
+    /// Stress points: fraction of the cell's volume at the stress points, in place of Voronoi volumes; `None` for Voronoi volumes.
     pub stress_point_weight: Option<f64>,
     /// Gauss quadrature: points per direction.
     pub gauss_points: u32,
@@ -429,12 +429,12 @@ impl MethodError {
         let limit = MAXIMUM_NEIGHBORS;
         let (neighbors, places) = (sites * ball.mean_count(), sites * ball.places());
         // The ball of a thin cell can cover many sites although it holds few particles.
-        if neighbors <= limit as f64 && places <= PLACES * limit as f64 {
+        if neighbors <= limit as f64 && places <= MAX_SITES_PER_NEIGHBOR * limit as f64 {
             return Ok(());
         }
         Err(Self::SupportTooLarge {
             radius,
-            neighbors: neighbors.max(places / PLACES).min(f64::MAX),
+            neighbors: neighbors.max(places / MAX_SITES_PER_NEIGHBOR).min(f64::MAX),
             limit,
         })
     }
@@ -828,8 +828,8 @@ impl<const D: usize> Method<D> {
             || !linearization.moves_points_with_plane_wave()
     }
 
-    /// Map from the reference lattice to the lattice of the kernels in a state, whose zone holds the wave vectors: `F` for Eulerian kernels on the
-    /// convected lattice, otherwise the identity.
+    /// Linear map from the reference lattice to the lattice whose Brillouin zone is searched: `F` for Eulerian kernels on the convected lattice,
+    /// otherwise the identity.
     pub fn home_map(&self, f: &DeformationGradient) -> nalgebra::SMatrix<f64, D, D> {
         let KernelMethodChoices {
             frame,

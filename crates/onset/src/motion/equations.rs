@@ -15,7 +15,7 @@ const GAUSS: [(f64, f64); 5] = [
     (0.953_089_922_969_332, 0.118_463_442_528_094_54),
 ];
 /// Relative residual for the solution with a consistent mass matrix.
-const SOLVED: f64 = 1e-15;
+const RESIDUAL_TOLERANCE: f64 = 1e-15;
 /// Largest number of iterations of this solution. Mass matrices of elements need about thirty.
 const ITERATIONS: usize = 200;
 
@@ -175,7 +175,7 @@ fn solved<const D: usize>(mass: &Rows<D>, force: &[SVector<f64, D>]) -> Field<D>
     let mut left = force.to_vec();
     let mut direction = left.clone();
     let mut size = dot(&left, &left);
-    let enough = size * SOLVED * SOLVED;
+    let enough = size * RESIDUAL_TOLERANCE * RESIDUAL_TOLERANCE;
     for _ in 0..ITERATIONS {
         if size <= enough || size.is_nan() {
             break;

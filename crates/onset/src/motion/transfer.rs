@@ -18,12 +18,12 @@ use nalgebra::{DVector, SMatrix, SVector};
 use std::f64::consts::TAU;
 
 /// Waves of nodes whose amplitude at the points is below this fraction count as invisible, as do waves of points at the nodes.
-const UNSEEN: f64 = 1e-9;
+const INVISIBLE_AMPLITUDE: f64 = 1e-9;
 /// Distance in spacings at which a point counts as lost.
-const LOST: f64 = 1e8;
+const LOST_DISTANCE: f64 = 1e8;
 
 /// Largest ratio of decay rates at which the faster solution can still be measured.
-const SOON_GONE: f64 = 10.0;
+const MEASURABLE_DECAY_RATIO: f64 = 10.0;
 
 /// Patch of material points in motion.
 pub(super) struct TransferredPatch<'a, const D: usize> {
@@ -94,7 +94,7 @@ impl<'a, const D: usize> TransferredPatch<'a, D> {
         let [u, v] = seed.each_ref().map(|own| self.on_nodes(wave, own));
         let mut points = self.transfer.carried(&u, &v);
         let largest = self.largest(&points);
-        if largest < UNSEEN * seed[0].norm() {
+        if largest < INVISIBLE_AMPLITUDE * seed[0].norm() {
             return None;
         }
         scale(&mut points, largest.recip());
@@ -120,7 +120,7 @@ impl<'a, const D: usize> TransferredPatch<'a, D> {
         let n = none.particle;
         let of = |field: &Field<D>| field[n].iter().copied().collect::<Vec<f64>>();
         let own = self.deformation(n).leading::<D>();
-        let is_near = |u: &f64| u.abs() < LOST * self.grid().spacing();
+        let is_near = |u: &f64| u.abs() < LOST_DISTANCE * self.grid().spacing();
         let is_finite =
             own.iter().all(|x| x.is_finite()) && self.points.displacements[n].iter().all(is_near);
         Box::new(Fault {
@@ -258,7 +258,7 @@ impl<const D: usize> PatchMotion for TransferredPatch<'_, D> {
         let (omega_squared, mode) = self.mode(wave)?;
         let mut factors = *self.nodal.factors(&k, step).get(wave.branch - 1)?;
         // Points that a wave strains without moving them transfer no velocity to the nodes: u' = (1 - omega^2 dt^2) u.
-        let is_at_rest = 1.0 - self.nodal.lost(&k) < UNSEEN;
+        let is_at_rest = 1.0 - self.nodal.lost(&k) < INVISIBLE_AMPLITUDE;
         if is_at_rest {
             factors = [1.0 - omega_squared * (step * step), Complex::new(0.0, 0.0)];
         }
@@ -274,7 +274,7 @@ impl<const D: usize> PatchMotion for TransferredPatch<'_, D> {
         };
         let travels = factors[0].im != 0.0;
         let [change, other] = factors.map(|z| z.norm().ln().abs());
-        let is_alone = !travels && other > SOON_GONE * change;
+        let is_alone = !travels && other > MEASURABLE_DECAY_RATIO * change;
         let speed = match travels || is_alone {
             true => speed(factors[0]),
             // Seeds both solutions, because a short record of one alone does not separate it from the other.

@@ -32,13 +32,13 @@ const SMALLEST_STRAIN: f64 = 1e-7;
 /// Largest driving strain in the search for yield.
 const LARGEST_STRAIN: f64 = 1.0;
 /// Growth factor of trial strains before first yield.
-const GROWTH: f64 = 1.5;
+const TRIAL_GROWTH_FACTOR: f64 = 1.5;
 /// Smallest relative reduction of the elastic tangent that counts as flow.
 const FLOW_THRESHOLD: f64 = 1e-3;
 /// Size of the probing increments, in units of the strain of first yield.
 const PROBE_SIZE: f64 = 1e-4;
 /// Relative size of tangent components that count as zero: components that violate orthotropy along the axes, and flow by a second mechanism.
-const NEGLIGIBLE: f64 = 1e-4;
+const ZERO_COMPONENT_FRACTION: f64 = 1e-4;
 /// Largest number of Newton iterations for the lateral strains.
 const ITERATIONS: usize = 40;
 /// The iteration has converged at smaller corrections of the strains, in units of the strain of first yield.
@@ -258,7 +258,7 @@ impl<'a> Increments<'a> {
             if flows {
                 break trial;
             }
-            (low, high) = (high, GROWTH * high);
+            (low, high) = (high, TRIAL_GROWTH_FACTOR * high);
             if high > LARGEST_STRAIN {
                 return Err(PlasticityError::NeverYields {
                     strain: LARGEST_STRAIN,
@@ -439,7 +439,7 @@ fn is_along_axes(tangent: &FourthOrder) -> Result<(), PlasticityError> {
             false => other = other.max(size),
         }
     }
-    match other <= NEGLIGIBLE * largest {
+    match other <= ZERO_COMPONENT_FRACTION * largest {
         true => Ok(()),
         false => Err(PlasticityError::NotAlongAxes),
     }
@@ -476,7 +476,7 @@ impl Taken {
         if size <= FLOW_THRESHOLD * elastic.amax() {
             return Err(PlasticityError::Unloads);
         }
-        if rest.fold(0.0, f64::max) > NEGLIGIBLE.sqrt() * size {
+        if rest.fold(0.0, f64::max) > ZERO_COMPONENT_FRACTION.sqrt() * size {
             return Err(PlasticityError::SeveralMechanisms);
         }
         let (mut a, mut b) = (

@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 /// Shorter steps, relative to the end of the interval, are accepted regardless of their error.
-const SHORTEST: f64 = 1e-12;
+const SHORTEST_STEP: f64 = 1e-12;
 
 /// Largest number of steps of an integration.
 const MOST_STEPS: usize = 20_000;
@@ -36,7 +36,7 @@ pub(super) fn integrate<const N: usize, E>(
     for _ in 0..MOST_STEPS {
         let last = x + step >= to;
         let length = if last { to - x } else { step };
-        let shortest = length <= SHORTEST * to;
+        let shortest = length <= SHORTEST_STEP * to;
         // The last rates of a step are the first of the next one.
         let begun = first.map_or_else(|| rates(&y, x), Ok);
         let reached = begun.and_then(|begun| {

@@ -230,18 +230,22 @@ impl RateModuli {
 
 impl BandKind {
     /// A band with a smaller sine counts as free of shear.
-    const PURE: f64 = 1e-6;
+    const SHEAR_FREE_SINE: f64 = 1e-6;
     /// A band with a smaller cosine counts as of constant thickness. Laws with isochoric flow leave an elastic remainder.
-    const CONSTANT: f64 = 0.01;
+    const CONSTANT_THICKNESS_COSINE: f64 = 0.01;
 
     fn of(normal: &Vector3<f64>, polarization: &Vector3<f64>) -> Self {
         let opening = normal.dot(polarization);
         let shear = (polarization - normal * opening).norm();
-        match (shear < Self::PURE, opening) {
+        match (shear < Self::SHEAR_FREE_SINE, opening) {
             (true, opening) if opening > 0.0 => Self::DilationBand,
             (true, _) => Self::CompactionBand,
-            (false, opening) if opening > Self::CONSTANT => Self::DilatantShearBand,
-            (false, opening) if opening < -Self::CONSTANT => Self::CompactantShearBand,
+            (false, opening) if opening > Self::CONSTANT_THICKNESS_COSINE => {
+                Self::DilatantShearBand
+            }
+            (false, opening) if opening < -Self::CONSTANT_THICKNESS_COSINE => {
+                Self::CompactantShearBand
+            }
             _ => Self::ShearBand,
         }
     }

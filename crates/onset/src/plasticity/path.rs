@@ -100,15 +100,15 @@ pub struct PathPoint {
     pub slip: f64,
     /// Strains along the axes since the confined state; logarithmic at finite strain.
     pub strain: [f64; 3],
-    /// Cauchy stresses along the axes.
+    /// Cauchy stresses along the axes. Units of stress.
     pub stress: [f64; 3],
-    /// Plastic modulus `h` of the state.
+    /// Plastic modulus `h`. Units of stress.
     pub modulus: f64,
-    /// Critical modulus and band of localization.
+    /// Critical modulus `h_cr` of localization, in units of stress, and its band.
     pub ellipticity: Critical,
-    /// Critical modulus of strong ellipticity.
+    /// Critical modulus of strong ellipticity, in units of stress, and its band.
     pub strong_ellipticity: Critical,
-    /// Rate moduli of the state.
+    /// Rate moduli of the state. Units of stress.
     pub moduli: RateModuli,
 }
 
@@ -167,9 +167,9 @@ impl End {
 pub struct Localization {
     /// States from first yield on.
     pub points: Vec<PathPoint>,
-    /// First state at which ellipticity is lost, `h <= h_cr`.
+    /// First state at which ellipticity is lost, `h <= h_cr`. `None` if it is kept.
     pub onset: Option<PathPoint>,
-    /// First state at which strong ellipticity is lost.
+    /// First state at which strong ellipticity is lost; `None` if it is kept.
     pub strong_ellipticity_lost: Option<PathPoint>,
     /// Reason why the path ends.
     pub end: End,
@@ -338,7 +338,7 @@ impl PathPoint {
 }
 
 impl PathPoint {
-    /// Equivalent shear `sqrt(s:s/2)` of the Cauchy stress.
+    /// Equivalent shear `sqrt(s:s/2)` of the Cauchy stress. Units of stress.
     pub fn equivalent_shear(&self) -> f64 {
         let stress = Matrix3::from_diagonal(&Vector3::from(self.stress));
         equivalent_shear(&deviator(&stress))

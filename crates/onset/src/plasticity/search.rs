@@ -14,7 +14,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// Largest number of parts that are examined before the search ends with the current bound.
-const MOST_PARTS: usize = 4000;
+const MAX_PARTS: usize = 4000;
 
 /// Gap between bound and value, relative to the largest modulus, that ends the search.
 const TOLERANCE: f64 = 1e-11;
@@ -220,7 +220,7 @@ pub(super) fn largest(
     for count in 0.. {
         let Some(part) = parts.pop() else { break };
         bound = part.bound.max(value);
-        if part.bound <= value + TOLERANCE || count == MOST_PARTS {
+        if part.bound <= value + TOLERANCE || count == MAX_PARTS {
             break;
         }
         let halves = halves(&part.corners);

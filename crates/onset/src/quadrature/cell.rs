@@ -8,7 +8,7 @@ use nalgebra::SVector;
 /// Parameters of the quadrature rules.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellRule {
-    /// Fraction of the cell's volume at the stress points, in place of Voronoi volumes.
+    /// Fraction of the cell's volume at the stress points, in place of Voronoi volumes; `None` for Voronoi volumes.
     pub stress_point_weight: Option<f64>,
     /// Number of Gauss points per direction.
     pub gauss_points: u32,

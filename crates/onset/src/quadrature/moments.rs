@@ -5,7 +5,7 @@ use crate::lattice::{BravaisLattice, determinant};
 use nalgebra::{SMatrix, SVector};
 
 /// Corners closer to a bisector than this, in units of the lattice size, lie on it.
-const ON_PLANE: f64 = 1e-10;
+const PLANE_TOLERANCE: f64 = 1e-10;
 
 /// Returns the second moments `M_jl`, integrals of `x_j x_l` over the Voronoi cell around a lattice point; length^(D+2).
 ///
@@ -55,7 +55,7 @@ fn neighbors<const D: usize>(lattice: &BravaisLattice<D>) -> Vec<SVector<f64, D>
     };
     (0..count)
         .map(vector)
-        .filter(|r| r.norm() > 0.0 && r.norm() <= diagonal * (1.0 + ON_PLANE))
+        .filter(|r| r.norm() > 0.0 && r.norm() <= diagonal * (1.0 + PLANE_TOLERANCE))
         .collect()
 }
 
@@ -80,8 +80,8 @@ fn face<const D: usize>(
             .collect(),
     };
     for other in neighbors {
-        if (other - neighbor).norm() > ON_PLANE * size {
-            corners = clipped(&corners, other, ON_PLANE * size * size);
+        if (other - neighbor).norm() > PLANE_TOLERANCE * size {
+            corners = clipped(&corners, other, PLANE_TOLERANCE * size * size);
         }
     }
     if corners.len() < D {

@@ -98,7 +98,7 @@ pub trait PatchForces<const D: usize> {
 /// State of points in motion, in the order of the cells and of the places in a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointsInMotion<const D: usize> {
-    /// Displacements from the homogeneous state, in space; length.
+    /// Displacements from the homogeneous state, in the current configuration; length.
     pub displacements: Vec<SVector<f64, D>>,
     /// Velocities of the points; length/time.
     pub velocities: Vec<SVector<f64, D>>,

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, SVector};
 /// Rounding error of an entry of `R`, relative to the sum of the sizes of its terms.
 const ENTRY_ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// Relative error of `T^-1` for the most nearly singular `R` that is still resolved.
-const INEXACT: f64 = 1e-6;
+const INVERSE_ERROR_LIMIT: f64 = 1e-6;
 
 /// Matrix `R(k)` of the strain operator for the wave `u_K = g_K exp(i k.X_K)`, acting on the amplitudes `g` of the particles of a cell.
 ///
@@ -298,8 +298,9 @@ impl<const D: usize> StrainRows<D> {
         };
         // Entries are known to the rounding of their terms and phases. Most boxes that are too large fail by the remainder alone.
         let softness = largest(&resistance.inverse);
-        let [second, third] =
-            rests.map(|rest| 1.0 - INEXACT - (rest.sqrt() + ENTRY_ROUNDING * rounding) * softness);
+        let [second, third] = rests.map(|rest| {
+            1.0 - INVERSE_ERROR_LIMIT - (rest.sqrt() + ENTRY_ROUNDING * rounding) * softness
+        });
         if third.is_nan() || third <= 0.0 {
             return false;
         }

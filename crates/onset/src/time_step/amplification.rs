@@ -9,12 +9,12 @@ use nalgebra::{DMatrix, SVector};
 const MODULUS_TOLERANCE: f64 = 1e-9;
 /// Rounding tolerance for the factors of Runge-Kutta methods, which need no eigenvalues of `G`, and for relative damping.
 const POLYNOMIAL_TOLERANCE: f64 = 1e-9;
-const UNDAMPED: f64 = 1e-10;
-/// Number of steps up to the undamped limit that are evaluated before the first loss is refined. Longer steps grow by the factor `LONGER`, up to
-/// `FARTHEST` times the limit.
+const UNDAMPED_TOLERANCE: f64 = 1e-10;
+/// Number of steps up to the undamped limit that are evaluated before the first loss is refined. Longer steps grow by the factor `STEP_GROWTH`, up to
+/// `MAX_RAY_LENGTH` times the limit.
 const STEPS_TO_BOUND: usize = 24;
-const LONGER: f64 = 1.05;
-const FARTHEST: f64 = 1e4;
+const STEP_GROWTH: f64 = 1.05;
+const MAX_RAY_LENGTH: f64 = 1e4;
 /// Halvings of the interval that contains the loss of stability.
 const HALVINGS: usize = 28;
 
@@ -165,7 +165,7 @@ impl DampedWave {
         let mut rates: Vec<Complex> = system.frequencies(k).into_iter().map(turned).collect();
         let largest = rates.iter().map(|rate| rate.norm()).fold(0.0, f64::max);
         for rate in &mut rates {
-            if rate.re.abs() <= UNDAMPED * largest {
+            if rate.re.abs() <= UNDAMPED_TOLERANCE * largest {
                 rate.re = 0.0;
             }
         }
@@ -241,8 +241,9 @@ impl DampedWave {
         }
         let stable = |step: f64| self.excess(step) <= 0.0;
         let below = (1..=STEPS_TO_BOUND).map(|n| bound * n as f64 / STEPS_TO_BOUND as f64);
-        let beyond = std::iter::successors(Some(LONGER * bound), |step| Some(LONGER * step));
-        let beyond = beyond.take_while(|step| *step < FARTHEST * bound);
+        let beyond =
+            std::iter::successors(Some(STEP_GROWTH * bound), |step| Some(STEP_GROWTH * step));
+        let beyond = beyond.take_while(|step| *step < MAX_RAY_LENGTH * bound);
         let mut low = 0.0;
         let Some(mut high) = below.chain(beyond).find(|step| {
             let is_lost = !stable(*step);

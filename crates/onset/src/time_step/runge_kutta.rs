@@ -7,7 +7,7 @@ const COEFFICIENT_ROUNDING: f64 = 1e-12;
 /// Spacing of the points along a ray at which `|P|` is evaluated before its first excess is refined.
 const RESOLUTION: f64 = 0.02;
 /// Upper limit of the search along a ray. No method in use is stable beyond it.
-const FARTHEST: f64 = 100.0;
+const MAX_RAY_LENGTH: f64 = 100.0;
 /// Halvings of the interval that contains the loss of stability.
 const HALVINGS: usize = 50;
 
@@ -247,7 +247,7 @@ pub(super) fn reach(polynomial: &[f64], direction: Complex) -> f64 {
     let (mut low, mut high) = (0.0, RESOLUTION);
     while !is_lost(high) {
         (low, high) = (high, high + RESOLUTION);
-        if high > FARTHEST {
+        if high > MAX_RAY_LENGTH {
             return f64::INFINITY;
         }
     }

@@ -164,7 +164,7 @@ pub const WEAK_WAVE_RATIO: f64 = 0.1;
 pub struct WeakestMode<const D: usize> {
     /// Wave vector of the material wave; 1/length. The discretization determines it up to reciprocal vectors.
     pub wave_vector: SVector<f64, D>,
-    /// Squared frequency over the squared frequency of the material wave.
+    /// Squared frequency, divided by the squared frequency of the material wave.
     pub relative_frequency_squared: f64,
 }
 

@@ -29,7 +29,7 @@ use std::sync::{Arc, OnceLock};
 const ZERO_ENERGY_TEST_LIMIT: f64 = 0.05;
 
 /// Squared frequencies below this fraction of the largest one are zero to rounding.
-const UNRESISTED: f64 = 1e-13;
+const ZERO_FREQUENCY_FRACTION: f64 = 1e-13;
 
 /// Verdict on a state with the measures that maps draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +38,7 @@ pub struct SurveyedState<const D: usize> {
     pub verdict: Verdict,
     /// Stability of the discretization: stable, or unstable by divergence or flutter.
     pub stability: Stability,
-    /// Smallest acoustic eigenvalue of the material, with any complex eigenvalues. They decide whether plane waves of the material grow.
+    /// Smallest acoustic eigenvalue of the material, with any complex eigenvalues. They determine whether plane waves of the material grow.
     pub acoustic: AcousticMinimum<D>,
     /// Smallest scaled measure `Re omega^2 / (c^2 |k|_h^2)`, long waves included; see [`SpectrumSummary::softest`].
     pub scaled_minimum: f64,
@@ -186,7 +186,7 @@ impl<const D: usize> StateWaves<D> {
         let mut sizes: Vec<f64> = values.map(|value| value.norm()).collect();
         sizes.sort_by(f64::total_cmp);
         let translations = if k.norm() == 0.0 { D } else { 0 };
-        let rounding = UNRESISTED * maximum_omega * maximum_omega;
+        let rounding = ZERO_FREQUENCY_FRACTION * maximum_omega * maximum_omega;
         sizes.get(translations).is_none_or(|size| *size > rounding)
     }
 
@@ -354,7 +354,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         Arc::clone(&self.ground)
     }
 
-    /// Prepares the survey for many states, in some hundredths of a second.
+    /// Prepares the survey for many states, in about 0.05 s.
     ///
     /// For Lagrangian kernels in the plane, [`Survey::states`] then takes about two microseconds per state. Other discretizations need no preparation
     /// and are returned unchanged.

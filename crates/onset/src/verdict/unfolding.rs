@@ -22,7 +22,7 @@ const LONG_WAVE_LIMIT: f64 = 1e-3;
 /// Smallest squared amplitude of a wave that is assigned to a group of modes, relative to the largest squared amplitude.
 const AMPLITUDE_FRACTION: f64 = 0.5;
 /// Relative tolerance for wave vectors on a face of the zone.
-const ON_FACE: f64 = 1e-9;
+const FACE_TOLERANCE: f64 = 1e-9;
 /// Rounding of wave numbers before sorting, relative to the largest.
 const SORT_ROUNDING: f64 = 1e-7;
 /// Relative error of the components of a wave vector at the end of a descent.
@@ -82,7 +82,7 @@ impl<const D: usize> Slowest<D> {
 
     /// Wave vector with a positive first nonzero component; `k` and `-k` are equivalent.
     pub(super) fn forward(&self) -> SVector<f64, D> {
-        let is_there = |x: &&f64| x.abs() > ON_FACE * self.wave.amax();
+        let is_there = |x: &&f64| x.abs() > FACE_TOLERANCE * self.wave.amax();
         let sign = self.wave.iter().find(is_there).map_or(1.0, |x| x.signum());
         // Adding zero turns -0 into 0.
         self.wave.map(|x| sign * x + 0.0)
@@ -197,7 +197,8 @@ impl<'a, const D: usize> Unfolding<'a, D> {
     /// Among the images of `k` and `-k` of the same length, the wave vector with the largest first component.
     pub(super) fn first_image(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
         let images = self.zone.bounding_vectors().iter().map(|g| k - g);
-        let is_as_long = |other: &SVector<f64, D>| other.norm() <= k.norm() * (1.0 + ON_FACE);
+        let is_as_long =
+            |other: &SVector<f64, D>| other.norm() <= k.norm() * (1.0 + FACE_TOLERANCE);
         let images = images.filter(is_as_long).chain([*k]);
         let both = images.flat_map(|image| [image, -image]);
         both.max_by(is_ahead).unwrap_or(*k)
@@ -232,7 +233,8 @@ impl<'a, const D: usize> Unfolding<'a, D> {
                 continue;
             };
             let wave = k + images[*longest];
-            let is_as_long = |n: &&usize| (k + images[**n]).norm() <= wave.norm() * (1.0 + ON_FACE);
+            let is_as_long =
+                |n: &&usize| (k + images[**n]).norm() <= wave.norm() * (1.0 + FACE_TOLERANCE);
             let fastest = held.iter().filter(is_as_long).map(|n| exact[*n]);
             let ratio = over(value, fastest.fold(0.0, f64::max));
             if ratio < slowest.ratio {
@@ -335,7 +337,7 @@ impl<'a, const D: usize> Unfolding<'a, D> {
             let along = |g: SVector<f64, D>| (-reach(i)..=reach(i)).map(move |n| g + b * n as f64);
             images = images.into_iter().flat_map(along).collect();
         }
-        images.retain(|g| (k + g).norm() <= shortest * (1.0 + ON_FACE) || g.norm() == 0.0);
+        images.retain(|g| (k + g).norm() <= shortest * (1.0 + FACE_TOLERANCE) || g.norm() == 0.0);
         // Waves of equal length are sorted by decreasing components.
         let rounded = |x: f64| (x / (SORT_ROUNDING * shortest)).round() as i64;
         images.sort_by_key(|g| {
@@ -357,7 +359,7 @@ impl<'a, const D: usize> Unfolding<'a, D> {
     ///
     /// On the boundary several equivalents have the same length. The fastest of them is used; it gives the smallest ratio.
     fn longest(&self, k: &SVector<f64, D>) -> f64 {
-        let on_face = |g: &&SVector<f64, D>| k.dot(g) >= (0.5 - ON_FACE) * g.norm_squared();
+        let on_face = |g: &&SVector<f64, D>| k.dot(g) >= (0.5 - FACE_TOLERANCE) * g.norm_squared();
         let images = self.zone.bounding_vectors().iter().filter(on_face);
         images
             .map(|g| self.material(&(k - g)))
@@ -414,7 +416,7 @@ fn faces_of<const D: usize>(zone: &BrillouinZone<D>) -> Vec<SVector<f64, D>> {
     let all = zone.bounding_vectors();
     let is_face = |g: &&SVector<f64, D>| {
         let mut others = all.iter().filter(|other| *other != *g);
-        others.all(|other| 0.5 * g.dot(other) < (0.5 - ON_FACE) * other.norm_squared())
+        others.all(|other| 0.5 * g.dot(other) < (0.5 - FACE_TOLERANCE) * other.norm_squared())
     };
     all.iter().filter(is_face).copied().collect()
 }

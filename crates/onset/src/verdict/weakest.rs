@@ -14,13 +14,13 @@ use std::sync::OnceLock;
 /// Grid points along a reciprocal vector: halves, thirds, quarters and their parts are among them, except for the largest cells.
 const GRID: [usize; 3] = [96, 24, 12];
 /// Smallest number of grid points with several particles in a cell.
-const LEAST_GRID: usize = 6;
+const MIN_GRID: usize = 6;
 /// Number of the deepest wells that are followed to their bottom, weakly controlled or not.
-const DEEPEST: usize = 4;
+const FOLLOWED_WELLS: usize = 4;
 /// Largest distance from a kink, in grid steps: for a grid minimum, and for the end of a descent.
 const KINK_DISTANCES: [f64; 2] = [1.0, 0.1];
 /// Largest number of kinks near a well that are combined.
-const MOST_FACES: usize = 6;
+const MAX_FACES: usize = 6;
 /// Largest squared relative frequency at which a zero-energy mode is searched for.
 const SMALL_RATIO: f64 = 1e-4;
 
@@ -57,7 +57,7 @@ impl<const D: usize> WeakestSearch<'_, D> {
     pub(crate) fn points(&self) -> usize {
         let mut points = GRID[D - 1];
         let mut sites = self.unfolding.sites();
-        while points > LEAST_GRID && sites >= 1 << D {
+        while points > MIN_GRID && sites >= 1 << D {
             points /= 2;
             sites >>= D;
         }
@@ -105,7 +105,7 @@ impl<const D: usize> WeakestSearch<'_, D> {
                 bottoms.push(zero);
                 continue;
             }
-            let is_followed = followed < DEEPEST || value < 1.5 * limit;
+            let is_followed = followed < FOLLOWED_WELLS || value < 1.5 * limit;
             if is_followed {
                 followed += 1;
                 let (ratio, k) = self.bottom((value, k), &steps);
@@ -213,13 +213,13 @@ fn kinks<const D: usize>(
     let of_wave = |g: &SVector<f64, D>| kink(*g, 0.5 * g.norm_squared());
     let mut faces = from_others.to_vec();
     faces.retain(|g| distance(&of_wave(g)) < most);
-    let mut kinks = nearest(faces.iter().map(of_wave).collect(), MOST_FACES);
+    let mut kinks = nearest(faces.iter().map(of_wave).collect(), MAX_FACES);
     let pairs = (1..faces.len()).flat_map(|n| (0..n).map(move |m| (n, m)));
     let between = pairs.map(|(n, m)| {
         let apart = faces[n].norm_squared() - faces[m].norm_squared();
         kink(faces[n] - faces[m], 0.5 * apart)
     });
-    let room = MOST_FACES - kinks.len();
+    let room = MAX_FACES - kinks.len();
     kinks.extend(nearest(between.collect(), room));
     kinks
 }

@@ -486,7 +486,7 @@ fn motion_is_bounded_at_the_critical_step_and_unbounded_at_twice_the_step() {
 }
 
 #[test]
-fn a_resumed_run_is_bitwise_identical() {
+fn a_resumed_run_of_a_body_is_bitwise_identical() {
     let method = method(
         LatticeKind::SimpleCubic,
         &choices(2.01, 0.5, PenaltyForm::Smd),
@@ -651,8 +651,8 @@ fn invalid_bodies_are_rejected_with_the_reason() {
 }
 
 #[test]
-fn shear_bands_have_the_direction_of_lost_ellipticity() {
-    // Waves grow for which the acoustic tensor has a negative eigenvalue: `delta F = g (x) N`, with both signs of one component of `N` by symmetry.
+fn shear_bands_follow_the_direction_in_which_ellipticity_is_lost() {
+    // Waves whose acoustic tensor has a negative eigenvalue grow: `delta F = g (x) N`, with both signs of one component of `N` by symmetry.
     let material: Arc<dyn Hyperelastic> = Arc::from(
         Law::named("blatz-ko")
             .expect("a law")

@@ -166,7 +166,7 @@ fn a_sharp_tip_is_rounded() {
 }
 
 #[test]
-fn all_components_are_found_and_none_twice() {
+fn every_component_is_found_exactly_once() {
     let measure = |x: f64, y: f64| {
         let disc = |center: f64, radius: f64| radius - (x - center).hypot(y);
         disc(-1.0, 0.6).max(disc(0.9, 0.8))
@@ -219,7 +219,7 @@ fn a_line_ends_exactly_on_the_edges_of_the_window() {
         panic!("{} curves", boundary.curves.len());
     };
     assert_eq!(curve.ends, Some([End::Edge; 2]));
-    // The stable side, above, is to the left: the line runs to the right.
+    // The stable side is above and on the left, so that the curve runs to the right.
     let ends: Vec<[f64; 2]> = curve.points().collect();
     let (first, last) = (ends[0], ends[ends.len() - 1]);
     assert_eq!((first[0], last[0]), (-2.0, 2.0));
@@ -252,7 +252,7 @@ fn curves_that_cross_end_or_turn_there_and_are_traced_once() {
     };
     let boundary = trace(|x, y| signed(measure(x, y)));
     let total: f64 = boundary.curves.iter().map(Curve::length).sum();
-    // Of half width a = sqrt 2: length 2 * 2.62205755... a, area a^2.
+    // Half width a = sqrt 2: length 2 * 2.62205755... a, area a^2.
     let expected = 2.0 * 2.622_057_554_292_119 * 2.0_f64.sqrt();
     assert!((total - expected).abs() < 2e-3, "{total} is not {expected}");
     for curve in &boundary.curves {
@@ -293,7 +293,7 @@ fn a_curve_ends_where_a_third_phase_begins() {
     assert_eq!(curve.ends, Some([End::Edge, End::Phase(Phase::Undefined)]));
     let last = curve.vertices[curve.vertices.len() - 1].point;
     assert!((last[0] - 0.513).abs() < 1e-8, "{last:?}");
-    // The edges of the undefined part are curves of their own, which end where the first one does.
+    // The edges of the undefined part are separate curves, which end at the end of the first curve.
     let others: Vec<&Curve> = boundary
         .curves
         .iter()
@@ -345,7 +345,7 @@ fn tracing_of_noise_ends_within_its_budget() {
 }
 
 #[test]
-fn what_the_probe_reports_ends_the_tracing() {
+fn an_error_of_the_probe_ends_the_tracing() {
     let probe = |[x, _]: [f64; 2]| if x > 1.0 { Err("far") } else { Ok(signed(x)) };
     assert_eq!(
         trace_boundary(WINDOW, &Fineness::default(), &probe),
@@ -353,10 +353,10 @@ fn what_the_probe_reports_ends_the_tracing() {
     );
 }
 
-/// Chords cut off a little of what they enclose: between the tips of two sets that nearly coincide, the middle of a strip without
+/// Chords cut off a little of the enclosed area: between the tips of two sets that nearly coincide, the middle of a strip without
 /// chords may still lie in one of them.
 #[test]
-fn sets_that_nearly_coincide_differ_by_nearly_nothing() {
+fn nearly_equal_domains_have_small_area_and_distance() {
     for n in 0..12 {
         let turn = 0.1 * f64::from(n);
         let ellipse = |a: f64| {

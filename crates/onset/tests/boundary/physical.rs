@@ -219,7 +219,7 @@ fn the_areas_of_an_eulerian_kernel_agree_with_a_dense_map() {
 }
 
 #[test]
-fn a_ragged_boundary_is_cut_and_says_so() {
+fn tracing_of_a_ragged_boundary_stops_with_a_note() {
     // A convected lattice with a support of fixed size: neighbors enter and leave it, and the boundary has many teeth.
     let material = ModifiedMooneyRivlin::default();
     let discretization = KernelMethodChoices {
@@ -246,7 +246,7 @@ fn a_ragged_boundary_is_cut_and_says_so() {
     assert!(!boundary.is_complete() && !boundary.unresolved.is_empty());
     let states = asked.into_inner();
     assert!(states < 15_000, "{states} states asked");
-    // What was traced is sharp, and what was not lies on the boundary too.
+    // The traced part is accurate, and the remaining part lies on the boundary too.
     let is_off = |[x, y]: [f64; 2]| {
         let around = |n: usize| {
             let (sine, cosine) = (0.1 + 0.785 * n as f64).sin_cos();

@@ -12,11 +12,13 @@ fn blatz_ko_is_elliptic_in_boxes_whose_ends_have_the_ratio_2_plus_sqrt_3() {
     let law = BlatzKo::default();
     let ratio = 2.0 + 3.0_f64.sqrt();
     for skew in [0.3, 1.0, 2.5] {
-        let safe = safe_box(&law, skew, &Range::default()).expect("elliptic in the reference");
+        let safe = safe_box(&law, skew, &Range::default())
+            .expect("elliptic in the reference configuration");
         assert_close(safe.high / safe.low, ratio, 1e-10);
         assert_close(safe.low.ln(), -skew * safe.high.ln(), 1e-12);
     }
-    let widest = widest_safe_box(&law, &Range::default()).expect("elliptic in the reference");
+    let widest =
+        widest_safe_box(&law, &Range::default()).expect("elliptic in the reference configuration");
     assert_close(widest.high / widest.low, ratio, 1e-10);
 }
 
@@ -24,10 +26,11 @@ fn blatz_ko_is_elliptic_in_boxes_whose_ends_have_the_ratio_2_plus_sqrt_3() {
 /// `h`. If one stretch is smaller, the volume is smaller and the factor larger: the worst value of `h^2 x` over the smallest stretch `x` limits the
 /// box.
 #[test]
-fn the_box_of_neo_hooke_has_its_closed_form() {
+fn the_elliptic_box_of_neo_hooke_agrees_with_the_closed_form() {
     let (mu, lambda) = (1.0, 3.0);
     let law = NeoHooke { mu, lambda };
-    let safe = safe_box(&law, 1.0, &Range::default()).expect("elliptic in the reference");
+    let safe =
+        safe_box(&law, 1.0, &Range::default()).expect("elliptic in the reference configuration");
     let worst = |h: f64| {
         (0..=100_000)
             .map(|n| (-h.ln() + 2.0 * h.ln() * n as f64 / 1e5).exp())
@@ -45,7 +48,7 @@ fn a_box_without_a_loss_is_as_large_as_the_range() {
         lambda: 0.1,
     };
     let range = Range::new(0.5, 2.0).expect("a range");
-    let safe = safe_box(&law, 1.0, &range).expect("elliptic in the reference");
+    let safe = safe_box(&law, 1.0, &range).expect("elliptic in the reference configuration");
     assert_close(safe.high, 2.0, 1e-14);
     assert!(safe.critical.is_none());
     assert_eq!(
@@ -66,7 +69,8 @@ fn hencky_is_elliptic_in_the_box_of_bruhns_xiao_and_meyers_and_in_no_larger_one(
             .expect("admissible")
     };
     let of = |kappa: f64| {
-        safe_box(&*hencky(kappa), skew, &Range::default()).expect("elliptic in the reference")
+        safe_box(&*hencky(kappa), skew, &Range::default())
+            .expect("elliptic in the reference configuration")
     };
     let without_lambda = of(2.0 / 3.0);
     assert_close(without_lambda.low, low, 1e-6);
@@ -113,7 +117,8 @@ fn the_widest_box_of_neo_hooke_ends_at_its_closed_form() {
             x * x + 1.0 + lambda * (1.0 - (b * b * x).ln())
         };
         let expected = zero(worst, 1.0, 10.0);
-        let safe = widest_safe_box(&law, &Range::default()).expect("elliptic in the reference");
+        let safe = widest_safe_box(&law, &Range::default())
+            .expect("elliptic in the reference configuration");
         assert_close(safe.high, expected, 1e-7);
         assert_close(safe.low, 0.1, 1e-7);
         assert_eq!(
@@ -136,7 +141,8 @@ fn no_state_within_the_box_of_a_library_law_loses_ellipticity() {
     ] {
         let law = Law::named(name).expect("a law of the library");
         let law = law.build(&[]).expect("its defaults");
-        let safe = safe_box(&*law, 1.0, &Range::default()).expect("elliptic in the reference");
+        let safe = safe_box(&*law, 1.0, &Range::default())
+            .expect("elliptic in the reference configuration");
         let known = safe.critical.map(|critical| critical.stretches);
         assert_safe(&*law, &safe, known.as_slice());
     }
@@ -146,7 +152,8 @@ fn no_state_within_the_box_of_a_library_law_loses_ellipticity() {
 fn the_widest_box_of_saint_venant_and_kirchhoff_reaches_the_end_of_the_range() {
     let law = Law::named("saint-venant-kirchhoff").expect("a law of the library");
     let law = law.build(&[]).expect("its defaults");
-    let safe = widest_safe_box(&*law, &Range::default()).expect("elliptic in the reference");
+    let safe =
+        widest_safe_box(&*law, &Range::default()).expect("elliptic in the reference configuration");
     assert_close(safe.high, 10.0, 1e-12);
     assert_safe(&*law, &safe, &[]);
     assert_eq!(
@@ -160,7 +167,8 @@ fn the_widest_box_of_saint_venant_and_kirchhoff_reaches_the_end_of_the_range() {
 fn the_box_of_gent_ends_where_its_chains_lock() {
     let law = Law::named("gent").expect("a law of the library");
     let law = law.build(&[]).expect("its defaults");
-    let safe = safe_box(&*law, 1.0, &Range::default()).expect("elliptic in the reference");
+    let safe =
+        safe_box(&*law, 1.0, &Range::default()).expect("elliptic in the reference configuration");
     let critical = safe.critical.expect("a state at which chains lock");
     assert!(critical.witness.is_none());
     assert_eq!(
@@ -170,15 +178,17 @@ fn the_box_of_gent_ends_where_its_chains_lock() {
 }
 
 #[test]
-fn the_widest_box_may_end_at_the_reference() {
+fn the_widest_box_may_end_at_stretch_one() {
     let law = Law::named("hencky").expect("a law of the library");
     let hencky = law.build(&[]).expect("admissible");
     let range = Range::default();
-    let widest = widest_safe_box(&*hencky, &range).expect("elliptic in the reference");
+    let widest =
+        widest_safe_box(&*hencky, &range).expect("elliptic in the reference configuration");
     // The ratio decreases with the upper end: boxes of all skews are narrower.
     let mut before = f64::INFINITY;
     for skew in [1e4, 300.0, 30.0, 10.0, 4.0] {
-        let found = safe_box(&*hencky, skew, &range).expect("elliptic in the reference");
+        let found =
+            safe_box(&*hencky, skew, &range).expect("elliptic in the reference configuration");
         let ratio = found.high / found.low;
         assert!(
             ratio < before && ratio < widest.high / widest.low,

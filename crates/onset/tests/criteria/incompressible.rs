@@ -267,7 +267,7 @@ fn the_free_face_is_traction_free_at_constant_volume() {
 }
 
 /// The load `P = 3 mu ln(lambda) / lambda` of a bar of Hencky's rubber is largest at e, and under pressure rotations gain energy immediately. For any
-/// large bulk modulus every loading with free faces has the limits of the incompressible law, and as many as with `kappa = 1e9`.
+/// large bulk modulus every loading with free faces has the limits of the incompressible law, and equally many limits with `kappa = 1e9`.
 #[test]
 fn a_huge_bulk_modulus_is_a_regular_limit() {
     let stiff =

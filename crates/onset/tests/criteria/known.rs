@@ -201,7 +201,7 @@ fn polyconvex_laws_lose_neither_ellipticity_nor_rank_one_convexity() {
         };
         let isotropic = is_isotropic(&*material);
         let path = LoadingPath::new(&*material, isotropic, loading, &Range::default())
-            .expect("a state in the reference");
+            .expect("a state in the reference configuration");
         for tension in [true, false] {
             let elliptic = track(&path, ELLIPTIC, tension);
             assert!(

@@ -317,7 +317,7 @@ impl StrainEnergy for Limited {
 }
 
 #[test]
-fn a_path_ends_where_the_law_does() {
+fn a_path_ends_at_the_edge_of_the_domain_of_the_law() {
     let held = path(&Limited, Mode::Uniaxial, Lateral::Held);
     let PathEnd::Law { stretch, .. } = held.tension_end else {
         panic!("the law has an end: {:?}", held.tension_end);

@@ -30,7 +30,8 @@ impl StrainEnergy for NeoHooke {
 
 fn path<'a>(law: &'a dyn Hyperelastic, mode: Mode, lateral: Lateral) -> LoadingPath<'a> {
     let loading = Loading { mode, lateral };
-    LoadingPath::new(law, true, loading, &Range::default()).expect("a state in the reference")
+    LoadingPath::new(law, true, loading, &Range::default())
+        .expect("a state in the reference configuration")
 }
 
 fn track(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Track {

@@ -120,7 +120,7 @@ proptest! {
     fn extremes_of_the_summary_always_reach_the_extremes_of_a_dense_grid(case in case()) {
         let (search, d) = searched(&case);
         let (summary, seen) = (search.summary(&d), sampled(&case, &d));
-        // A few of some thousand random cases are still missed: narrow pockets of flutter, and valleys at a level of 1e-8.
+        // A few of about a thousand random cases are still missed: narrow pockets of flutter, and valleys at a level of 1e-8.
         let margin = 1e-8;
         prop_assert!(!is_bounded(&d) || summary.softest.scaled <= seen.scaled + margin,
             "scaled {} above {}", summary.softest.scaled, seen.scaled);

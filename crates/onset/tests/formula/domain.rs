@@ -43,7 +43,7 @@ fn trouble(text: &str, stretches: [f64; 3]) -> Option<(Trouble, usize)> {
     refusal(&law(text), &state(stretches)).map(|error| (error.trouble, error.place.column))
 }
 
-/// Simple rubber energy to which parts are added.
+/// Simple rubber energy, for formulas with additional parts.
 const RUBBER: &str = "10*(I1 - 3 - 2*ln(J))";
 
 #[test]
@@ -235,7 +235,7 @@ fn nothing_is_proved_at_a_kink_and_a_laminate_there_has_less_energy() {
 }
 
 #[test]
-fn a_law_with_a_kink_in_the_reference_has_a_wave_speed_but_no_stress() {
+fn a_law_with_a_kink_at_f_equal_to_one_has_a_wave_speed_but_no_stress() {
     let law = law(&format!("{RUBBER} - 5*abs(J - 1)"));
     assert!(law.undeformed().is_ok());
     assert_eq!(

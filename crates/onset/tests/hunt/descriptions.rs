@@ -18,11 +18,11 @@ use onset::scheme::{
 };
 use onset::verdict::{Assessment, Survey};
 
-/// Differences that count, relative to the scale of what is compared.
+/// Relative differences that count.
 const DIFFERENCE: f64 = 1e-6;
-/// Of wave vectors at flat minima, beside a reciprocal vector.
+/// Difference of wave vectors at flat minima, modulo a reciprocal vector.
 const APART: f64 = 1e-4;
-/// Laws without directions of their own.
+/// Laws without material directions.
 const ISOTROPIC: &[&str] = &["modified-mooney-rivlin", "blatz-ko", "neo-hooke", "hencky"];
 
 /// Particles by primitive vectors (columns) and lattice coordinates, the first at the origin; lengths in spacings.
@@ -195,7 +195,7 @@ fn answer<const D: usize>(
     ))
 }
 
-/// What differs between the answers of two descriptions, of which the second is mapped by an orthogonal matrix.
+/// Differences between the answers of two descriptions; an orthogonal matrix maps the second description.
 fn differences<const D: usize>(
     (a, lattice, weak): &Answer<D>,
     (b, other, weak_mapped): &Answer<D>,
@@ -208,7 +208,7 @@ fn differences<const D: usize>(
         told("verdict", word(a), word(b));
     }
     let fastest = a.spectrum.maximum_omega;
-    // The lattice Laplacian takes as many of the shortest vectors as there are dimensions; where there are more, it knows directions.
+    // The lattice Laplacian uses `D` shortest vectors. If more vectors are equally short, it depends on the chosen vectors.
     let k = SVector::<f64, D>::from_fn(|i, _| [0.3, 0.7, 1.1][i]);
     let is_measured = {
         let [own, mapped] = [lattice.laplacian(&k), other.laplacian(&(map * k))];
@@ -239,7 +239,7 @@ fn differences<const D: usize>(
             false => own.spectrum.softest,
         };
         let [own, mapped] = [mode(a), mode(b)];
-        // Equally soft ones are represented by one rule, of which a mapped description has the image up to a symmetry.
+        // A rule selects one of equally soft waves; a mapped description has its image up to a symmetry.
         let size = lattice.reciprocal().column(0).norm() / DIFFERENCE * APART;
         numbers.push((
             "wave number",

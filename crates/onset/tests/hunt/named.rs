@@ -98,7 +98,7 @@ fn sph_on_a_honeycomb_flutters_in_a_small_pocket() {
     assert_grows_as(&spectrum, &waves, 1e-3);
 }
 
-/// A fiber makes one wave stiff, and relative motion of the particles of a cell costs little energy. All four branches bend and cross within a third
+/// A fiber stiffens one wave, and relative motion of the particles of a cell costs little energy. All four branches bend and cross within a third
 /// of a grid step.
 #[test]
 fn soft_branches_that_bend_within_a_grid_step_flutter_where_they_meet() {

@@ -50,7 +50,7 @@ struct Relative<'a, const D: usize> {
 }
 
 impl<const D: usize> Relative<'_, D> {
-    /// The shortest of the wave vectors that are the same for the particles, with the others that are as long.
+    /// The shortest of the equivalent wave vectors, with all others of equal length.
     fn shortest(&self, k: &SVector<f64, D>) -> Vec<SVector<f64, D>> {
         let all: Vec<SVector<f64, D>> = self.images.iter().map(|g| k + g).collect();
         let least = all.iter().map(|k| k.norm()).fold(f64::INFINITY, f64::min);

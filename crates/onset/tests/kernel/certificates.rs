@@ -47,7 +47,7 @@ fn proofs_for_every_kernel_agree_with_the_search() {
 }
 
 #[test]
-fn nothing_is_proved_where_the_matrix_jumps() {
+fn no_proof_is_given_where_the_matrix_jumps() {
     // With a support of two spacings six particles lie on the rim, where the curvature of the kernel is 8 inside and zero outside.
     let proved_at = |kernel: Kernel, support: f64| {
         let method = Method::<2>::new(KernelMethodChoices {

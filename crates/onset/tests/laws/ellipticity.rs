@@ -11,7 +11,7 @@ fn second_derivative_by_volume(j: f64) -> f64 {
 }
 
 #[test]
-fn the_elliptic_domain_of_equation_5_has_its_closed_form() {
+fn the_elliptic_domain_of_equation_5_agrees_with_its_closed_form() {
     let law = &laws()[0].law;
     let mut random = Random::new(31);
     let mut seen = [0, 0];

@@ -50,7 +50,7 @@ fn steps(interval: Interval) -> i64 {
     rank(interval.high).saturating_sub(rank(interval.low))
 }
 
-/// Any finite double; very large and small ones are as likely as values around one.
+/// Any finite double; very large, very small and moderate values are equally likely.
 fn any_double() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<f64>().prop_filter("finite", |x| x.is_finite()),

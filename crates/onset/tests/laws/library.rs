@@ -249,7 +249,7 @@ fn the_angle_of_a_law_rotates_its_response() {
 }
 
 #[test]
-fn the_reference_is_free_of_stress_and_has_the_moduli_of_the_closed_form() {
+fn the_reference_configuration_is_free_of_stress_and_has_the_moduli_of_the_closed_form() {
     const VOIGT: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)];
     for (law, given, material) in laws() {
         let response = material
@@ -311,7 +311,7 @@ fn enclosures_contain_sampled_responses() {
                     let tangent = enclosure.tangent[i][j][k][l];
                     let value = response.tangent[(i, j, k, l)];
                     assert!(near(tangent, value), "{}", law.name);
-                    // For a law in principal stretches the bounds are as close as those of the principal axes.
+                    // For a law in principal stretches the bounds are as close as the bounds in principal axes.
                     let is_near = width > 0.0 || tangent.width() < 1e-6 * scale;
                     let known = is_sharp(tangent, value) || (of_stretches && is_near);
                     assert!(known, "{}: {tangent:?}", law.name);

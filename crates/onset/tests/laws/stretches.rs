@@ -111,7 +111,7 @@ fn the_shear_modulus_between_close_logarithmic_strains_is_the_closed_form() {
 }
 
 #[test]
-fn hencky_and_ogden_have_their_closed_form_stresses() {
+fn stresses_of_hencky_and_ogden_agree_with_closed_forms() {
     let build = |name: &str| {
         Law::named(name)
             .expect("a law")
@@ -198,7 +198,7 @@ fn nearly_incompressible_rubber_approaches_the_incompressible_formula_in_tension
 }
 
 #[test]
-fn compressible_laws_in_uniaxial_tension_have_their_closed_forms() {
+fn compressible_laws_in_uniaxial_tension_agree_with_closed_forms() {
     // The foam of Blatz and Ko: lambda_2 = lambda^(-1/4), P = mu (lambda^(-1/2) ... ) = mu (J - lambda^-2) / lambda.
     let foam = Law::named("generalized-blatz-ko").expect("a law");
     let foam = foam.build(&[("f", 0.0), ("mu", 2.0)]).expect("admissible");

@@ -16,7 +16,7 @@ const WINDOW: StateWindow = StateWindow {
 };
 
 #[test]
-fn shares_agree_with_the_verdicts_counted_one_by_one() {
+fn fractions_agree_with_individually_counted_verdicts() {
     let material = ModifiedMooneyRivlin::default();
     for frame in [Frame::Lagrangian, Frame::Eulerian] {
         for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
@@ -57,7 +57,7 @@ fn shares_agree_with_the_verdicts_counted_one_by_one() {
 }
 
 #[test]
-fn want_of_neighbors_is_the_methods_and_not_the_laws() {
+fn states_without_neighbors_are_undefined_for_the_method_and_not_for_the_law() {
     // An Eulerian kernel of fixed size loses its neighbors in tension.
     let method = method::<2>(KernelMethodChoices {
         frame: Frame::Eulerian,

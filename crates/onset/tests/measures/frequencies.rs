@@ -77,7 +77,7 @@ fn long_waves_are_exact_for_linear_completeness_and_wrong_without() {
 
 #[test]
 fn the_error_of_long_waves_is_the_error_of_their_frequencies() {
-    // One component in one dimension: the error of the stiffness is (1 + e)^2 - 1 with e that of the frequency.
+    // One component in one dimension: the error of the stiffness is (1 + e)^2 - 1 with the error e of the frequency.
     let chain = method::<1>(nodal(LatticeKind::Chain));
     let stiffness = of_long_waves(&chain);
     let frequency = errors(&chain, &[4000.0])[0];

@@ -50,7 +50,7 @@ fn zeros<const D: usize>(
 }
 
 #[test]
-fn nodal_integration_on_squares_has_three_wave_vectors_without_energy() {
+fn nodal_integration_on_squares_has_three_zero_energy_wave_vectors() {
     let method = method::<2>(nodal(LatticeKind::Square));
     let modes = found(&method, 0.5);
     assert_eq!(zeros(&method, &modes), [[0.0, 0.5], [0.5, 0.0], [0.5, 0.5]]);
@@ -60,7 +60,7 @@ fn nodal_integration_on_squares_has_three_wave_vectors_without_energy() {
 }
 
 #[test]
-fn nodal_integration_on_triangles_has_the_middles_of_the_edges_and_the_corners() {
+fn nodal_integration_on_the_hexagonal_lattice_has_zero_energy_modes_at_m_and_k() {
     // Where the sum of odd gradients vanishes: three M by inversion, K by the threefold axis. No minimum lies between them.
     let method = method::<2>(nodal(LatticeKind::Hexagonal));
     let modes = found(&method, 0.5);
@@ -75,8 +75,8 @@ fn nodal_integration_on_triangles_has_the_middles_of_the_edges_and_the_corners()
 }
 
 #[test]
-fn nodal_integration_on_cubes_has_seventeen_and_on_a_chain_one() {
-    // sin x (w1 + 2 w2 (b + c) + 4 w3 b c) = 0 and so on in turn, a, b, c the cosines, w = W'/q of the three distances. All sines zero:
+fn nodal_integration_has_seventeen_zero_energy_wave_vectors_on_cubes_and_one_on_a_chain() {
+    // sin x (w1 + 2 w2 (b + c) + 4 w3 b c) = 0 and cyclic permutations, a, b, c the cosines, w = W'/q of the three distances. All sines zero:
     // 7. One, with the cosine -1: a = b = -0.786, 6. None: a = b = c = -0.898, 4.
     let cubes = method::<3>(nodal(LatticeKind::SimpleCubic));
     let modes = found(&cubes, 0.5);
@@ -97,7 +97,7 @@ fn stress_points_leave_weakly_controlled_modes_but_no_zero_energy_modes() {
     let modes = found(&method, 0.5);
     assert!(!modes.modes.is_empty());
     assert!(modes.modes.iter().all(|mode| !mode.is_zero()));
-    // Brute force on a grid that shares no point with that of the search.
+    // Brute force on a grid that shares no point with the grid of the search.
     let material = ModifiedMooneyRivlin::default();
     let survey = Survey::new(&method, &material).expect("a survey");
     let stiffness = Stiffness::<2>::at(&material, &DeformationGradient::identity());
@@ -169,7 +169,7 @@ fn a_larger_cell_has_the_same_modes_in_the_reference_configuration() {
     assert!(total.iter().all(|z| z.norm() < 1e-9), "no translation");
 }
 
-/// The wave of alternating neighbors is one of `k = 0` where they lie in one cell. There the lowest frequencies are those of translations.
+/// The wave of alternating neighbors has `k = 0` if the neighbors lie in one cell. There the lowest frequencies belong to translations.
 #[test]
 fn weakly_controlled_modes_are_also_found_in_the_reference_configuration() {
     let material = ModifiedMooneyRivlin::default();
@@ -187,7 +187,7 @@ fn weakly_controlled_modes_are_also_found_in_the_reference_configuration() {
     for penalty in [1e-6, 1e-4, 0.02] {
         let one = of_cell(penalty, 1).weakest.expect("a wave");
         assert!(0.0 < one && one < 0.05, "{one}");
-        // Of more cells the wave has another wave vector, and is the same.
+        // With more cells the same wave has another wave vector.
         for cells in [2, 3, 4] {
             let found = of_cell(penalty, cells);
             let difference = found.weakest.expect("a wave") / one - 1.0;
@@ -266,7 +266,7 @@ fn the_weakest_wave_of_a_survey_is_followed_to_its_bottom() {
     }
 }
 
-/// Where forces have no energy, too, all modes of a small cell are asked: the weakest one is not the lowest above the translations.
+/// For forces without an energy all modes of a small cell are evaluated: the weakest mode is not the lowest mode above the translations.
 #[test]
 fn the_weakest_mode_without_energy_is_the_mode_of_the_undisturbed_lattice() {
     let material = ModifiedMooneyRivlin::default();
@@ -278,7 +278,7 @@ fn the_weakest_mode_without_energy_is_the_mode_of_the_undisturbed_lattice() {
             model: BondModel::Correspondence {
                 control: ZeroEnergyControl::Penalty { coefficient: 0.02 },
             },
-            // No particle lies on the horizon, and none is lost where they are moved.
+            // No particle lies on the horizon, and no particle leaves it by the offsets.
             horizon: 2.5,
             ..PeridynamicsChoices::default()
         };
@@ -332,7 +332,7 @@ fn zero_energy_modes_of_one_polarization_are_the_weakest_apart_from_translations
     }
 }
 
-/// A translation of particles that are out of order resembles the short wave that is none on the lattice.
+/// A translation of disordered particles resembles a short wave, which is a translation on the lattice.
 #[test]
 fn translations_of_disordered_cells_are_not_short_waves() {
     let material = ModifiedMooneyRivlin::default();
@@ -354,9 +354,9 @@ fn translations_of_disordered_cells_are_not_short_waves() {
     }
 }
 
-/// Shear waves of a fluid have no energy: nothing is compared with what rounding leaves of it.
+/// Shear waves of a fluid have no energy: no mode is compared with their rounding errors.
 #[test]
-fn nothing_is_compared_with_waves_without_energy() {
+fn modes_are_not_compared_with_waves_of_zero_energy() {
     let choices = KernelMethodChoices::default();
     let scheme = method::<2>(choices);
     for kappa in [3.0, 99.0, 100.0] {
@@ -372,7 +372,7 @@ fn nothing_is_compared_with_waves_without_energy() {
 
 /// Waves along the short side of a long cell are much shorter than those across it.
 #[test]
-fn elongated_cells_have_their_short_waves() {
+fn short_waves_of_elongated_cells_are_found() {
     let of_cell = |aspect: f64, cells: u32| {
         let choices = KernelMethodChoices {
             lattice: LatticeKind::Rectangular,
@@ -398,9 +398,9 @@ fn elongated_cells_have_their_short_waves() {
     }
 }
 
-/// Gauss points are those of the cells between particles, however many cells are taken together.
+/// Gauss points belong to the cells between particles, for any number of cells in a larger cell.
 #[test]
-fn a_rule_of_points_is_the_same_in_a_larger_cell() {
+fn a_quadrature_rule_gives_the_same_modes_in_a_larger_cell() {
     let of_cells = |cells: u32| KernelMethodChoices {
         quadrature: Quadrature::Gauss,
         approximation: Approximation::Mls,
@@ -421,7 +421,7 @@ fn a_rule_of_points_is_the_same_in_a_larger_cell() {
 
 #[test]
 fn two_particles_in_a_cell_can_move_against_each_other_without_energy() {
-    // Nodal integration on a honeycomb: each particle sees a threefold star of the others, whose gradients cancel.
+    // Nodal integration on a honeycomb: the three neighbors of a particle have threefold symmetry, and their gradients cancel.
     let honeycomb = on_crystal::<2>(&nodal(LatticeKind::Honeycomb));
     let modes = found(&honeycomb, 0.5).modes;
     assert_eq!(zeros(&honeycomb, &found(&honeycomb, 0.5)), [[0.0, 0.0]]);
@@ -440,8 +440,8 @@ fn law(name: &str, parameters: &[(&str, f64)]) -> Box<dyn Hyperelastic> {
     law.build(parameters).expect("admissible parameters")
 }
 
-/// The lowest relative frequency of a dense search over the closed zone: of its inside, and along each of its edges, where opposite
-/// ones are different waves of the material.
+/// The lowest relative frequency of a dense search over the closed zone: in its interior, and along each of its edges, where opposite
+/// edges are different waves of the material.
 fn densely<const D: usize>(survey: &Survey<'_, D>, steps: usize) -> f64 {
     let lattice = *survey.discretization().crystal().lattice();
     let zone = BrillouinZone::new(lattice);

@@ -1,4 +1,4 @@
-//! All zero-energy modes: against dense Newton searches in an algebra of their own, and against the stiffness of three laws.
+//! All zero-energy modes: against dense Newton searches in a separate algebra, and against the stiffness of three laws.
 
 use crate::hunt::hunted;
 use crate::method;
@@ -19,7 +19,7 @@ use onset::scheme::{
 use onset::verdict::{Survey, Verdict};
 use std::f64::consts::TAU;
 
-/// Three laws with stress-free reference states: Lame constants far apart, and one that is not isotropic.
+/// Three laws with stress-free reference states: two with very different Lame constants, and an anisotropic law.
 fn laws() -> Vec<Box<dyn Hyperelastic>> {
     let law = |name: &str, parameters: &[(&str, f64)]| {
         let law = Law::named(name).expect("a law of the library");
@@ -32,7 +32,7 @@ fn laws() -> Vec<Box<dyn Hyperelastic>> {
     ]
 }
 
-/// In shear waves a fluid has no energy itself; what a discretization does not see besides is told by its strains.
+/// Shear waves of a fluid have no energy; the strains of a discretization show its additional zero-energy modes.
 #[test]
 fn a_fluid_is_not_stable_where_its_discretization_has_zero_energy_modes() {
     let tait = Law::named("tait").expect("a law of the library");
@@ -289,7 +289,7 @@ fn assert_all<const D: usize>(
     listed.len()
 }
 
-/// Of the quartic spline, `W'(q)/q`.
+/// For the quartic spline, `W'(q)/q`.
 fn quartic(q: f64) -> f64 {
     (1.0 - q) * (1.0 - q)
 }
@@ -311,8 +311,8 @@ fn correspondence_families_have_every_zero_energy_mode_of_a_dense_search() {
     let lattice = lattice::<3>(LatticeKind::SimpleCubic);
     let gradient = Gradient::new(*lattice.vectors(), 2.0, |_| 1.0);
     let scheme = correspondence(lattice, 2.0, Influence::Constant);
-    // sin x (1 + 4 a + 2 b + 2 c + 4 b c) = 0 and so on in turn, a, b, c the cosines. All sines zero: 7. Two: a = 3/4 beside b c = -1,
-    // -1/4 beside b = c = -1: 9. One: a = b = -3/10 beside c = 1, 1/2 beside c = -1: 12. None: a = b = c = (sqrt(3) - 2)/2: 4. For
+    // sin x (1 + 4 a + 2 b + 2 c + 4 b c) = 0 and cyclic permutations, a, b, c the cosines. All sines zero: 7. Two: a = 3/4 with b c = -1,
+    // -1/4 with b = c = -1: 9. One: a = b = -3/10 with c = 1, 1/2 with c = -1: 12. None: a = b = c = (sqrt(3) - 2)/2: 4. For
     // a, b that differ c is 1/2 and the third equation makes them 1/2 and -1: nothing new, but these six are triple.
     let count = assert_all(&scheme, &gradient, 18, "simple cubic 2");
     assert_eq!(count, 32);
@@ -434,7 +434,7 @@ fn all_of_a_lattice<const D: usize>(scheme: &dyn Discretization<D>) -> Vec<SVect
     all
 }
 
-/// A supercell has the zero-energy modes of the lattice that it repeats, at the wave vectors of its own zone.
+/// A supercell has the zero-energy modes of the lattice that it repeats, at the wave vectors of its zone.
 fn assert_folded<const D: usize>(kind: LatticeKind, radius: f64, cells: [usize; D]) {
     let name = format!("{kind:?} {radius} {cells:?}");
     let single = Crystal::<D>::of(kind, 1.0).expect("a crystal");
@@ -478,9 +478,9 @@ fn supercells_have_every_zero_energy_mode_of_their_lattice() {
     assert_folded(LatticeKind::Hexagonal, 2.2, [2, 1]);
 }
 
-/// Of particles in disorder no wave is without strain, and nothing is left open.
+/// Every wave of disordered particles has strain, which is decided in the whole zone.
 #[test]
-fn disordered_particles_are_known_to_have_no_zero_energy_modes() {
+fn disordered_particles_have_no_zero_energy_modes() {
     fn assert_none<const D: usize>(
         kind: LatticeKind,
         radius: f64,
@@ -651,21 +651,21 @@ fn assert_crossing_lines(scheme: &dyn Discretization<3>, edge: f64, points: usiz
     }
 }
 
-/// Nearest neighbors of face-centered cubes: `s_x (c_y + c_z) = 0` and cyclic, `s` and `c` of half the phases. Beside L these are the lines X-W-X, the
+/// Nearest neighbors of face-centered cubes: `s_x (c_y + c_z) = 0` and cyclic, `s` and `c` of half the phases. In addition to L these are the lines X-W-X, the
 /// shortest wave X.
 #[test]
-fn lines_that_cross_are_one_set_and_no_surface() {
+fn crossing_lines_are_one_connected_set_and_not_a_surface() {
     let edge = 2.0_f64.sqrt();
     let faces = Crystal::of(LatticeKind::FaceCenteredCubic, 1.0).expect("a crystal");
     assert_crossing_lines(&total_lagrangian(faces, 1.2), edge, 4, 1.0);
-    // Body-centered cubes: `s_x (c_y c_z + c_x) = 0` and cyclic. Beside P these are the lines H-N-H, which all meet at H.
+    // Body-centered cubes: `s_x (c_y c_z + c_x) = 0` and cyclic. In addition to P these are the lines H-N-H, which all meet at H.
     let bodies = lattice::<3>(LatticeKind::BodyCenteredCubic);
     let edge = 2.0 / 3.0_f64.sqrt();
     let family = correspondence(bodies, 1.2, Influence::Constant);
     assert_crossing_lines(&family, edge, 1, 0.5_f64.sqrt());
 }
 
-/// The half vectors of two by two by two face-centered cells with nearest neighbors: seven wave vectors with three modes each. Translations are none.
+/// The half vectors of two by two by two face-centered cells with nearest neighbors: seven wave vectors with three modes each. Translations are not zero-energy modes.
 #[test]
 fn translations_are_not_zero_energy_modes_where_lines_cross_in_the_reference_configuration() {
     let faces = Crystal::<3>::of(LatticeKind::FaceCenteredCubic, 1.0).expect("a crystal");

@@ -50,7 +50,7 @@ fn on_the_regular_lattice_compression_is_stable_for_some_supports() {
 }
 
 #[test]
-fn on_the_convected_lattice_with_fixed_support_much_of_compression_is_unstable() {
+fn most_compressed_states_are_unstable_with_fixed_support_on_the_convected_lattice() {
     for (quadrature, support, linearization) in [
         ("nodal", 1.9, "paper"),
         ("sp", 1.1, "paper"),

@@ -47,7 +47,7 @@ fn forces_of_the_patch_agree_with_the_dynamical_matrix() {
 }
 
 #[test]
-fn every_correction_of_the_weights_agrees() {
+fn every_correction_of_the_weights_agrees_with_the_patch() {
     for approximation in [
         Approximation::Raw,
         Approximation::Shepard,
@@ -64,7 +64,7 @@ fn every_correction_of_the_weights_agrees() {
 }
 
 #[test]
-fn every_support_and_every_current_lattice_agrees() {
+fn every_support_and_every_current_lattice_agrees_with_the_patch() {
     for lattice in [CurrentLattice::Convected, CurrentLattice::Regular] {
         for support_size in [
             SupportSize::Fixed,
@@ -88,7 +88,7 @@ fn every_support_and_every_current_lattice_agrees() {
 }
 
 #[test]
-fn the_interpolated_background_agrees() {
+fn the_interpolated_background_agrees_with_the_patch() {
     for lattice in [CurrentLattice::Convected, CurrentLattice::Regular] {
         for (approximation, law) in [
             (Approximation::Shepard, Law::MooneyRivlin),
@@ -108,7 +108,7 @@ fn the_interpolated_background_agrees() {
 }
 
 #[test]
-fn a_chain_agrees() {
+fn waves_of_a_chain_agree_with_the_patch() {
     for quadrature in [
         Quadrature::Nodal,
         Quadrature::StressPoints,
@@ -182,7 +182,7 @@ fn power_sums_of_the_spectrum_agree_with_the_commensurate_waves() {
 }
 
 #[test]
-fn every_order_and_every_corrected_derivative_agrees() {
+fn every_order_and_every_corrected_derivative_agrees_with_the_patch() {
     for approximation in [
         Approximation::Mls2,
         Approximation::Mls3,
@@ -205,7 +205,7 @@ fn every_order_and_every_corrected_derivative_agrees() {
 }
 
 #[test]
-fn gauss_points_weights_and_user_defined_points_agree() {
+fn gauss_points_weights_and_user_defined_points_agree_with_the_patch() {
     let base = |quadrature| KernelMethodChoices {
         approximation: Approximation::KrongauzBelytschko,
         ..eulerian(LatticeKind::Square, quadrature)

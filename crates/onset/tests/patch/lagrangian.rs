@@ -77,7 +77,7 @@ fn out_of_plane_stretches_and_units_of_length_and_mass_are_respected() {
 }
 
 #[test]
-fn a_chain_agrees() {
+fn waves_of_a_chain_agree_with_the_patch() {
     for quadrature in [
         Quadrature::Nodal,
         Quadrature::StressPoints,
@@ -172,7 +172,7 @@ fn quadratures(base: &KernelMethodChoices) -> Vec<KernelMethodChoices> {
 }
 
 #[test]
-fn every_order_and_every_corrected_derivative_agrees() {
+fn every_order_and_every_corrected_derivative_agrees_with_the_patch() {
     for approximation in APPROXIMATIONS {
         for quadrature in [Quadrature::Nodal, Quadrature::StressPoints] {
             let base = lagrangian(
@@ -195,7 +195,7 @@ fn every_order_and_every_corrected_derivative_agrees() {
 }
 
 #[test]
-fn every_quadrature_agrees() {
+fn every_quadrature_agrees_with_the_patch() {
     for (kind, approximation) in [
         (LatticeKind::Hexagonal, Approximation::Shepard),
         (LatticeKind::Square, Approximation::Mls),

@@ -98,7 +98,7 @@ fn stress_points_that_move_with_the_wave_agree_beyond_the_zone() {
 
 #[test]
 fn equation_49_is_not_the_exact_derivative() {
-    // Otherwise the tests above could not distinguish the linearizations.
+    // If they agreed, the tests above could not distinguish the linearizations.
     let f = state(SHEARED, 1.0);
     let exact = Patch::<2>::new(
         choices(Linearization::Exact, Quadrature::Nodal),

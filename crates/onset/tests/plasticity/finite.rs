@@ -14,7 +14,7 @@ fn step(law: &DruckerPrager, f: &Matrix3<f64>, state: &FiniteState) -> FiniteUpd
     law.finite_update(&deformation(f), state).expect("a stress")
 }
 
-/// Deformation gradient with strains `scale` times those of [`flowing`], and a rotation.
+/// Deformation gradient with strains `scale` times the strains of [`flowing`], and a rotation.
 fn strained(numbers: &mut Numbers, scale: f64) -> Matrix3<f64> {
     numbers.rotation() * (Matrix3::identity() + flowing(numbers) * scale)
 }

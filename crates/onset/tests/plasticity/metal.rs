@@ -196,7 +196,7 @@ fn hill_1948_is_the_limit_of_small_steps_of_flow_and_its_tangent_belongs_to_the_
             error < 2e-5 && (close - rough).amax() < 1e-2,
             "{size}: {error:e}"
         );
-        // An additional step along the path with a component in each direction. As long as it loads, the stress is linear in it initially.
+        // An additional step along the path with a component in each direction. While it loads, the stress is initially linear in it.
         let end = (fine.0 * 2.0 - coarse.0, fine.1 * 2.0 - coarse.1);
         let rest = steps.excess(&f, &end.0, end.1);
         let start = Steps::first_piola(&f, &end.0);

@@ -30,7 +30,7 @@ pub fn assert_waves_are_those_of_a_patch<const D: usize>(
 ) {
     let system = scheme.waves(material, f).expect("an evaluable state");
     let crystal = scheme.crystal();
-    // The patch is so large that no particle interacts with its own image.
+    // The patch is so large that no particle interacts with its image.
     let side = 2 * system.stiffness().reach() + 3;
     let patch = PeriodicPatch::new(crystal, [side; D]);
     let mut random = Random::new(3);

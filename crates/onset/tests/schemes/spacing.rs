@@ -226,7 +226,7 @@ fn wavelengths_of_disordered_particles_are_in_units_of_the_regular_spacing() {
 
 #[test]
 fn springs_at_the_horizon_act_even_if_their_weight_vanishes() {
-    // At half of a reciprocal vector the strain of a family is zero, and z = u_J - u_I: omega^2 rho = 4 gamma c sum e (x) e / r V over the neighbors
+    // At half of a reciprocal vector the strain of a family is zero, and z = u_J - u_I. Therefore omega^2 rho = 4 gamma c sum e (x) e / r V over the neighbors
     // that move in the opposite direction.
     let gamma = 0.8;
     let square = Crystal::of_lattice(LatticeKind::Square.lattice::<2>(1.0).expect("a lattice"));

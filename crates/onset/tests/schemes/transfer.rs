@@ -587,7 +587,7 @@ fn assert_predicted<const D: usize>(
 }
 
 #[test]
-fn an_independent_code_takes_the_predicted_steps_in_one_dimension() {
+fn an_independent_code_is_stable_up_to_the_predicted_step_in_one_dimension() {
     for (gradients, transfer) in BOTH.into_iter().flat_map(|own| ALL.map(|t| (own, t))) {
         // In the reference state, compressed, and stretched beyond the onset of the tensile instability; with a stable step and with a step that is
         // too long.
@@ -604,7 +604,7 @@ fn an_independent_code_takes_the_predicted_steps_in_one_dimension() {
 }
 
 #[test]
-fn an_independent_code_takes_the_predicted_steps_in_the_plane_under_shear() {
+fn an_independent_code_is_stable_up_to_the_predicted_step_in_two_dimensions_under_shear() {
     for (gradients, transfer) in BOTH.into_iter().flat_map(|own| ALL.map(|t| (own, t))) {
         for (turns, share) in [([1.0, 2.0], 0.5), ([3.0, 1.0], 0.8)] {
             assert_predicted::<2>(transfer, gradients, &state::<2>(), turns, share);

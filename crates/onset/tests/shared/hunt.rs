@@ -1,4 +1,4 @@
-//! Standing checks: tests on random cases, of which `cargo xtask hunt` runs as many as one likes.
+//! Tests on random cases; `cargo xtask hunt` runs any number of cases.
 
 /// The seed, and the number of cases: a few in the tests.
 pub fn hunted(cases: usize) -> (u64, usize) {

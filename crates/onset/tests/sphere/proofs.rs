@@ -123,7 +123,7 @@ impl Hyperelastic for Foreign {
 }
 
 #[test]
-fn nothing_is_proved_of_a_law_without_bounds() {
+fn no_proof_is_given_for_a_law_without_bounds() {
     let f = DeformationGradient::identity();
     let proof = certify_3d(&Foreign, &f, 1e-6).expect("a law");
     assert!(matches!(

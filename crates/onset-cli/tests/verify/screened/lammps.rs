@@ -1,7 +1,7 @@
 //! Runs of LAMMPS: plates of `smd/tlsph` between grips, and squares of `smd/ulsph` with a prescribed rim.
 //!
 //! Causes are known from variants in the code itself: a plate of 28 x 14 stays quiet in steps up to 0.76 and not in 0.79, a notched plate in 0.70 and
-//! not in 0.71; hourglass control and half the step leave the others as they are.
+//! not in 0.71. Hourglass control and half the step keep the other runs healthy.
 
 use super::{Found, check, in_pairs, onset, screened, sets};
 use crate::{Place, program};
@@ -30,7 +30,7 @@ struct Deck {
 /// Particles with prescribed velocities.
 #[derive(Clone, Copy)]
 enum Held {
-    /// Two columns at each side, of which the right ones have this velocity.
+    /// Two columns at each side, and the velocity of the right columns.
     Grips([f64; 2]),
     /// Three rows around a square, with these rates of stretching.
     Rim([f64; 2]),
@@ -244,7 +244,7 @@ const LOOSE: Deck = Deck {
 };
 
 #[test]
-fn runs_of_lammps_have_their_cause() {
+fn the_cause_of_lammps_runs_is_identified() {
     let Some(program) = lammps() else { return };
     let plate = |x, y| Deck {
         held: Held::Grips([x, y]),
@@ -332,7 +332,7 @@ fn runs_of_lammps_have_their_cause() {
 }
 
 #[test]
-fn remedies_leave_healthy_runs_of_lammps() {
+fn lammps_runs_with_the_remedies_are_healthy() {
     let Some(program) = lammps() else { return };
     let remedy = |answer: &Value, beginning: &str| -> String {
         let all = answer["remedy"].as_array().expect("remedies");

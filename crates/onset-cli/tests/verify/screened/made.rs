@@ -477,7 +477,7 @@ fn softened() -> Vec<Variant> {
 }
 
 #[test]
-fn runs_of_simulate_have_their_cause() {
+fn the_cause_of_simulated_runs_is_identified() {
     let variants = [
         healthy(),
         too_large_steps(),

@@ -62,7 +62,7 @@ fn pysph() -> Option<std::path::PathBuf> {
 }
 
 #[test]
-fn runs_of_pysph_have_their_cause() {
+fn the_cause_of_pysph_runs_is_identified() {
     let Some(python) = pysph() else { return };
     let variants = [
         (
@@ -117,7 +117,7 @@ fn runs_of_pysph_have_their_cause() {
 }
 
 #[test]
-fn artificial_stress_leaves_a_healthy_run_of_pysph() {
+fn a_pysph_run_with_artificial_stress_is_healthy() {
     let Some(python) = pysph() else { return };
     let answer = PULLED.screened(&python);
     let setting = answer["changes"][0]["settings"][0].as_str();

@@ -21,7 +21,7 @@ const VERTEX: u8 = 1;
 /// Number of bytes at the beginning of a file that are searched for its time before the whole file is read.
 const HEAD: u64 = 1 << 16;
 /// Maximum number of files in which the pieces of one frame lie.
-const MOST_PARTS: usize = 10_000;
+const MAX_PARTS: usize = 10_000;
 
 /// Role of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -144,7 +144,7 @@ fn document(path: &Path, bytes: &[u8], is_head: bool) -> Result<Document, FrameE
                     });
                     in_piece = true;
                 }
-                if own.sources.len() > MOST_PARTS || own.pieces.len() > MOST_PARTS {
+                if own.sources.len() > MAX_PARTS || own.pieces.len() > MAX_PARTS {
                     return Err(fail("fewer pieces"));
                 }
             }
@@ -380,7 +380,7 @@ pub(crate) fn open(paths: &[PathBuf], reading: &Reading) -> Result<Opened, Frame
             match (stamps.last(), frames.last_mut()) {
                 (Some(last), Some(parts)) if last.time == time && time.is_some() => {
                     parts.push(file);
-                    if parts.len() > MOST_PARTS {
+                    if parts.len() > MAX_PARTS {
                         return Err(FrameError::wrong(
                             Place::file(path),
                             "fewer parts of a frame",
@@ -589,7 +589,7 @@ impl Grids {
         ) {
             let ends = read(offsets, piece.cells)?;
             let shapes = read(shapes, piece.cells)?;
-            // A cell has at most some tens of points; polyhedra with more are not needed.
+            // A cell has at most a few tens of points; polyhedra with more are not needed.
             let connectivity = read(connectivity, piece.cells.saturating_mul(64))?;
             let fits = connect(to, piece, &connectivity, &ends, &shapes);
             fits.ok_or_else(|| {

@@ -26,7 +26,7 @@ impl Tag {
 }
 
 /// Maximum length of a tag, in bytes.
-const MOST_TAG: usize = 1 << 16;
+const MAX_TAG: usize = 1 << 16;
 
 fn find(bytes: &[u8], from: usize, what: &[u8]) -> Option<usize> {
     let rest = bytes.get(from..)?;
@@ -54,7 +54,7 @@ pub(super) fn next(bytes: &[u8], mut from: usize) -> Result<Option<Tag>, usize> 
 }
 
 fn tag(bytes: &[u8], start: usize) -> Option<Tag> {
-    let most = bytes.len().min(start + MOST_TAG);
+    let most = bytes.len().min(start + MAX_TAG);
     let is_end = bytes.get(start + 1) == Some(&b'/');
     let mut at = start + 1 + usize::from(is_end);
     let word = |at: &mut usize| {

@@ -15,7 +15,7 @@ use super::write::{self, Form, Refusal, Sheet, list, order, ordered};
 use super::{Program, Trouble, number};
 
 /// Number of constants on a data line.
-const A_LINE: usize = 8;
+const CONSTANTS_PER_LINE: usize = 8;
 
 /// Keyword line with its data lines.
 struct Block<'t> {
@@ -314,7 +314,7 @@ impl Block<'_> {
 
     /// Constants of one temperature; missing fields at the end of a line are zero.
     fn constants(&self, count: usize) -> Result<Vec<f64>, Trouble> {
-        let lines = count.div_ceil(A_LINE);
+        let lines = count.div_ceil(CONSTANTS_PER_LINE);
         if self.data.len() < lines {
             return Err(Trouble::new(
                 self.line,
@@ -335,7 +335,7 @@ impl Block<'_> {
         }
         let mut constants = Vec::with_capacity(count);
         for (n, (line, text)) in self.data.iter().enumerate() {
-            let own = (count - n * A_LINE).min(A_LINE);
+            let own = (count - n * CONSTANTS_PER_LINE).min(CONSTANTS_PER_LINE);
             let fields: Vec<&str> = text.trim_end_matches(',').split(',').collect();
             // A temperature may follow the last constant.
             let spare = usize::from(n + 1 == lines);
@@ -538,7 +538,7 @@ fn fibers(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         return Err(Trouble::new(
             block.line,
             "this form of *ANISOTROPIC HYPERELASTIC is not read",
-            "read is HOLZAPFEL, with C10, D, k1, k2, kappa",
+            "supported: HOLZAPFEL with C10, D, k1, k2, kappa",
         ));
     }
     let families = block.count("LOCALDIRECTIONS", 2)?;
@@ -637,7 +637,7 @@ pub(super) fn write(program: Program, sheet: &Sheet) -> Result<write::Block, Ref
         }
     }
     let mut lines = vec!["*MATERIAL, NAME=LAW".to_owned(), keyword];
-    lines.extend(values.chunks(A_LINE).map(list));
+    lines.extend(values.chunks(CONSTANTS_PER_LINE).map(list));
     Ok(write::Block {
         lines,
         function,

@@ -22,7 +22,7 @@ pub(super) struct ForeignLaw {
     pub notes: Vec<String>,
     /// Name of a law whose energy is a table.
     pub name: Option<String>,
-    /// Shear modulus at zero strain, if it follows from the constants.
+    /// Shear modulus at zero strain, if it follows from the constants; stress.
     pub shear: Option<f64>,
     /// Parts of the text that are not read.
     pub unread: Unread,
@@ -395,7 +395,7 @@ impl ForeignLaw {
         )];
         if self.incompressible && !is_set("material.kappa") {
             notes.push(format!(
-                "without a compressibility (D = 0, no bulk modulus, Poisson's ratio 0.5) the material is incompressible; here the bulk modulus is {INCOMPRESSIBLE_BULK_RATIO} shear moduli, and --incompressible asks the incompressible response"
+                "without a compressibility (D = 0, no bulk modulus, Poisson's ratio 0.5) the material is incompressible: a bulk modulus of {INCOMPRESSIBLE_BULK_RATIO} shear moduli is used; for the exact incompressible response add --incompressible"
             ));
         }
         notes.extend(self.unread.notes(self.shear));

@@ -95,7 +95,7 @@ pub(super) fn law(
         test.name()
     ));
     law.notes.push(format!(
-        "Marlow's form from {} points, dW/dI1 a monotone cubic between them; beyond I1 - 3 = {end:.4} it goes on along its tangent, as no test says",
+        "Marlow's form from {} points, dW/dI1 a monotone cubic between them; beyond I1 - 3 = {end:.4}, past the test data, it is extrapolated along its tangent",
         data.len(),
     ));
     Ok(law)

@@ -213,7 +213,7 @@ pub fn law_of(
     if let Some(key) = law.needed.iter().find(|key| !known.contains(key)) {
         return Err(SettingError::new(
             origin(),
-            format!("the block does not say {key}, the angle of the fibers, which the program defines elsewhere"),
+            format!("the block does not give {key}, the angle of the fibers, which the program defines elsewhere"),
         )
         .hint(format!("add --set {key}=DEGREES, from axis 1 to axis 2")));
     }
@@ -237,10 +237,10 @@ pub(in crate::settings) fn table_from(
     let bulk = bulk.map_or(0.0, |(_, value)| *value);
     match law.energy {
         law::Energy::Table(table) => Ok((table, bulk)),
-        _ => Err(SettingError::new(
-            place(name, law.line),
-            "the block is no table",
-        )),
+        _ => Err(
+            SettingError::new(place(name, law.line), "the block has no test data")
+                .hint("expected *HYPERELASTIC, MARLOW with *UNIAXIAL TEST DATA below it"),
+        ),
     }
 }
 

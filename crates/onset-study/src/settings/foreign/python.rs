@@ -41,7 +41,7 @@ const FELUPE_REFUSED: &[(&str, &str)] = &[
     ),
     (
         "saint_venant_kirchhoff_orthotropic",
-        "its axes are vectors in space; set material.model=saint-venant-orthotropic with its parameters",
+        "its axes are three-dimensional vectors; set material.model=saint-venant-orthotropic with its parameters",
     ),
     (
         "morph",

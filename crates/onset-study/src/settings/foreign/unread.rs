@@ -58,9 +58,9 @@ impl Unread {
                 true => (
                     "long-term",
                     "instantaneous",
-                    "which waves and time steps follow",
+                    "which govern waves and time steps",
                 ),
-                false => ("instantaneous", "long-term", "which slow loading follows"),
+                false => ("instantaneous", "long-term", "which govern slow loading"),
             };
             let value =
                 part.filter(|part| (0.0..1.0).contains(part))

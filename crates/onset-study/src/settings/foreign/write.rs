@@ -74,7 +74,7 @@ const NAMES: [&str; 8] = [
 /// Law in the form that the writers of all programs take.
 pub(super) struct Sheet {
     pub form: Form,
-    /// Bulk modulus; `None` for an incompressible material.
+    /// Bulk modulus; `None` for an incompressible material. Units of stress.
     pub bulk: Option<f64>,
     /// Volumetric function of the law.
     pub function: &'static str,
@@ -227,9 +227,7 @@ impl Given<'_> {
         }
         match terms.iter().any(|term| term[1] == 0.0) {
             true => Err("an exponent alpha is 0".to_owned()),
-            false if terms.is_empty() => {
-                Err("there is no term with a modulus other than 0".to_owned())
-            }
+            false if terms.is_empty() => Err("all moduli are zero".to_owned()),
             false => Ok(terms),
         }
     }
@@ -313,7 +311,7 @@ impl Given<'_> {
 }
 
 impl Sheet {
-    /// Shear modulus at small strains; of Arruda-Boyce and Gent the modulus of the chains.
+    /// Shear modulus at small strains, in units of stress; for Arruda-Boyce and Gent the modulus of the chains.
     pub fn shear(&self) -> f64 {
         match &self.form {
             Form::Polynomial(constants) => {
@@ -326,7 +324,7 @@ impl Sheet {
         }
     }
 
-    /// Bulk modulus, for programs that need one.
+    /// Bulk modulus, in units of stress, for programs that need one.
     pub fn required_bulk(&self) -> Result<f64, Refusal> {
         self.bulk.ok_or_else(|| {
             Refusal::Constants(
@@ -343,7 +341,7 @@ impl Sheet {
         match poisson < 0.5 && poisson != 0.0 {
             true => Ok(poisson),
             false => Err(Refusal::Constants(format!(
-                "the bulk modulus {bulk} has no Poisson's ratio between 0 and 0.5 in the digits of a number"
+                "the bulk modulus {bulk} has no Poisson's ratio between 0 and 0.5 in double precision"
             ))),
         }
     }

@@ -10,7 +10,7 @@ use onset::material::{Hyperelastic, MaterialError};
 pub(super) const MODEL: OwnModel = OwnModel {
     name: "formula",
     formula: "W = the text of material.energy; every other material.<name> is a parameter",
-    source: "your own; `onset list formula` prints the language",
+    source: "user-defined; `onset list formula` prints the language",
     keys: &[key(
         "material.energy",
         Kind::Text,

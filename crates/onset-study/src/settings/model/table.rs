@@ -51,9 +51,9 @@ fn law(settings: &MaterialSettings) -> Result<Box<dyn Hyperelastic>, SettingErro
     let text = match place.contains('\n') {
         true => Cow::Borrowed(place.as_str()),
         false if *origin == Origin::Question => {
-            let message = "requests of the page read no files";
+            let message = "the page cannot read files";
             return Err(SettingError::new(origin.clone(), message)
-                .hint("use the command, or the text of the table in place of the name"));
+                .hint("use the command, or the text of the table instead of the name"));
         }
         false => Cow::Owned(
             input::text(Path::new(place), input::MOST_TEXT).map_err(|error| {

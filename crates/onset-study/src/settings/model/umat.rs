@@ -1,7 +1,7 @@
 //! `model = "umat"`: a user-defined material in a shared library with the Abaqus interface.
 
 use super::super::error::SettingError;
-use super::super::key::{OF_ANY_DIMENSION, key};
+use super::super::key::{ANY_DIMENSION, key};
 use super::super::{Kind, MaterialSettings, Model, Value};
 use super::OwnModel;
 use onset::material::{Hyperelastic, MaterialError};
@@ -20,7 +20,7 @@ pub(super) const MODEL: OwnModel = OwnModel {
         key("material.library", Kind::Text, "path of the shared library"),
         key(
             "material.properties",
-            Kind::Numbers("1", OF_ANY_DIMENSION),
+            Kind::Numbers("1", ANY_DIMENSION),
             "properties of the subroutine, PROPS",
         ),
         key(

@@ -120,8 +120,7 @@ impl MaterialSettings {
             let key = assignment.split_once('=').map_or("", |(key, _)| key.trim());
             if Key::named(key).is_some_and(|key| key.parts().0 == "discretization") {
                 let origin = Origin::CommandLine(format!("--set {assignment}"));
-                let message =
-                    format!("`{key}` has no effect: this question is about the law alone");
+                let message = format!("`{key}` has no effect: this command uses only the law");
                 return Err(SettingError::new(origin, message).hint(format!(
                     "leave `{key}` out; state, path, dispersion, modes, tune and limit read it"
                 )));
@@ -151,7 +150,7 @@ impl Study {
             if !is_settled(key) {
                 let (low, high) = axis.range;
                 let message = format!(
-                    "{} is an axis of this study, from {low} to {high}; this question needs one value",
+                    "{} is an axis of this study, from {low} to {high}; this command needs a single value",
                     key.name
                 );
                 return Err(SettingError::new(origin.quantity.clone(), message)

@@ -585,7 +585,7 @@ fn needed(key: &Key) -> String {
         "discretization.vectors" => "",
         _ => "discretization.vectors = [1, 0, 0, 1]\n",
     };
-    // Of several needs for one key only the first is used, which is the narrower one.
+    // If a key has several conditions, only the first is used, which is narrower.
     let mut keys = std::collections::BTreeSet::new();
     let needs = cases.first().into_iter().flatten();
     let needs = needs.filter(|need| keys.insert(need.key));

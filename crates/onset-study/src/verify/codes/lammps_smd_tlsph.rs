@@ -2,8 +2,8 @@
 //!
 //! Periodic boxes cannot be used: the code does not wrap relative positions, and freezes particles at a periodic boundary. The block therefore has a
 //! held rim, and its core is measured before waves from the rim arrive. In the reference configuration the linear elasticity of the code represents
-//! any isotropic law; at a stretched state it is a hypoelastic law with the Green-Naghdi rate. The polynomial equation of state represents a law of
-//! the volume alone. Affine velocities with all forces switched off bring the particles to the state.
+//! any isotropic law; at a stretched state it is a hypoelastic law with the Green-Naghdi rate. The polynomial equation of state represents a
+//! purely volumetric law. Affine velocities with all forces switched off bring the particles to the state.
 //!
 //! Source: Ganzenmueller, "Smooth Mach Dynamics package for LAMMPS" (manual); `pair_smd_tlsph.cpp`, `fix_smd_integrate_tlsph.cpp`.
 
@@ -83,7 +83,7 @@ fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, 
     if let Some(own) = Volumetric::of(law, f).map_err(MethodError::from)? {
         if problem.settings.method.penalty != 0.0 {
             return Err(refused(
-                "the penalty is scaled with Young's modulus, which a law of the volume alone does not have",
+                "the penalty is scaled with Young's modulus, which a purely volumetric law (equation of state) does not have",
                 "set discretization.penalty=0",
             ));
         }
@@ -111,7 +111,7 @@ fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, 
                 "at a stretched state the elasticity of the code is a law in rate form, which {} is not",
                 problem.settings.material.model.name()
             ),
-            "choose --set material.model=hypoelastic-green-naghdi (with n = 0), a law of the volume alone such as --energy \"K*(J-ln(J))\", or the reference configuration \
+            "choose --set material.model=hypoelastic-green-naghdi (with n = 0), a purely volumetric law such as --energy \"K*(J-ln(J))\", or the reference configuration \
              (--stretch 1,1)",
         ));
     }

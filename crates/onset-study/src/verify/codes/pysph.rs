@@ -41,7 +41,7 @@ fn rates(problem: &Problem, f: &DeformationGradient) -> Result<JaumannRates, Ver
     let own = own.ok_or_else(|| {
         refused(
             "decks have a pressure that depends on the density alone, and a deviator with Jaumann's rate",
-            "choose --set material.model=hypoelastic-jaumann --set material.n=1, or a law of the volume alone, such as --energy \"K*(J-ln(J))\" --set material.K=1",
+            "choose --set material.model=hypoelastic-jaumann --set material.n=1, or a purely volumetric law, such as --energy \"K*(J-ln(J))\" --set material.K=1",
         )
     })?;
     if own.volumetric.slope <= 0.0 {

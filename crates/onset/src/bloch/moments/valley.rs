@@ -1,6 +1,6 @@
-//! Valleys of nearly zero energy, at any state, of methods with weakly controlled modes.
+//! Valleys of `omega^2(k)` with nearly zero energy, in methods with weakly controlled modes.
 //!
-//! They have several bottoms of similar height, which extreme points do not distinguish. Therefore the weakest points of a grid are all kept, and
+//! A valley has several minima of similar depth, and the state decides which is lowest. All of the lowest grid points are therefore kept, and
 //! descents start from well separated points.
 
 use super::contraction::Coefficients;

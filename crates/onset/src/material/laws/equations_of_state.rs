@@ -111,12 +111,12 @@ pub(in super::super) const MIE_GRUENEISEN: Law = Law {
             "1",
             1.67,
             Admitted::Any,
-            "Grueneisen's parameter in the reference",
+            "Grueneisen's parameter in the reference configuration",
         ),
     ],
     domain: "J > 1 - 1/s, where a shock of infinite strength would lead; solids under strong compression, without heat conduction; in tension the \
              pressure turns back near J = 1 + 1/s; with mu = 0 a fluid, not strongly elliptic",
-    source: "the isentrope through the reference, Davison, Fundamentals of Shock Wave Propagation in Solids (2008), of the Hugoniot of \
+    source: "the isentrope through the reference configuration, Davison, Fundamentals of Shock Wave Propagation in Solids (2008), of the Hugoniot of \
              Rice, McQueen and Walsh, Solid State Physics 6 (1958) 1, with Gamma rho constant; kappa = rho0 c0^2; defaults: of the size of tantalum's, GPa \
              (measured ones: Marsh, LASL Shock Hugoniot Data, 1980)",
     make: |p| {
@@ -187,7 +187,7 @@ impl Volumetric for Tait {
 /// compressions near the pole to tenfold expansions.
 const POINTS: usize = 16;
 
-/// Isentrope of the Mie-Grueneisen equation through the reference.
+/// Isentrope of the Mie-Grueneisen equation through the reference configuration.
 ///
 /// With `x = 1 - J`, the Hugoniot pressure `h = kappa x/(1 - s x)^2` and its energy `h x/2`, the equations `p = h + Gamma_0 (e - h x/2)` and
 /// `p = de/dx` on an isentrope combine to a linear equation for `e`. Its solution is the energy of the shock minus the heat of the shock,

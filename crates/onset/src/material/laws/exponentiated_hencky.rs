@@ -41,8 +41,8 @@ pub(in super::super) const LAW: Law = Law {
     symmetry: Symmetry::Isotropic,
     stressed_reference: None,
     small_strains: "shear modulus mu, bulk modulus kappa",
-    source: "Neff, Ghiba and Lankeit, J. Elasticity 121 (2015) 143; k = 1/4 and khat = 1/8, the least with which the energy of two dimensions \
-             (deviator in the plane) is rank-one convex",
+    source: "Neff, Ghiba and Lankeit, J. Elasticity 121 (2015) 143; k = 1/4 and khat = 1/8, the smallest values for which the two-dimensional energy \
+             (in-plane deviator) is rank-one convex",
     stiffness: |p| hooke(p[0], p[1]),
     make: |p| {
         boxed(Ok(ExponentiatedHencky {

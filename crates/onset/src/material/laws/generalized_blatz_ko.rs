@@ -18,7 +18,7 @@ pub(in super::super) const LAW: Law = Law {
             "1",
             0.13,
             Admitted::Fraction,
-            "share of the solid part",
+            "fraction of the solid part",
         ),
         Parameter::new(
             "nu",

@@ -59,7 +59,7 @@ pub(in super::super) const SWITCHED: Law = Law {
     name: "holzapfel-gasser-ogden-switch",
     formula: "as holzapfel-gasser-ogden; fibers with x < 0 bear nothing",
     domain: "all J > 0; arteries, fibers that bear no compression; at x = 0 the tangent is that of x > 0",
-    small_strains: "as holzapfel-gasser-ogden for stretched fibers, and in the reference itself; the matrix alone if they \
+    small_strains: "as holzapfel-gasser-ogden for stretched fibers, and in the reference configuration itself; the matrix alone if they \
                     are shortened",
     make: |p| boxed(Ok(HolzapfelGasserOgden::new(p, true))),
     ..LAW
@@ -97,7 +97,7 @@ impl StrainEnergy for HolzapfelGasserOgden {
         let shape = i.jacobian.powf(-2.0 / 3.0);
         let (cosine, sine) = self.double_angle;
         let fibers = |sign: f64| {
-            // In terms of the double angle x is exactly 0 in the reference, so the side of the switch does not depend on rounding.
+            // In terms of the double angle x is exactly 0 in the reference configuration, so the side of the switch does not depend on rounding.
             let along = (c[0][0] + c[1][1]) * 0.5
                 + (c[0][0] - c[1][1]) * (0.5 * cosine)
                 + c[0][1] * (sign * sine);

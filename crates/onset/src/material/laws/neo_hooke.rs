@@ -1,7 +1,7 @@
 //! Neo-Hookean laws with four volumetric parts.
 //!
 //! `W = mu/2 (I1 - 3) - mu ln J + lambda U(J)` with `U = (ln J)^2 / 2`, `(J - 1)^2 / 2` or `((J^2 - 1)/2 - ln J) / 2`, and, for nearly incompressible
-//! rubber, `W = mu/2 (J^(-2/3) I1 - 3) + kappa/2 ((J^2 - 1)/2 - ln J)`. All are stress-free in the reference. With `(ln J)^2` the energy is not
+//! rubber, `W = mu/2 (J^(-2/3) I1 - 3) + kappa/2 ((J^2 - 1)/2 - ln J)`. All are stress-free in the reference configuration. With `(ln J)^2` the energy is not
 //! convex in `J`, and uniaxial strain loses strong ellipticity at `J = exp(1 + 2 mu / lambda)` or before; the other two are polyconvex.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};

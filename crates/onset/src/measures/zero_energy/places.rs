@@ -75,7 +75,7 @@ mod tests {
     use nalgebra::{Matrix2, SVector, Vector2};
 
     #[test]
-    fn what_is_near_is_found_across_the_borders_of_the_zone() {
+    fn neighbors_across_the_zone_boundary_are_found() {
         let lattice = BravaisLattice::<2>::new(Matrix2::new(1.0, 0.5, 0.0, 0.75_f64.sqrt()))
             .expect("a lattice");
         let reciprocal = *lattice.reciprocal();

@@ -24,7 +24,7 @@ const SHIFTS: (f64, f64) = (1e-6, 10.0);
 /// Largest number of shifts.
 const TRIALS: i32 = 12;
 /// Vectors that are added to the Krylov space at a time: modes come in pairs and triples.
-const AT_ONCE: usize = 6;
+const BLOCK_SIZE: usize = 6;
 /// Largest number of vectors of the Krylov space.
 const VECTORS: usize = 160;
 /// Largest number of Krylov spaces.
@@ -388,7 +388,7 @@ fn largest_of_inverse<const D: usize>(
     is_symmetric: bool,
 ) -> Option<Vec<(Complex, Vec<f64>)>> {
     let mut random = 1;
-    let mut start: Vec<Vec<f64>> = (0..AT_ONCE)
+    let mut start: Vec<Vec<f64>> = (0..BLOCK_SIZE)
         .map(|_| {
             (0..unknowns)
                 .map(|_| 2.0 * uniform(&mut random) - 1.0)
@@ -427,7 +427,7 @@ fn largest_of_inverse<const D: usize>(
             }
             let is_full = images.is_empty() || space.vectors.len() >= most;
             if is_full || space.vectors.len() >= checked {
-                checked = space.vectors.len() + 4 * AT_ONCE;
+                checked = space.vectors.len() + 4 * BLOCK_SIZE;
                 let found = space.largest_pairs(wanted, is_symmetric)?;
                 let has_all = found.len() == wanted;
                 let is_exact = space.vectors.len() == all;

@@ -5,7 +5,7 @@
 //! Contributions of particles beyond the support are exactly zero. The results are therefore bitwise independent of the time of the neighbor search
 //! and of the number of cores.
 
-use super::neighborhoods::{Look, NOWHERE, Neighborhoods, Seen, number, tensor, vector};
+use super::neighborhoods::{Look, Neighborhoods, PADDING_COORDINATE, Seen, number, tensor, vector};
 use super::parts::{field_parts, tensor_parts};
 use super::vectors::{
     Component, Field, Tensors, are_finite, slices, states, vector_of, zero_tensors,
@@ -586,7 +586,7 @@ impl<'a, const D: usize> CurrentEngine<'a, D> {
     ) -> Self {
         let count = volumes.len();
         volumes.resize(count.next_multiple_of(LANES), 0.0);
-        let mut all: Field<D> = std::array::from_fn(|_| vec![NOWHERE; volumes.len()]);
+        let mut all: Field<D> = std::array::from_fn(|_| vec![PADDING_COORDINATE; volumes.len()]);
         for (n, x) in positions.iter().enumerate() {
             (0..D).for_each(|i| all[i][n] = x[i]);
         }

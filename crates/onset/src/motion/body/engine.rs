@@ -125,9 +125,9 @@ impl<'a, const D: usize> Engine<'a, D> {
                 v: &mut v,
             };
             match self.offsets {
-                None => Arch::new().dispatch(Under::<D, WITHOUT>(kicked)),
-                Some([0.0, 0.0]) => Arch::new().dispatch(Under::<D, PUBLISHED>(kicked)),
-                Some(_) => Arch::new().dispatch(Under::<D, OFFSET>(kicked)),
+                None => Arch::new().dispatch(Under::<D, NO_PENALTY>(kicked)),
+                Some([0.0, 0.0]) => Arch::new().dispatch(Under::<D, PUBLISHED_PENALTY>(kicked)),
+                Some(_) => Arch::new().dispatch(Under::<D, OFFSET_PENALTY>(kicked)),
             }
         });
         if let Some(pieces) = &self.pieces {
@@ -298,11 +298,11 @@ struct Kicked<'s, 'f, const D: usize> {
 }
 
 /// No penalty against zero-energy modes.
-const WITHOUT: u8 = 0;
+const NO_PENALTY: u8 = 0;
 /// Published form of the penalty.
-const PUBLISHED: u8 = 1;
+const PUBLISHED_PENALTY: u8 = 1;
 /// Penalty with offsets in its denominators.
-const OFFSET: u8 = 2;
+const OFFSET_PENALTY: u8 = 2;
 
 /// Velocity update for one form of the penalty, known at compile time.
 struct Under<'s, 'f, const D: usize, const FORM: u8>(Kicked<'s, 'f, D>);
@@ -347,7 +347,7 @@ impl<const D: usize> Kicked<'_, '_, D> {
             for j in 0..D {
                 let t = load::<S>(self.t[i][j], own, 0);
                 sum[i] = simd.mul_add_f64s(t, part::<S>(&stencil.total[j], from), sum[i]);
-                if FORM != WITHOUT {
+                if FORM != NO_PENALTY {
                     f[i][j] = load::<S>(self.f[i][j], own, 0);
                 }
             }
@@ -362,7 +362,7 @@ impl<const D: usize> Kicked<'_, '_, D> {
                     sum[i] = simd.mul_add_f64s(t, a, sum[i]);
                 }
             }
-            if FORM == WITHOUT {
+            if FORM == NO_PENALTY {
                 continue;
             }
             // x_IJ, and the component of (F_I + F_J) X_IJ - 2 x_IJ along it.
@@ -380,7 +380,7 @@ impl<const D: usize> Kicked<'_, '_, D> {
                 }
                 along = simd.mul_add_f64s(missed, x[i], along);
             }
-            if FORM == OFFSET {
+            if FORM == OFFSET_PENALTY {
                 let length = simd.sqrt_f64s(squared);
                 squared = simd.mul_add_f64s(length, lengths, simd.add_f64s(squared, area));
             }

@@ -10,7 +10,7 @@ pub enum BodyError {
     #[error(transparent)]
     Method(#[from] MethodError),
     /// The method does not support bodies.
-    #[error("this method has no bodies")]
+    #[error("this method does not support bodies with free faces")]
     NoBodies,
     /// The forces on the particles have no tangent at arbitrary positions.
     #[error("this method has no tangent for particles at arbitrary positions")]
@@ -45,7 +45,7 @@ pub enum BodyError {
     #[error("the lowest modes do not converge")]
     NotConverged,
     /// The contact would have no effect or no stiffness; with the reason.
-    #[error("there is no contact: {0}")]
+    #[error("body.contact cannot be used: {0}")]
     NoContact(&'static str),
     /// The shape contains no particles.
     #[error("the body has no particles")]

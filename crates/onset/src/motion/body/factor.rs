@@ -13,7 +13,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, DVectorView, SMatrix, SVector};
 /// Particles in a part that is not divided.
 const LEAF: usize = 48;
 /// Particles that are eliminated together.
-const FRONT: usize = 48;
+const FRONT_SIZE: usize = 48;
 /// Largest number of factors.
 const FACTORS: usize = 300_000_000;
 
@@ -66,7 +66,7 @@ impl<const D: usize> Dissection<'_, D> {
             .into_iter()
             .filter_map(|part| self.dissect(part))
             .collect();
-        for own in rest.chunks(FRONT) {
+        for own in rest.chunks(FRONT_SIZE) {
             self.order.push((own.to_vec(), before));
             before = vec![self.order.len() - 1];
         }

@@ -9,7 +9,7 @@ use super::moving::{BodyMotion, Start};
 use super::parts::drift;
 use super::quantities::in_space;
 use super::shape::placed;
-use super::stability::{DIFFERENCE, largest_eigenvalue};
+use super::stability::{DIFFERENCE_STEP, largest_eigenvalue};
 use super::vectors::{Field, fill, flat, negative, vector_of, zeros};
 use super::{BodyError, BodyParticles, BodyQuantities};
 use crate::algebra::{array_of, uniform};
@@ -302,7 +302,7 @@ impl<const D: usize> BodyMotion for LagrangianBody<'_, D> {
             let mut along = zeros(self.len());
             fill(&mut along, own);
             hold(&mut along, &self.held, self.grips);
-            let mut image = self.changed(&along, DIFFERENCE * self.spacing / highest)?;
+            let mut image = self.changed(&along, DIFFERENCE_STEP * self.spacing / highest)?;
             hold(&mut image, &self.held, self.grips);
             Ok(negative(flat(&image, self.len())))
         })?;

@@ -13,9 +13,9 @@ use std::collections::HashMap;
 /// Distance, as a fraction of the support, within which two particles coincide.
 const COINCIDENCE_DISTANCE: f64 = 1e-9;
 /// Largest number of a cell.
-const FAR: f64 = 1e15;
+const MAX_CELL_NUMBER: f64 = 1e15;
 /// Number that marks a missing particle.
-const NONE: u32 = u32::MAX;
+const MISSING: u32 = u32::MAX;
 
 /// Data shared by all pairs with the same vector and volume.
 #[derive(Clone, Copy, Debug)]
@@ -122,7 +122,7 @@ impl<const D: usize> Links<D> {
             let seen = neighbors[place.site]
                 .iter()
                 .map(|(kind, other)| (*kind, numbers.of(&other.moved(&place.cell))));
-            groups.next(seen.filter(|(_, other)| *other != NONE))?;
+            groups.next(seen.filter(|(_, other)| *other != MISSING))?;
         }
         groups.end()
     }
@@ -131,7 +131,13 @@ impl<const D: usize> Links<D> {
     fn irregular(&mut self, placed: &Placed<D>, law: &dyn PairLaw<D>) -> Result<(), BodyError> {
         let radius = law.radius();
         // Cells beyond this number are not distinguished.
-        let cell = |x: &[f64; D]| x.each(|x| (x / radius).floor().clamp(-FAR, FAR) as i64);
+        let cell = |x: &[f64; D]| {
+            x.each(|x| {
+                (x / radius)
+                    .floor()
+                    .clamp(-MAX_CELL_NUMBER, MAX_CELL_NUMBER) as i64
+            })
+        };
         let mut cells: HashMap<[i64; D], Vec<u32>> = HashMap::new();
         for (number, x) in placed.positions.iter().enumerate() {
             cells.entry(cell(x)).or_default().push(number as u32);
@@ -320,7 +326,7 @@ impl<const D: usize> Numbers<D> {
             low,
             sides,
             sites,
-            numbers: vec![NONE; sites * sides.iter().product::<usize>()],
+            numbers: vec![MISSING; sites * sides.iter().product::<usize>()],
         };
         for (number, place) in places.iter().enumerate() {
             if let Some(entry) = all.place(place) {
@@ -344,6 +350,6 @@ impl<const D: usize> Numbers<D> {
 
     fn of(&self, particle: &Particle<D>) -> u32 {
         self.place(particle)
-            .map_or(NONE, |place| self.numbers[place])
+            .map_or(MISSING, |place| self.numbers[place])
     }
 }

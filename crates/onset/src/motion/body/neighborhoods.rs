@@ -9,7 +9,7 @@ use crate::scheme::sph::CurrentPairs;
 use crate::scheme::{Measure, Weighed};
 
 /// Coordinate of padding particles, beyond the support of every particle. Their mutual contributions are discarded.
-pub(super) const NOWHERE: f64 = 1e100;
+pub(super) const PADDING_COORDINATE: f64 = 1e100;
 /// Number of groups in one task of the neighbor search.
 const BLOCK: usize = 64;
 
@@ -156,7 +156,7 @@ impl<const D: usize> Work for Look<'_, D> {
             let place = self.own.wrapping_add_signed(*offset as isize);
             let mut x = own;
             for i in 0..D {
-                x[i] = Lanes::at(self.places[i], place, NOWHERE) - own[i];
+                x[i] = Lanes::at(self.places[i], place, PADDING_COORDINATE) - own[i];
             }
             let measured = self.measure.of(&x);
             if measured.squared.side(1.0) == Some(Side::Above) {

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 /// Extra search distance, relative to the distance needed. Particles may move by half of it before the next search.
 pub(super) const SKIN: f64 = 0.2;
 /// Largest number of a cell; cells beyond it are not distinguished.
-const FAR: f64 = 1e15;
+const MAX_CELL_NUMBER: f64 = 1e15;
 
 /// Pairs of particles that may be within a distance of each other, updated when a particle has moved too far.
 pub(super) struct Neighbors<const D: usize> {
@@ -107,7 +107,7 @@ impl<'p, const D: usize> Cells<'p, D> {
     }
 
     fn cell(x: &[f64; D], reach: f64) -> [i64; D] {
-        x.each(|x| (x / reach).floor().clamp(-FAR, FAR) as i64)
+        x.each(|x| (x / reach).floor().clamp(-MAX_CELL_NUMBER, MAX_CELL_NUMBER) as i64)
     }
 
     /// Calls a function with the number of every particle near a place, in no particular order, including a particle at the place.

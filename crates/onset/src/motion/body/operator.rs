@@ -17,7 +17,7 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 use std::collections::{BTreeMap, HashSet};
 
 /// Largest number of particles in an assembled operator. Larger bodies are divided into boxes.
-const PARTICLES_AT_ONCE: usize = 1500;
+const MAX_OPERATOR_PARTICLES: usize = 1500;
 
 /// Oscillation of a body that limits the time step of a scheme most.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,7 +67,7 @@ pub(crate) fn fastest_mode<const D: usize>(
     let ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][D - 1];
     let neighbors = (regular.neighbors() / ball).powf(1.0 / D as f64);
     let spacing = regular.crystal().spacing();
-    // Compression brings more particles into the support of a kernel in space.
+    // Compression brings more particles into the support of a kernel in current coordinates.
     let leading = f.leading::<D>();
     let singular = DMatrix::from_fn(D, D, |i, j| leading[(i, j)]).singular_values();
     let shortest = singular.min().clamp(f64::MIN_POSITIVE, 1.0);
@@ -128,14 +128,15 @@ fn pattern<const D: usize>(
 
 /// Divides a body into overlapping boxes of a limited number of particles each.
 fn parts<const D: usize>(particles: &[PlacedParticle], reach: f64, spacing: f64) -> Vec<Part> {
-    if particles.len() <= 2 * PARTICLES_AT_ONCE {
+    if particles.len() <= 2 * MAX_OPERATOR_PARTICLES {
         return vec![Part {
             all: (0..particles.len()).collect(),
             is_free: vec![true; particles.len()],
         }];
     }
     let volume: f64 = particles.iter().map(|own| own.volume).sum();
-    let side = (volume / particles.len() as f64 * PARTICLES_AT_ONCE as f64).powf(1.0 / D as f64);
+    let side =
+        (volume / particles.len() as f64 * MAX_OPERATOR_PARTICLES as f64).powf(1.0 / D as f64);
     // Sides of whole spacings, with faces between the particles, make the boxes of a regular body equal.
     let side = (side / spacing).round().max(1.0) * spacing;
     let along = |i: usize| particles.iter().map(move |own| own.position[i]);
@@ -346,7 +347,7 @@ impl<const D: usize> Operator<D> {
 
 #[cfg(test)]
 mod tests {
-    use super::{PARTICLES_AT_ONCE, PlacedParticle, fastest_mode};
+    use super::{MAX_OPERATOR_PARTICLES, PlacedParticle, fastest_mode};
     use crate::kinematics::DeformationGradient;
     use crate::material::ModifiedMooneyRivlin;
     use crate::method::KernelMethodChoices;
@@ -403,7 +404,7 @@ mod tests {
     }
 
     #[test]
-    fn divided_bodies_have_the_step_of_whole_ones() {
+    fn dividing_a_body_does_not_change_its_time_step() {
         let (choices, law) = (total_lagrangian(), ModifiedMooneyRivlin::default());
         let f = DeformationGradient::identity();
         let stepping = Stepping::ExtrapolatedStress;
@@ -415,7 +416,7 @@ mod tests {
                 .expect("a mode")
                 .critical_time_step(stepping)
         };
-        let (small, large) = (step(20, 20), step(2 * PARTICLES_AT_ONCE / 60 + 20, 62));
+        let (small, large) = (step(20, 20), step(2 * MAX_OPERATOR_PARTICLES / 60 + 20, 62));
         assert!((small / large - 1.0).abs() < 1e-3, "{small} {large}");
     }
 }

@@ -10,7 +10,7 @@ const PARTICLES: usize = 20_000_000;
 /// Particles outside of a shape by less than this fraction of a spacing belong to it.
 const RIM: f64 = 1e-9;
 /// Largest number of a cell.
-const FAR: f64 = 1e9;
+const MAX_CELL_NUMBER: f64 = 1e9;
 /// Largest number of cells in the box around a body. Thin, long or separated pieces can have many more cells than particles.
 const CELLS: f64 = 1e8;
 
@@ -340,7 +340,7 @@ fn cells_of_box<const D: usize>(
         .iter()
         .chain(&last)
         .fold(0.0, |far: f64, n| far.max(n.abs()));
-    if farthest > FAR {
+    if farthest > MAX_CELL_NUMBER {
         return Err(BodyError::Number {
             what: "the distance of the body from the origin, in cells of the lattice,".to_owned(),
             value: farthest,

@@ -15,7 +15,7 @@ const IMAGES: (usize, usize, usize) = (60, 2000, 200_000_000);
 /// The iteration stops at this ratio of residual to eigenvalue.
 const RESIDUAL: f64 = 5e-7;
 /// Displacement for the numerical differentiation of forces, in spacings.
-pub(super) const DIFFERENCE: f64 = 1e-5;
+pub(super) const DIFFERENCE_STEP: f64 = 1e-5;
 
 /// Image of a vector under a linear map.
 type Image = Result<Vec<f64>, Box<Fault>>;

@@ -25,7 +25,7 @@ use super::neighbors::Neighbors;
 use super::parts::drift;
 use super::quantities::in_space;
 use super::shape::placed;
-use super::stability::{DIFFERENCE, largest_eigenvalue};
+use super::stability::{DIFFERENCE_STEP, largest_eigenvalue};
 use super::vectors::{Field, are_finite, fill, flat, negative, put, vector_of, zeros};
 use super::{BodyError, BodyParticles, BodyQuantities};
 use crate::algebra::{array_of, uniform};
@@ -454,14 +454,14 @@ impl<const D: usize> BodyMotion for UpdatedBody<'_, D> {
         let spacing = self.discretization.crystal().spacing();
         let squared = largest_eigenvalue(unknowns, &mut |own: &[f64], highest: f64| {
             let along = self.free(own);
-            let change = self.changed_by_displacements(&along, DIFFERENCE * spacing / highest);
+            let change = self.changed_by_displacements(&along, DIFFERENCE_STEP * spacing / highest);
             let change = change.map_err(|none| self.fault(none, 0.0))?;
             Ok(negative(flat(&self.free(&change), self.len())))
         })?;
         if !self.engine.law().is_ok_and(CurrentPairs::is_viscous) {
             return Ok(Stepping::VelocityVerlet.critical_step(squared, 0.0));
         }
-        let speed = DIFFERENCE * spacing * squared.sqrt().max(f64::MIN_POSITIVE);
+        let speed = DIFFERENCE_STEP * spacing * squared.sqrt().max(f64::MIN_POSITIVE);
         let damping = largest_eigenvalue(unknowns, &mut |own: &[f64], highest: f64| {
             let along = self.free(own);
             let change = self.changed_by_velocities(&along, speed / highest);

@@ -21,7 +21,7 @@ pub struct MohrCoulomb {
 }
 
 /// Principal stresses with a smaller relative difference count as equal.
-const EQUAL: f64 = 1e-9;
+const STRESS_TOLERANCE: f64 = 1e-9;
 
 impl MohrCoulomb {
     /// Creates the law; angles are in degrees.
@@ -57,7 +57,7 @@ impl MohrCoulomb {
 
     /// Weights of the axes in the largest and in the smallest principal stress. Axes with equal stresses have equal weights.
     fn shares(stress: &Vector3<f64>) -> [Vector3<f64>; 2] {
-        let size = EQUAL * stress.amax();
+        let size = STRESS_TOLERANCE * stress.amax();
         [stress.max(), stress.min()].each(|extreme| {
             let own = stress.map(|s| f64::from(u8::from((s - extreme).abs() <= size)));
             own / own.sum()
@@ -101,7 +101,7 @@ impl FlowLaw for MohrCoulomb {
             internal.map(|x| x.max(0.0)),
             internal.map(|x| (-x).max(0.0)),
         ];
-        let size = 1e3 * EQUAL * stress.amax();
+        let size = 1e3 * STRESS_TOLERANCE * stress.amax();
         if stress.max() - stress.min() <= size {
             return Err(PlasticityError::NoDeviator);
         }

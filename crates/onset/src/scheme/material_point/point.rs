@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 #[derive(Clone, Copy)]
 pub(super) struct State<'a, const D: usize> {
     pub(super) response: PointResponse<'a, D>,
-    /// Maps vectors in space to lattice coordinates of the grid.
+    /// Maps vectors in the current configuration to lattice coordinates of the grid.
     pub(super) to_grid: SMatrix<f64, D, D>,
     /// Whether points and functions move with the nodes, and the grid is reset at each step.
     pub(super) is_updated: bool,
@@ -38,7 +38,7 @@ impl<'a, const D: usize> State<'a, D> {
         })
     }
 
-    /// Converts slopes by lattice coordinates to a gradient in space.
+    /// Converts slopes by lattice coordinates to a gradient in the current configuration.
     pub(super) fn gradient<R: Real>(&self, slope: &[R; D]) -> [R; D] {
         let zero = R::constant(0.0);
         let along = |i: usize| (0..D).fold(zero, |sum, j| sum + slope[j] * self.to_grid[(j, i)]);

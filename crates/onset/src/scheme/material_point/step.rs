@@ -35,7 +35,7 @@ pub(super) struct Step<'a, const D: usize> {
 struct Sight<const D: usize> {
     number: usize,
     value: f64,
-    /// Gradient of the function in space; 1/length.
+    /// Gradient of the function in the current configuration; 1/length.
     gradient: SVector<f64, D>,
     /// Derivatives of the function by lattice coordinates of the grid.
     slope: SVector<f64, D>,

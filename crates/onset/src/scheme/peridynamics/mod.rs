@@ -154,7 +154,7 @@ pub enum ZeroEnergyControl {
     },
 }
 
-/// Force model of the particles.
+/// Peridynamic force model: bond-based or correspondence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -234,7 +234,7 @@ pub struct PeridynamicsChoices {
     pub influence: Influence,
     /// Rule for the volumes at the horizon.
     pub partial_volumes: PartialVolumes,
-    /// Force model of the particles.
+    /// Peridynamic force model: bond-based or correspondence.
     pub model: BondModel,
     /// Correspondence model of families: whether the forces `w P K^-1 X` of bonds and those of springs contain the influence function, as in the published
     /// models. The energy exists only with it.

@@ -362,7 +362,7 @@ impl<const D: usize> UpdatedSph<D> {
             epsilon: choice.epsilon,
             exponent: choice.exponent,
             weight_at_spacing: reference.weight().normalized().at(&apart).value,
-            threshold: TENSIONLESS * stiffest,
+            threshold: STRESS_ROUNDING * stiffest,
         })
     }
 
@@ -452,7 +452,7 @@ impl<const D: usize> UpdatedSph<D> {
 }
 
 /// Principal stresses below this fraction of the stiffness are rounding errors.
-const TENSIONLESS: f64 = 1e-12;
+const STRESS_ROUNDING: f64 = 1e-12;
 
 impl<const D: usize> Discretization<D> for UpdatedSph<D> {
     fn crystal(&self) -> &Crystal<D> {

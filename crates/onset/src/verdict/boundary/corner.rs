@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 /// Spacings of the points from which a branch is extended. The next one is tried if the branches do not meet.
 const SPACINGS: [f64; 3] = [2e-5, 2e-6, 2e-7];
 /// Largest distance of the boundary from the intersection of the branches.
-const AGREEMENT: f64 = 1e-9;
+const CORNER_TOLERANCE: f64 = 1e-9;
 
 /// Distance of two further points beyond a step, as a fraction of the step, and the length of their brackets.
 const EXTENSION_STEPS: f64 = 0.05;
@@ -184,5 +184,5 @@ fn snapped<E>(
     Ok(found
         .place()
         .map(|(x, accuracy)| (line(x), x.abs() + accuracy))
-        .filter(|(_, off)| *off <= AGREEMENT))
+        .filter(|(_, off)| *off <= CORNER_TOLERANCE))
 }
