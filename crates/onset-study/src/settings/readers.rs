@@ -91,6 +91,7 @@ const METHODS: &[(&str, &[&[&str]])] = &[
             &["points-per-side=1"],
             &["grid-functions=gimp"],
             &["unknowns=particles", "transfer=flip"],
+            &["unknowns=particles", "transfer=fmpm"],
             &["unknowns=particles", "transfer=apic", "time-step=0.1"],
         ],
     ),
