@@ -462,6 +462,7 @@ fn the_lowest_hourglass_mode_is_found_where_two_branches_meet_in_any_units() {
             spacing,
             density,
             formulation: controlled(0.05),
+            ..ElementChoices::default()
         });
         let law = BlatzKo::new(mu).expect("a law");
         let waves = squares.expect("elements").waves(&law, &f).expect("waves");
@@ -636,7 +637,7 @@ fn assert_no_locking<const D: usize>(mesh: ElementMesh) {
     for lambda in [1e2, 1e4, 1e6] {
         let (locked, free) = (ratio(full(), lambda), ratio(mean_dilatation(), lambda));
         assert!((0.8..1.3).contains(&free), "{lambda}: {free}");
-        assert!(locked > 1e-3 * lambda, "{lambda}: {locked}");
+        assert!(locked > 1.0 + 1e-4 * lambda, "{lambda}: {locked}");
     }
 }
 

@@ -833,8 +833,14 @@ fn xpic_of_high_order_is_flip_without_the_velocities_that_the_grid_does_not_reso
     assert_eq!(of(FLIP).crystal().sites().len(), 4);
     let [own, flip] = [&method, &of(FLIP)].map(|method| stepped(method, &state::<2>()));
     let step = 0.6 * flip.critical_time_step();
-    for (n, (a, b)) in (factors(&own, step).iter().zip(factors(&flip, step))).enumerate() {
-        assert!((a - b).norm() < 1e-6, "{n}: {a} {b}");
+    for n in 0..25 {
+        let k = SVector::from([f64::from(n % 5), f64::from(n / 5)]) * (TAU / 0.8 / 9.0);
+        // Waves that the points hardly see need more terms.
+        let left = own.lost(&k).powi(100);
+        let [own, flip] = [&own, &flip].map(|waves| waves.factors(&k, step).concat());
+        for (a, b) in own.iter().zip(flip) {
+            assert!((a - b).norm() < 1e-9 + 10.0 * left, "{k:?}: {a} {b}");
+        }
     }
 }
 
