@@ -56,6 +56,7 @@ const METHODS: &[(&str, &[&[&str]])] = &[
             ],
             &["mesh=triangles"],
             &["mesh=bars"],
+            &["element-order=quadratic", "mass=consistent"],
         ],
     ),
     (

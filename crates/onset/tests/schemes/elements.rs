@@ -10,11 +10,11 @@ use onset::kinematics::DeformationGradient;
 use onset::lattice::{BravaisLattice, Crystal, LatticeKind, Particle, WaveGrids};
 use onset::material::{BlatzKo, Hyperelastic};
 use onset::method::MethodError;
-use onset::scheme::Discretization;
 use onset::scheme::element::{
     ElementChoices, ElementMass, ElementMesh, ElementOrder, ElementShape, FiniteElements,
     Formulation, HourglassScale, Integration, Mesh, MeshError,
 };
+use onset::scheme::{Discretization, PeriodicPatch};
 use std::f64::consts::{PI, TAU};
 
 const LAMBDA: f64 = 0.7;
@@ -662,6 +662,78 @@ fn elements_with_a_mean_dilatation_have_an_energy_and_no_zero_energy_modes() {
         let bricks = at_rest(&elements::<3>(ElementMesh::Bricks, mean_dilatation()));
         let lowest = bricks.omega_squared(&k)[0].re;
         assert!(in_units(lowest) > 0.1, "{corner}: {lowest}");
+    }
+}
+
+/// Energy of a patch of squares with a mean dilatation, written out, with the displacements of `CELLS` by `CELLS` nodes.
+fn energy_of_mean_dilatation(
+    material: &dyn Hyperelastic,
+    state: &DeformationGradient,
+    displacement: &dyn Fn(i32, i32) -> Vector2<f64>,
+) -> f64 {
+    let place = 0.5 / 3.0_f64.sqrt();
+    let mut energy = 0.0;
+    for (x, y) in (0..CELLS * CELLS).map(|n| (n % CELLS, n / CELLS)) {
+        let mut points = Vec::new();
+        for (right, up) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
+            let (a, b) = (0.5 + right * place, 0.5 + up * place);
+            let corners = [
+                (0, 0, [-(1.0 - b), -(1.0 - a)]),
+                (1, 0, [1.0 - b, -a]),
+                (0, 1, [-b, 1.0 - a]),
+                (1, 1, [b, a]),
+            ];
+            let mut f: Matrix2<f64> = state.leading::<2>();
+            for (i, j, slope) in corners {
+                f += displacement(x + i, y + j) * Vector2::from(slope).transpose() / SPACING;
+            }
+            points.push(f);
+        }
+        let mean = points.iter().map(Matrix2::determinant).sum::<f64>() / 4.0;
+        for f in points {
+            let own = state.with_leading(&(f * (mean / f.determinant()).sqrt()));
+            let density = material.response(&own).expect("a state").energy;
+            energy += density * SPACING * SPACING / 4.0;
+        }
+    }
+    energy
+}
+
+/// Number of cells along each side of a patch.
+const CELLS: i32 = 3;
+
+#[test]
+fn forces_with_a_mean_dilatation_are_the_slopes_of_its_energy_at_large_displacements() {
+    let (material, state) = (BlatzKo::new(MU).expect("a law"), sheared::<2>());
+    let squares = elements::<2>(ElementMesh::Quadrilaterals, mean_dilatation());
+    let patch = PeriodicPatch::new(squares.crystal(), [CELLS as usize; 2]);
+    let mut random = Random::new(14);
+    let displacements: Vec<Vector2<f64>> = (0..patch.len())
+        .map(|_| Vector2::from_fn(|_, _| 0.1 * SPACING * random.number()))
+        .collect();
+    let forces = squares.forces(&material, &state, &patch, &displacements);
+    for (node, force) in forces.expect("forces").iter().enumerate() {
+        for i in 0..2 {
+            let at = |step: f64| {
+                let moved = |x: i32, y: i32| {
+                    let n = patch.number(&Particle {
+                        site: 0,
+                        cell: [x, y],
+                    });
+                    let mut own = displacements[n];
+                    own[i] += if n == node { step } else { 0.0 };
+                    own
+                };
+                energy_of_mean_dilatation(&material, &state, &moved)
+            };
+            let h = 1e-5;
+            let slope = (at(h) - at(-h)) / (2.0 * h);
+            assert!(
+                (force[i] + slope).abs() < 1e-8,
+                "{node}: {} {slope}",
+                force[i]
+            );
+        }
     }
 }
 
