@@ -652,6 +652,59 @@ const ROWS: &[Row] = &[
         ],
     ),
     (
+        "integrations",
+        "discretization.integration",
+        &[
+            (
+                "full",
+                "f_a = -sum_q V_q P(F_q) grad N_a(X_q), two Gauss points along each axis",
+                "finite elements",
+            ),
+            (
+                "mean-dilatation",
+                "E = sum_q V_q W((theta/J_q)^(1/D) F_q), theta = sum_q V_q J_q / V, J in the dimensions of the mesh: B-bar at small strains",
+                "Simo, Taylor and Pister, Comput. Methods Appl. Mech. Eng. 51 (1985) 177",
+            ),
+            (
+                "one-point",
+                "f_a = -V P(F) b_a with the mean gradients b_a of the element",
+                "Flanagan and Belytschko, Int. J. Numer. Meth. Engng. 17 (1981) 679",
+            ),
+        ],
+    ),
+    (
+        "transfers",
+        "discretization.transfer",
+        &[
+            (
+                "continuous",
+                "dv_p/dt = sum_i N_ip f_i/m_i: the limit of flip for short steps",
+                "Brackbill and Ruppel, J. Comput. Phys. 65 (1986) 314",
+            ),
+            (
+                "flip",
+                "v_p' = sum_i N_ip v_i' + alpha (v_p - sum_i N_ip v_i), alpha = flip-share",
+                "Brackbill and Ruppel, J. Comput. Phys. 65 (1986) 314",
+            ),
+            ("pic", "v_p' = sum_i N_ip v_i'", "Harlow 1964"),
+            (
+                "apic",
+                "v_p' = sum_i N_ip v_i', C_p' = sum_i N_ip v_i' (x) (x_i - x_p) D_p^-1",
+                "Jiang, Schroeder, Selle, Teran and Stomakhin 2015",
+            ),
+            (
+                "xpic",
+                "v_p' = sum_i N_ip (v_i^k + v_i' - v_i), v^k = (1 + A + ... + A^(k-1)) v, A = 1 - S+ S, k = transfer-order",
+                "Hammerquist and Nairn, Comput. Methods Appl. Mech. Eng. 318 (2017) 724",
+            ),
+            (
+                "fmpm",
+                "as pic, with v'^k = (1 + A + ... + A^(k-1)) v' in the place of v' for velocities, positions and strains",
+                "Nairn and Hammerquist, Comput. Methods Appl. Mech. Eng. 386 (2021) 114075",
+            ),
+        ],
+    ),
+    (
         "hourglass-scales",
         "discretization.hourglass-scale",
         &[

@@ -146,6 +146,7 @@ fn elements(settings: &Settings) -> ElementChoices {
     let method = &settings.method;
     ElementChoices {
         mesh: method.mesh,
+        order: method.element_order,
         spacing: settings.discretization.spacing,
         density: settings.discretization.density,
         formulation: ElementFormulation {
@@ -229,6 +230,12 @@ fn material_points(settings: &Settings) -> MaterialPointChoices {
                     },
                     Velocities::Pic => Transfer::Blended { flip: 0.0 },
                     Velocities::Apic => Transfer::Affine,
+                    Velocities::Xpic => Transfer::Extended {
+                        order: method.transfer_order,
+                    },
+                    Velocities::Fmpm => Transfer::FullMass {
+                        order: method.transfer_order,
+                    },
                 },
             },
         },

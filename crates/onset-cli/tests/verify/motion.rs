@@ -110,7 +110,7 @@ impl Subject {
 
     /// Material points whose velocities are transferred through the grid in each step.
     fn transfers(dimensions: &[usize]) -> Vec<Self> {
-        let transfers: [(&str, &[&str]); 5] = [
+        let transfers: [(&str, &[&str]); 7] = [
             ("material points, FLIP", &["transfer=flip"]),
             (
                 "material points, FLIP and PIC",
@@ -118,6 +118,11 @@ impl Subject {
             ),
             ("material points, PIC", &["transfer=pic"]),
             ("material points, APIC", &["transfer=apic"]),
+            ("material points, XPIC(2)", &["transfer=xpic"]),
+            (
+                "material points, FMPM(4)",
+                &["transfer=fmpm", "transfer-order=4"],
+            ),
             (
                 "material points, MLS-MPM",
                 &["transfer=apic", "grid-gradients=moments"],

@@ -6,7 +6,7 @@ use super::needs::{Cases, is, is_not};
 use onset::material::Admitted::{Any, Fraction, NotNegative, Positive, Within};
 use onset::method::CurrentLattice;
 use onset::scheme::conforming::SmoothingDomain;
-use onset::scheme::element::{ElementMass, ElementMesh, HourglassScale, Integration};
+use onset::scheme::element::{ElementMass, ElementMesh, ElementOrder, HourglassScale, Integration};
 use onset::scheme::sph::{DensityEvolution, MomentumForm};
 use onset::scheme::stabilization::{PenaltyForm, SmoothedMotion, ViscositySwitch};
 use onset::scheme::{
@@ -114,6 +114,10 @@ pub enum Velocities {
     Pic,
     /// APIC: points take the grid velocities with affine fields.
     Apic,
+    /// XPIC: points keep what an approximation of the full mass matrix resolves of their velocities.
+    Xpic,
+    /// FMPM: an approximation of the full mass matrix replaces the lumped masses.
+    Fmpm,
 }
 
 impl Velocities {
@@ -124,6 +128,8 @@ impl Velocities {
             Self::Flip => "flip",
             Self::Pic => "pic",
             Self::Apic => "apic",
+            Self::Xpic => "xpic",
+            Self::Fmpm => "fmpm",
         }
     }
 }
@@ -165,6 +171,8 @@ pub struct MethodSettings {
     pub smoothed_motion: SmoothedMotion,
     /// Finite elements: the mesh.
     pub mesh: ElementMesh,
+    /// Finite elements: degree of the shape functions.
+    pub element_order: ElementOrder,
     /// Finite elements: integration points.
     pub integration: Integration,
     /// Finite elements: coefficient of hourglass stiffness.
@@ -211,6 +219,8 @@ pub struct MethodSettings {
     pub transfer: Velocities,
     /// Material points: fraction of its velocity that a point keeps in a step (FLIP).
     pub flip_share: f64,
+    /// Material points: order of the approximation of the full mass matrix (XPIC, FMPM).
+    pub transfer_order: u32,
     /// Material points: time step for growth rates; zero selects half of the largest stable step.
     pub time_step: f64,
     /// Material points: masses of the nodes.
@@ -238,6 +248,7 @@ impl Default for MethodSettings {
             velocity_smoothing: 0.0,
             smoothed_motion: SmoothedMotion::Everything,
             mesh: ElementMesh::Quadrilaterals,
+            element_order: ElementOrder::Linear,
             integration: Integration::Full,
             hourglass_stiffness: 0.0,
             hourglass_viscosity: 0.0,
@@ -261,6 +272,7 @@ impl Default for MethodSettings {
             unknowns: Unknowns::Updated,
             transfer: Velocities::Continuous,
             flip_share: 1.0,
+            transfer_order: 2,
             time_step: 0.0,
             grid_mass: GridMass::Lumped,
             grid: CurrentLattice::Convected,
@@ -335,7 +347,10 @@ const SMOOTHED: Cases = &[&[
 ]];
 const ELEMENTS: Cases = &[&[is(METHOD, &["finite-elements"])]];
 /// Elements with a varying gradient.
-const MULTILINEAR: Cases = &[&[is("discretization.mesh", &["quadrilaterals", "bricks"])]];
+const MULTILINEAR: Cases = &[&[
+    is("discretization.mesh", &["quadrilaterals", "bricks"]),
+    is("discretization.element-order", &["linear"]),
+]];
 const ONE_POINT: Cases = &[&[is("discretization.integration", &["one-point"])]];
 /// Elements with hourglass control.
 const HOURGLASS: Cases = &[
@@ -359,7 +374,11 @@ const SMOOTH_FUNCTIONS: Cases = &[&[is(
 )]];
 const PARTICLE_UNKNOWNS: Cases = &[&[is("discretization.unknowns", &["particles"])]];
 const FLIP: Cases = &[&[is("discretization.transfer", &["flip"])]];
-const TRANSFERRED: Cases = &[&[is("discretization.transfer", &["flip", "pic", "apic"])]];
+const OF_AN_ORDER: Cases = &[&[is("discretization.transfer", &["xpic", "fmpm"])]];
+const TRANSFERRED: Cases = &[&[is(
+    "discretization.transfer",
+    &["flip", "pic", "apic", "xpic", "fmpm"],
+)]];
 const CURRENT: Cases = &[&[is("discretization.unknowns", &["updated", "particles"])]];
 
 /// Keys of the families of methods, in the order of the documentation.
@@ -471,9 +490,15 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     )
     .only_with(ELEMENTS),
     key(
+        "discretization.element-order",
+        Kind::Words(&["linear", "quadratic"]),
+        "finite elements: nodes at the corners, or also in the middles of the edges",
+    )
+    .only_with(ELEMENTS),
+    key(
         "discretization.integration",
-        Kind::Words(&["full", "one-point"]),
-        "finite elements: integration points",
+        Kind::Words(&["full", "mean-dilatation", "one-point"]),
+        "finite elements: integration points, with the mean dilatation of the element for nearly incompressible laws",
     )
     .only_with(MULTILINEAR),
     key(
@@ -496,8 +521,8 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     .only_with(HOURGLASS),
     key(
         "discretization.mass",
-        Kind::Words(&["lumped", "consistent"]),
-        "finite elements: mass matrix",
+        Kind::Words(&["lumped", "hrz", "consistent"]),
+        "finite elements: mass matrix; hrz: lumped in the ratio of the diagonal (Hinton, Rock, Zienkiewicz)",
     )
     .only_with(ELEMENTS),
     key(
@@ -605,7 +630,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     .only_with(POINTS),
     key(
         "discretization.transfer",
-        Kind::Words(&["continuous", "flip", "pic", "apic"]),
+        Kind::Words(&["continuous", "flip", "pic", "apic", "xpic", "fmpm"]),
         "material points: transfer of velocities through the grid, in continuous time or once per time step",
     )
     .only_with(PARTICLE_UNKNOWNS),
@@ -615,6 +640,12 @@ pub(super) const METHOD_KEYS: &[Key] = &[
         "material points: fraction of its velocity that a point keeps in a step, from 0 (PIC) to 1 (FLIP)",
     )
     .only_with(FLIP),
+    key(
+        "discretization.transfer-order",
+        Kind::Whole(1, 100),
+        "material points: order k of XPIC(k) or FMPM(k), terms of the inverse of the full mass matrix; 1 for PIC",
+    )
+    .only_with(OF_AN_ORDER),
     key(
         "discretization.time-step",
         Kind::Number("time", NotNegative),

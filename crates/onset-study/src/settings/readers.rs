@@ -56,6 +56,7 @@ const METHODS: &[(&str, &[&[&str]])] = &[
             ],
             &["mesh=triangles"],
             &["mesh=bars"],
+            &["element-order=quadratic", "mass=consistent"],
         ],
     ),
     (
@@ -91,6 +92,7 @@ const METHODS: &[(&str, &[&[&str]])] = &[
             &["points-per-side=1"],
             &["grid-functions=gimp"],
             &["unknowns=particles", "transfer=flip"],
+            &["unknowns=particles", "transfer=fmpm"],
             &["unknowns=particles", "transfer=apic", "time-step=0.1"],
         ],
     ),

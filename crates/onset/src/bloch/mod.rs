@@ -36,7 +36,7 @@ pub(crate) use search::{is_well, settled, settled_along};
 pub(crate) use spectrum::Judgment;
 pub use spectrum::{Mode, SpectrumSummary, Stability};
 pub use system::{BlochBlocks, BlochSum, Mass, WaveSystem};
-pub use transferred::TransferredWaves;
+pub use transferred::{TransferredWaves, VelocityFilter};
 
 use crate::algebra::Complex;
 use nalgebra::SVector;

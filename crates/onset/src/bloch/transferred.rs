@@ -14,22 +14,85 @@ const GROWTH_TOLERANCE: f64 = 1e-10;
 /// Largest `|omega^2 dt^2|` with the general formula: beyond it the larger factor equals `-omega^2 dt^2` to all digits, and squares may overflow.
 const LARGEST_STEP_SQUARE: f64 = 1e40;
 
+/// Velocities that points take back from the grid in a step.
+///
+/// `L = 1 - T` is the fraction of the velocities of a wave that is lost in the transfer to the points and back, and `s` the velocity of a wave on the
+/// grid before the forces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum VelocityFilter {
+    /// Points keep a fraction of the velocity that the grid does not resolve: `s' = T w + flip L s`.
+    Blended {
+        /// Fraction of its previous velocity that a point keeps.
+        flip: f64,
+    },
+    /// Points keep what an approximation of the full mass matrix of order `k` resolves of their velocity: `s' = T w + (L - L^k) s`.
+    Extended {
+        /// Order `k` of the approximation, from 1.
+        order: u32,
+    },
+    /// The lumped masses of the nodes are replaced by this approximation, with the inverse `(1 + L + ... + L^(k-1)) / m`: `s' = (1 - L^k) w` for
+    /// velocities `s` with this mass.
+    FullMass {
+        /// Order `k` of the approximation, from 1.
+        order: u32,
+    },
+}
+
+/// Coefficients of a [`VelocityFilter`] at a wave vector.
+struct Filtered {
+    /// `1 - T - R`.
+    damped: f64,
+    /// `R`.
+    own: f64,
+    /// Inverse mass of the nodes over the inverse lumped mass.
+    mobility: f64,
+}
+
+impl VelocityFilter {
+    /// Coefficients for waves that lose the fraction `L` of their velocity.
+    fn at(self, lost: f64) -> Filtered {
+        let kept = |order: u32| lost.powi(order.try_into().unwrap_or(i32::MAX));
+        match self {
+            Self::Blended { flip } => Filtered {
+                damped: (1.0 - flip) * lost,
+                own: flip * lost,
+                mobility: 1.0,
+            },
+            Self::Extended { order } => Filtered {
+                damped: kept(order),
+                own: lost - kept(order),
+                mobility: 1.0,
+            },
+            Self::FullMass { order } => Filtered {
+                damped: kept(order),
+                own: 0.0,
+                mobility: geometric(lost, order),
+            },
+        }
+    }
+}
+
+/// Sum `1 + x + ... + x^(n-1)`.
+fn geometric(x: f64, n: u32) -> f64 {
+    (0..n).fold(0.0, |sum, _| 1.0 + x * sum)
+}
+
 /// Waves of a state in discrete time, for a method that stores velocities at points and accelerates them on a grid.
 ///
 /// The displacements `u` of the nodes and the velocities `s` transferred to them from the points satisfy, step by step,
 ///
-/// `w = s - dt M^-1 K u`, `u' = u + dt w`, `s' = T w + R s`.
+/// `w = s - dt q M^-1 K u`, `u' = u + dt w`, `s' = T w + R s`.
 ///
-/// Here `w` are the velocities after the forces, `T`, `0 <= T(k) <= 1`, is the transfer to the points and back, and `R = flip (1 - T)` is the part of
-/// their previous velocities that points keep. `T` is a number at each wave vector, 1 at zero. Each `omega^2` of `M^-1 K` therefore has the factors
-/// `z` of
+/// Here `w` are the velocities after the forces, `T`, `0 <= T(k) <= 1`, is the transfer to the points and back, and `R` is the part of their previous
+/// velocities that points keep, `R = flip (1 - T)` or as given by another [`VelocityFilter`]. The factor `q` is 1 for lumped masses `M`. All three
+/// are numbers at each wave vector, `T` is 1 at zero. Each `omega^2` of `M^-1 K` therefore has the factors `z` of
 ///
-/// `z^2 - (1 + T + R - omega^2 dt^2) z + T + R - R omega^2 dt^2 = 0`.
+/// `z^2 - (1 + T + R - q omega^2 dt^2) z + T + R - R q omega^2 dt^2 = 0`.
 ///
 /// There is no such equation in continuous time: over a given physical time shorter steps filter more often, and for `dt -> 0` a wave with
 /// `T + R < 1` stops. Waves with `omega^2 < 0` grow for any step and any filter. Waves with `omega^2 > 0` stay bounded up to
-/// `omega^2 dt^2 = 2 (1 + T + R) / (1 + R)`. Velocities of points without effect on the grid are multiplied by `flip`, and positions and deformations
-/// without effect on the grid persist, so neither grows.
+/// `q omega^2 dt^2 = 2 (1 + T + R) / (1 + R)`. Velocities of points without effect on the grid are multiplied by `flip` or vanish, and positions and
+/// deformations without effect on the grid persist, so neither grows.
 ///
 /// Units: `K` force/length, `M` mass, rates 1/time.
 ///
@@ -62,7 +125,7 @@ pub struct TransferredWaves<const D: usize> {
     system: WaveSystem<D>,
     /// Transfer `T(k) = sum c cos(k.X)`: vectors between nodes with coefficients `c` that add up to one.
     kept: Vec<(SVector<f64, D>, f64)>,
-    flip: f64,
+    filter: VelocityFilter,
     isolated_point: Option<f64>,
 }
 
@@ -70,8 +133,8 @@ impl<const D: usize> TransferredWaves<D> {
     /// Creates the waves of a grid with one node per cell.
     ///
     /// The arguments are the equations of motion of nodes that keep their velocities, the transfer `T` between nodes as multiples of the identity,
-    /// and the fraction of its previous velocity that a point keeps.
-    pub fn new(system: WaveSystem<D>, kept: &BlochSum<D>, flip: f64) -> Self {
+    /// and the velocities that points take back.
+    pub fn new(system: WaveSystem<D>, kept: &BlochSum<D>, filter: VelocityFilter) -> Self {
         let position = |node: &Particle<D>| system.crystal().position(node);
         let term = |(site, to, block): (usize, &Particle<D>, &nalgebra::SMatrix<f64, D, D>)| {
             (
@@ -82,7 +145,7 @@ impl<const D: usize> TransferredWaves<D> {
         Self {
             kept: kept.blocks().map(term).collect(),
             system,
-            flip,
+            filter,
             isolated_point: None,
         }
     }
@@ -106,9 +169,31 @@ impl<const D: usize> TransferredWaves<D> {
         &self.system
     }
 
-    /// Fraction of its previous velocity that a point keeps in a step.
-    pub fn flip(&self) -> f64 {
-        self.flip
+    /// Inverse mass of the nodes in a wave, over the inverse of the lumped mass; dimensionless.
+    pub fn mobility(&self, k: &SVector<f64, D>) -> f64 {
+        self.filter(k).mobility
+    }
+
+    /// Velocities of the points in a solution with the factor `z`, over the displacements of the nodes interpolated to the points; 1/time.
+    ///
+    /// With `w = (z - 1) u / dt` after the forces and `s = w + dt omega^2 u` before, both for lumped masses, `z v = flip v + w - flip s` for a blend,
+    /// `z v = w + (q - 1) s` for XPIC and `z v = w` for FMPM.
+    pub fn speed(
+        &self,
+        k: &SVector<f64, D>,
+        omega_squared: Complex,
+        z: Complex,
+        step: f64,
+    ) -> Complex {
+        let after = (z - 1.0) / step;
+        let before = after + omega_squared * step;
+        match self.filter {
+            VelocityFilter::Blended { flip } => (after - before * flip) / (z - flip),
+            VelocityFilter::Extended { order } => {
+                (after + before * (geometric(self.lost(k), order) - 1.0)) / z
+            }
+            VelocityFilter::FullMass { .. } => after / z,
+        }
     }
 
     /// Fraction `1 - T(k)` of the velocities of a wave that the transfer to the points and back removes in a step; dimensionless.
@@ -120,10 +205,8 @@ impl<const D: usize> TransferredWaves<D> {
         self.kept.iter().map(term).sum::<f64>().clamp(0.0, 1.0)
     }
 
-    /// Filter coefficients `1 - T - R` and `R`.
-    fn filter(&self, k: &SVector<f64, D>) -> (f64, f64) {
-        let lost = self.lost(k);
-        ((1.0 - self.flip) * lost, self.flip * lost)
+    fn filter(&self, k: &SVector<f64, D>) -> Filtered {
+        self.filter.at(self.lost(k))
     }
 
     /// All `omega^2` of a wave vector without filter; values within rounding are set to zero. 1/time^2.
@@ -139,10 +222,14 @@ impl<const D: usize> TransferredWaves<D> {
 
     /// Factors of the two solutions of each wave per step, minus one, sorted by the real part of `omega^2`; the larger factor first.
     fn changes(&self, k: &SVector<f64, D>, step: f64) -> Vec<[Complex; 2]> {
-        let (damped, own) = self.filter(k);
+        let Filtered {
+            damped,
+            own,
+            mobility,
+        } = self.filter(k);
         let of = |omega_squared: Complex| {
-            // With z = 1 + c: c^2 + (1 - T - R + y^2) c + y^2 (1 - R) = 0.
-            let square = omega_squared * (step * step);
+            // With z = 1 + c and y^2 = q omega^2 dt^2: c^2 + (1 - T - R + y^2) c + y^2 (1 - R) = 0.
+            let square = omega_squared * (mobility * step * step);
             let half = (square + damped) * 0.5;
             let product = square * (1.0 - own);
             let root = match square.norm() > LARGEST_STEP_SQUARE {
@@ -181,15 +268,15 @@ impl<const D: usize> TransferredWaves<D> {
         lasting.map(|change| logarithm(change) / step).collect()
     }
 
-    /// Largest stable step for the waves with one wave vector, `sqrt(2 (1 + T + R) / (1 + R)) / omega` of the fastest wave. Time.
+    /// Largest stable step for the waves with one wave vector, `sqrt(2 (1 + T + R) / (q (1 + R))) / omega` of the fastest wave. Time.
     ///
     /// Waves that grow for any step do not count. For a complex `omega^2`, which grows unless the filter damps it, the real part counts. Infinite if
     /// nothing oscillates.
     pub fn critical_time_step_at(&self, k: &SVector<f64, D>) -> f64 {
-        let (damped, own) = self.filter(k);
+        let filtered = self.filter(k);
         let squares = self.omega_squared(k).into_iter().map(|z| z.re);
-        let fastest = squares.fold(0.0, f64::max);
-        (2.0 * (2.0 - damped) / ((1.0 + own) * fastest)).sqrt()
+        let fastest = filtered.mobility * squares.fold(0.0, f64::max);
+        (2.0 * (2.0 - filtered.damped) / ((1.0 + filtered.own) * fastest)).sqrt()
     }
 
     /// Search over the zone of the nodes.
@@ -207,7 +294,7 @@ impl<const D: usize> TransferredWaves<D> {
 
     /// Rate with the largest real part at a wave vector. Growth within the rounding of `omega^2` is set to zero.
     fn fastest_at(&self, k: &SVector<f64, D>, step: f64) -> Complex {
-        let noise = ZERO_FREQUENCY_NOISE_FACTOR * self.system.noise();
+        let noise = ZERO_FREQUENCY_NOISE_FACTOR * self.system.noise() * self.mobility(k);
         let told = |rate: Complex| {
             // Short steps: `d omega^2 = 2 s ds`. Long steps, whose factor is `omega^2 dt^2`: `ds = d omega^2 / (omega^2 dt)`.
             let change = ((rate * step).exp() - 1.0).norm() / step;

@@ -45,7 +45,17 @@ pub enum MeshError {
     },
     /// Hourglass control was requested for elements without hourglass modes.
     #[error(
-        "hourglass control is not supported with full integration, which has no hourglass modes; choose integration = \"one-point\", or set hourglass-stiffness and hourglass-viscosity to 0"
+        "hourglass control is not supported with full integration or a mean dilatation, which have no hourglass modes; choose integration = \"one-point\", or set hourglass-stiffness and hourglass-viscosity to 0"
     )]
     NeedlessControl,
+    /// A row sum of the mass matrix is negative or zero, as at the corners of quadratic elements.
+    #[error(
+        "node {site} of a cell has the lumped mass {share:.4} of the cell (the sum of its row of the mass matrix); lumped masses must be positive: choose mass = \"hrz\" or \"consistent\""
+    )]
+    Massless {
+        /// Number of the node in the cell.
+        site: usize,
+        /// Lumped mass over the mass of the cell; dimensionless.
+        share: f64,
+    },
 }

@@ -251,21 +251,18 @@ impl<const D: usize> PatchMotion for TransferredPatch<'_, D> {
         steps.fold(f64::INFINITY, f64::min)
     }
 
-    /// Ratio of point velocities to nodal displacements, `z v_p = flip v_p + N_p (w - flip s)`, with the nodal velocities `w = (z - 1) u / dt` after
-    /// the forces and `s = w + dt omega^2 u` before.
     fn stepped(&self, wave: &PatchWave, _: Stepper, step: f64) -> Option<SteppedWave> {
         let k = wave.vector();
         let (omega_squared, mode) = self.mode(wave)?;
         let mut factors = *self.nodal.factors(&k, step).get(wave.branch - 1)?;
-        // Points that a wave strains without moving them transfer no velocity to the nodes: u' = (1 - omega^2 dt^2) u.
+        // Points that a wave strains without moving them transfer no velocity to the nodes: u' = (1 - q omega^2 dt^2) u.
         let is_at_rest = 1.0 - self.nodal.lost(&k) < INVISIBLE_AMPLITUDE;
         if is_at_rest {
-            factors = [1.0 - omega_squared * (step * step), Complex::new(0.0, 0.0)];
+            let square = omega_squared * (self.nodal.mobility(&k) * step * step);
+            factors = [1.0 - square, Complex::new(0.0, 0.0)];
         }
-        let flip = self.nodal.flip();
         let speed = |z: Complex| {
-            let after = (z - 1.0) / step;
-            let speed = (after * (1.0 - flip) - omega_squared * (flip * step)) / (z - flip);
+            let speed = self.nodal.speed(&k, omega_squared, z, step);
             // The velocity is zero if the nodal velocities are lost, or if the wave does not move.
             match speed.is_finite() && !wave.has_zero_energy && !is_at_rest {
                 true => speed,

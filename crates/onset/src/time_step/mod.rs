@@ -15,7 +15,7 @@ pub use amplification::{
 };
 pub use stepping::{Stepping, WaveParts};
 
-pub use crate::bloch::TransferredWaves;
+pub use crate::bloch::{TransferredWaves, VelocityFilter};
 
 use crate::algebra::Complex;
 use runge_kutta::Stages;

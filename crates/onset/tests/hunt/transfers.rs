@@ -45,6 +45,7 @@ fn no_random_transfer_grows_faster_or_needs_shorter_steps_than_the_search_report
 
 fn choices(random: &mut Random) -> MaterialPointChoices {
     let flip = random.share();
+    let order = random.one_of(&[1, 2, 3, 5, 8]);
     // The center of a cell is a knot of quadratic splines, where they have no second derivative.
     let offset = random.one_of(&[0.02, 0.05, 0.5]);
     MaterialPointChoices {
@@ -68,6 +69,8 @@ fn choices(random: &mut Random) -> MaterialPointChoices {
                 Transfer::Blended { flip },
                 Transfer::Affine,
                 Transfer::Affine,
+                Transfer::Extended { order },
+                Transfer::FullMass { order },
             ]),
         },
     }
@@ -375,7 +378,30 @@ impl<const D: usize> Step<D> {
                 }
             }
         }
-        let after = &before + forces * number(step);
+        let mut after = &before + &forces * number(step);
+        // The transfer of the node velocities to the points and back is a number at each wave vector.
+        let there_and_back = |(seen, (_, volume)): (&Vec<Seen<D>>, &(SVector<f64, D>, f64))| {
+            let own: Complex<f64> = seen
+                .iter()
+                .map(|(node, _, weight, ..)| phase(node) * *weight)
+                .sum();
+            own.norm_sqr() * self.density * volume / mass
+        };
+        let transferred: f64 = seen.iter().zip(&self.places).map(there_and_back).sum();
+        let series = |order: u32| {
+            (0..order)
+                .map(|l| (1.0 - transferred).powf(f64::from(l)))
+                .sum::<f64>()
+        };
+        let mut taken = after.clone();
+        match self.transfer {
+            Transfer::Extended { order } => taken += &before * number(series(order) - 1.0),
+            Transfer::FullMass { order } => {
+                after *= number(series(order));
+                taken = after.clone();
+            }
+            _ => {}
+        }
         let scale = (self.current * self.current.transpose() * self.moment())
             .try_inverse()
             .expect("a lattice");
@@ -400,11 +426,12 @@ impl<const D: usize> Step<D> {
                         let new = after[(i, column)] * phase;
                         let old = before[(i, column)] * phase;
                         matrix[(at + i, column)] += new * (step * weight);
-                        matrix[(at + of_v + i, column)] += new * *weight;
+                        matrix[(at + of_v + i, column)] += taken[(i, column)] * phase * *weight;
                         match self.transfer {
                             Transfer::Blended { flip } => {
                                 matrix[(at + of_v + i, column)] -= old * (flip * weight);
                             }
+                            Transfer::Extended { .. } | Transfer::FullMass { .. } => {}
                             _ => {
                                 for j in 0..D {
                                     matrix[(at + of_c + D * i + j, column)] +=

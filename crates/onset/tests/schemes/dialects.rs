@@ -476,6 +476,7 @@ fn hourglass_control_of_radioss_agrees_with_its_formulas() {
         spacing: 0.8,
         density: DENSITY,
         formulation: radioss(0.1, 0.0),
+        ..ElementChoices::default()
     })
     .expect("elements");
     let lowest = cubes.waves(&*material, &rest).expect("waves");
@@ -494,6 +495,7 @@ fn hourglass_control_of_radioss_is_viscous_in_the_plane() {
             spacing: 0.8,
             density: DENSITY,
             formulation,
+            ..ElementChoices::default()
         })
     };
     let system = squares(radioss(0.0, 0.2)).expect("elements");

@@ -10,11 +10,11 @@ use onset::kinematics::DeformationGradient;
 use onset::lattice::{BravaisLattice, Crystal, LatticeKind, Particle, WaveGrids};
 use onset::material::{BlatzKo, Hyperelastic};
 use onset::method::MethodError;
-use onset::scheme::Discretization;
 use onset::scheme::element::{
-    ElementChoices, ElementMass, ElementMesh, ElementShape, FiniteElements, Formulation,
-    HourglassScale, Integration, Mesh, MeshError,
+    ElementChoices, ElementMass, ElementMesh, ElementOrder, ElementShape, FiniteElements,
+    Formulation, HourglassScale, Integration, Mesh, MeshError,
 };
+use onset::scheme::{Discretization, PeriodicPatch};
 use std::f64::consts::{PI, TAU};
 
 const LAMBDA: f64 = 0.7;
@@ -43,6 +43,13 @@ fn consistent() -> Formulation {
     }
 }
 
+fn mean_dilatation() -> Formulation {
+    Formulation {
+        integration: Integration::MeanDilatation,
+        ..full()
+    }
+}
+
 fn controlled(hourglass_stiffness: f64) -> Formulation {
     Formulation {
         hourglass_stiffness,
@@ -56,6 +63,7 @@ fn elements<const D: usize>(mesh: ElementMesh, formulation: Formulation) -> Fini
         spacing: SPACING,
         density: DENSITY,
         formulation,
+        ..ElementChoices::default()
     })
     .expect("elements")
 }
@@ -92,7 +100,7 @@ fn assert_elements<const D: usize>(mesh: Mesh<D>) {
         mesh.shape() == ElementShape::Multilinear && D > 1 && mesh.crystal().sites().len() > 1;
     let mut formulations = vec![full(), consistent(), ONE_POINT];
     if mesh.shape() == ElementShape::Multilinear {
-        formulations.push(controlled(0.3));
+        formulations.extend([controlled(0.3), mean_dilatation()]);
     }
     for formulation in formulations {
         let scheme = FiniteElements::on(mesh.clone(), DENSITY, formulation).expect("elements");
@@ -150,13 +158,9 @@ fn turned_mesh<const D: usize>(mesh: &Mesh<D>, turn: &SMatrix<f64, D, D>) -> Mes
     Mesh::new(crystal, mesh.shape(), mesh.elements().to_vec()).expect("a mesh")
 }
 
-fn assert_turns<const D: usize>(mesh: ElementMesh) {
+fn assert_turns<const D: usize>(mesh: ElementMesh, formulation: Formulation) {
     let turn = turned::<D>();
     let mesh = mesh.mesh::<D>(SPACING).expect("a mesh");
-    let formulation = match mesh.shape() {
-        ElementShape::Simplex => consistent(),
-        ElementShape::Multilinear => controlled(0.2),
-    };
     let state = sheared::<D>();
     let turned_state = state.with_leading(&(turn * state.leading::<D>() * turn.transpose()));
     // Only the relative motion of the particles counts, not the orientation in space.
@@ -183,20 +187,19 @@ fn assert_turns<const D: usize>(mesh: ElementMesh) {
 #[test]
 fn frequencies_are_invariant_to_rotations_of_the_setup_and_of_the_body() {
     for mesh in [
-        ElementMesh::Quadrilaterals,
         ElementMesh::Triangles,
         ElementMesh::TrianglesAlternating,
         ElementMesh::TrianglesCrossed,
         ElementMesh::TrianglesEquilateral,
     ] {
-        assert_turns::<2>(mesh);
+        assert_turns::<2>(mesh, consistent());
     }
-    for mesh in [
-        ElementMesh::Bricks,
-        ElementMesh::Tetrahedra,
-        ElementMesh::TetrahedraBodyCentered,
-    ] {
-        assert_turns::<3>(mesh);
+    for mesh in [ElementMesh::Tetrahedra, ElementMesh::TetrahedraBodyCentered] {
+        assert_turns::<3>(mesh, consistent());
+    }
+    for formulation in [controlled(0.2), mean_dilatation()] {
+        assert_turns::<2>(ElementMesh::Quadrilaterals, formulation);
+        assert_turns::<3>(ElementMesh::Bricks, formulation);
     }
 }
 
@@ -459,6 +462,7 @@ fn the_lowest_hourglass_mode_is_found_where_two_branches_meet_in_any_units() {
             spacing,
             density,
             formulation: controlled(0.05),
+            ..ElementChoices::default()
         });
         let law = BlatzKo::new(mu).expect("a law");
         let waves = squares.expect("elements").waves(&law, &f).expect("waves");
@@ -585,4 +589,271 @@ fn invalid_meshes_are_rejected() {
     assert!(FiniteElements::on(mesh, 0.0, full()).is_err());
     assert!(ElementMesh::Bricks.mesh::<2>(1.0).is_err());
     assert!(ElementMesh::Bricks.mesh::<3>(-1.0).is_err());
+}
+
+/// Waves at rest with a law of given constants.
+fn at_rest_with<const D: usize>(
+    mesh: ElementMesh,
+    formulation: Formulation,
+    lambda: f64,
+    mu: f64,
+) -> WaveSystem<D> {
+    let material = saint_venant_kirchhoff(lambda, mu);
+    let waves =
+        elements::<D>(mesh, formulation).waves(&*material, &DeformationGradient::identity());
+    waves.expect("waves")
+}
+
+fn assert_mean_dilatation_at_small_strains<const D: usize>(mesh: ElementMesh) {
+    // mu |dev eps|^2 at the points of full integration, and (lambda + 2 mu / D) / 2 (mean div u)^2: a sum of stiffnesses linear in both constants.
+    let of = |formulation, lambda, mu| at_rest_with::<D>(mesh, formulation, lambda, mu);
+    let mean = of(mean_dilatation(), LAMBDA, MU);
+    let full = [(0.5, MU), (1.5, MU)].map(|(lambda, mu)| of(full(), lambda, mu));
+    let one = [(0.5, MU), (1.5, MU)].map(|(lambda, mu)| of(ONE_POINT, lambda, mu));
+    let mut random = Random::new(12);
+    for _ in 0..10 {
+        let k = wave::<D>(&mut random);
+        let [a, b, c, d] = [&full[0], &full[1], &one[0], &one[1]].map(|own| own.stiffness().at(&k));
+        let per_lambda = &b - &a;
+        let of_shear = a - per_lambda.scale(0.5 + 2.0 * MU / D as f64);
+        let expected = of_shear + (d - c).scale(LAMBDA + 2.0 * MU / D as f64);
+        assert!((mean.stiffness().at(&k) - expected).norm() < 1e-11);
+    }
+}
+
+#[test]
+fn a_mean_dilatation_is_b_bar_at_small_strains() {
+    assert_mean_dilatation_at_small_strains::<2>(ElementMesh::Quadrilaterals);
+    assert_mean_dilatation_at_small_strains::<3>(ElementMesh::Bricks);
+}
+
+fn assert_no_locking<const D: usize>(mesh: ElementMesh) {
+    // A wave of six elements. In the material the slowest wave is a shear wave, for every lambda.
+    let k = SVector::<f64, D>::from_fn(|i, _| [1.0, 0.3, 0.2][i] / SPACING);
+    let ratio = |formulation, lambda| {
+        let waves = at_rest_with::<D>(mesh, formulation, lambda, MU);
+        waves.omega_squared(&k)[0].re * DENSITY / (MU * k.norm_squared())
+    };
+    for lambda in [1e2, 1e4, 1e6] {
+        let (locked, free) = (ratio(full(), lambda), ratio(mean_dilatation(), lambda));
+        assert!((0.8..1.3).contains(&free), "{lambda}: {free}");
+        assert!(locked > 1.0 + 1e-4 * lambda, "{lambda}: {locked}");
+    }
+}
+
+#[test]
+fn shear_waves_of_nearly_incompressible_laws_lock_with_full_integration_and_not_with_a_mean_dilatation()
+ {
+    assert_no_locking::<2>(ElementMesh::Quadrilaterals);
+    assert_no_locking::<3>(ElementMesh::Bricks);
+}
+
+#[test]
+fn elements_with_a_mean_dilatation_have_an_energy_and_no_zero_energy_modes() {
+    let squares = elements::<2>(ElementMesh::Quadrilaterals, mean_dilatation());
+    let system = squares.waves(&*material(), &sheared::<2>()).expect("waves");
+    let mut random = Random::new(13);
+    for _ in 0..10 {
+        let stiffness = system.stiffness().at(&wave::<2>(&mut random));
+        assert!((&stiffness - stiffness.adjoint()).norm() < 1e-12);
+    }
+    for corner in 1..8_usize {
+        let k = Vector3::from_fn(|i, _| (corner >> i & 1) as f64 * PI / SPACING);
+        let bricks = at_rest(&elements::<3>(ElementMesh::Bricks, mean_dilatation()));
+        let lowest = bricks.omega_squared(&k)[0].re;
+        assert!(in_units(lowest) > 0.1, "{corner}: {lowest}");
+    }
+}
+
+/// Energy of a patch of squares with a mean dilatation, written out, with the displacements of `CELLS` by `CELLS` nodes.
+fn energy_of_mean_dilatation(
+    material: &dyn Hyperelastic,
+    state: &DeformationGradient,
+    displacement: &dyn Fn(i32, i32) -> Vector2<f64>,
+) -> f64 {
+    let place = 0.5 / 3.0_f64.sqrt();
+    let mut energy = 0.0;
+    for (x, y) in (0..CELLS * CELLS).map(|n| (n % CELLS, n / CELLS)) {
+        let mut points = Vec::new();
+        for (right, up) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
+            let (a, b) = (0.5 + right * place, 0.5 + up * place);
+            let corners = [
+                (0, 0, [-(1.0 - b), -(1.0 - a)]),
+                (1, 0, [1.0 - b, -a]),
+                (0, 1, [-b, 1.0 - a]),
+                (1, 1, [b, a]),
+            ];
+            let mut f: Matrix2<f64> = state.leading::<2>();
+            for (i, j, slope) in corners {
+                f += displacement(x + i, y + j) * Vector2::from(slope).transpose() / SPACING;
+            }
+            points.push(f);
+        }
+        let mean = points.iter().map(Matrix2::determinant).sum::<f64>() / 4.0;
+        for f in points {
+            let own = state.with_leading(&(f * (mean / f.determinant()).sqrt()));
+            let density = material.response(&own).expect("a state").energy;
+            energy += density * SPACING * SPACING / 4.0;
+        }
+    }
+    energy
+}
+
+/// Number of cells along each side of a patch.
+const CELLS: i32 = 3;
+
+#[test]
+fn forces_with_a_mean_dilatation_are_the_slopes_of_its_energy_at_large_displacements() {
+    let (material, state) = (BlatzKo::new(MU).expect("a law"), sheared::<2>());
+    let squares = elements::<2>(ElementMesh::Quadrilaterals, mean_dilatation());
+    let patch = PeriodicPatch::new(squares.crystal(), [CELLS as usize; 2]);
+    let mut random = Random::new(14);
+    let displacements: Vec<Vector2<f64>> = (0..patch.len())
+        .map(|_| Vector2::from_fn(|_, _| 0.1 * SPACING * random.number()))
+        .collect();
+    let forces = squares.forces(&material, &state, &patch, &displacements);
+    for (node, force) in forces.expect("forces").iter().enumerate() {
+        for i in 0..2 {
+            let at = |step: f64| {
+                let moved = |x: i32, y: i32| {
+                    let n = patch.number(&Particle {
+                        site: 0,
+                        cell: [x, y],
+                    });
+                    let mut own = displacements[n];
+                    own[i] += if n == node { step } else { 0.0 };
+                    own
+                };
+                energy_of_mean_dilatation(&material, &state, &moved)
+            };
+            let h = 1e-5;
+            let slope = (at(h) - at(-h)) / (2.0 * h);
+            assert!(
+                (force[i] + slope).abs() < 1e-8,
+                "{node}: {} {slope}",
+                force[i]
+            );
+        }
+    }
+}
+
+#[test]
+fn simplices_have_a_constant_dilatation_so_that_its_mean_changes_nothing() {
+    let [mean, usual] = [mean_dilatation(), full()].map(|formulation| {
+        let triangles = elements::<2>(ElementMesh::Triangles, formulation);
+        triangles
+            .waves(&*material(), &sheared::<2>())
+            .expect("waves")
+    });
+    let k = Vector2::new(1.1, -0.4);
+    assert_eq!(mean.stiffness().at(&k), usual.stiffness().at(&k));
+}
+
+/// Quadratic elements on a named mesh.
+fn quadratic<const D: usize>(
+    mesh: ElementMesh,
+    mass: ElementMass,
+) -> Result<FiniteElements<D>, MethodError> {
+    FiniteElements::new(&ElementChoices {
+        mesh,
+        order: ElementOrder::Quadratic,
+        spacing: SPACING,
+        density: DENSITY,
+        formulation: Formulation { mass, ..full() },
+    })
+}
+
+fn assert_quadratic<const D: usize>(mesh: ElementMesh) {
+    for mass in [ElementMass::Hrz, ElementMass::Consistent] {
+        let scheme = quadratic::<D>(mesh, mass).expect("elements");
+        assert_scheme(&scheme, &*material(), &sheared::<D>());
+        assert_long_waves_are_those_of_the_material(&scheme, &*material(), &sheared::<D>(), 1e-7);
+    }
+}
+
+#[test]
+fn quadratic_elements_pass_the_battery_and_have_the_long_waves_of_the_material() {
+    assert_quadratic::<1>(ElementMesh::Bars);
+    for mesh in [
+        ElementMesh::Quadrilaterals,
+        ElementMesh::Triangles,
+        ElementMesh::TrianglesEquilateral,
+    ] {
+        assert_quadratic::<2>(mesh);
+    }
+    for mesh in [ElementMesh::Bricks, ElementMesh::Tetrahedra] {
+        assert_quadratic::<3>(mesh);
+    }
+}
+
+#[test]
+fn quadratic_bars_have_the_two_branches_of_textbooks() {
+    // Elements of the length l = 2 h, where the middle moves against the ends: 24 c^2/l^2 with the masses 1/6, 2/3, 1/6, and 60 c^2/l^2 with consistent ones.
+    for (mass, optical) in [(ElementMass::Lumped, 6.0), (ElementMass::Consistent, 15.0)] {
+        let bars = quadratic::<1>(ElementMesh::Bars, mass).expect("bars");
+        let values = at_rest(&bars).omega_squared(&Vector1::zeros());
+        assert!(in_units(values[0].norm()) < 1e-12);
+        let found = in_units(values[1].re);
+        assert!((found - optical).abs() < 1e-9, "{mass:?}: {found}");
+    }
+}
+
+#[test]
+fn lumped_masses_of_quadratic_elements_have_the_shares_of_textbooks() {
+    // Zienkiewicz and Taylor: triangles of six nodes 3/57 and 16/57; quadrilaterals of eight nodes with 3 by 3 points 3/76 and 16/76.
+    for (mesh, corner, middle, elements_at_corner) in [
+        (ElementMesh::Quadrilaterals, 3.0 / 76.0, 16.0 / 76.0, 4.0),
+        (ElementMesh::Triangles, 3.0 / 57.0, 16.0 / 57.0, 6.0),
+    ] {
+        let scheme = quadratic::<2>(mesh, ElementMass::Hrz).expect("elements");
+        let cell = 4.0 * SPACING * SPACING * DENSITY;
+        let element = cell / scheme.mesh().elements().len() as f64;
+        let masses = scheme.masses();
+        assert!((masses[0] / element - elements_at_corner * corner).abs() < 1e-12);
+        for own in &masses[1..] {
+            assert!((own / element - 2.0 * middle).abs() < 1e-12, "{masses:?}");
+        }
+        assert!((masses.iter().sum::<f64>() / cell - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn row_sums_of_quadratic_elements_that_are_not_positive_are_refused() {
+    // Corners of quadrilaterals have -1/12 of each of four elements, corners of triangles have none.
+    let refused = |mesh| match quadratic::<2>(mesh, ElementMass::Lumped) {
+        Err(MethodError::Mesh(MeshError::Massless { site: 0, share })) => share,
+        other => panic!("{other:?}"),
+    };
+    assert!((refused(ElementMesh::Quadrilaterals) + 1.0 / 3.0).abs() < 1e-12);
+    assert!(refused(ElementMesh::Triangles).abs() < 1e-12);
+    assert!(quadratic::<3>(ElementMesh::Bricks, ElementMass::Lumped).is_err());
+    let one_point = FiniteElements::<2>::new(&ElementChoices {
+        order: ElementOrder::Quadratic,
+        formulation: ONE_POINT,
+        ..ElementChoices::default()
+    });
+    assert!(matches!(one_point, Err(MethodError::Incompatible { .. })));
+}
+
+#[test]
+fn errors_of_frequencies_are_of_second_order_with_linear_and_of_fourth_order_with_quadratic_elements()
+ {
+    let error = |order, mesh, size: f64| {
+        let scheme = FiniteElements::<2>::new(&ElementChoices {
+            mesh,
+            order,
+            spacing: SPACING,
+            density: DENSITY,
+            formulation: consistent(),
+        });
+        let k = Vector2::new(0.8, 0.6) * size;
+        let found = at_rest(&scheme.expect("elements")).omega_squared(&k)[0].re;
+        found * DENSITY / (MU * size * size) - 1.0
+    };
+    for mesh in [ElementMesh::Quadrilaterals, ElementMesh::Triangles] {
+        let ratio = |order| error(order, mesh, 0.4) / error(order, mesh, 0.2);
+        let (linear, quadratic) = (ratio(ElementOrder::Linear), ratio(ElementOrder::Quadratic));
+        assert!((linear - 4.0).abs() < 0.3, "{mesh:?}: {linear}");
+        assert!((quadratic - 16.0).abs() < 1.5, "{mesh:?}: {quadratic}");
+    }
 }

@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, SMatrix, SVector};
 use onset::algebra::Complex;
 use onset::bloch::{BlochBlocks, Mass, WaveSystem};
 use onset::lattice::{Crystal, LatticeKind, Particle};
-use onset::time_step::TransferredWaves;
+use onset::time_step::{TransferredWaves, VelocityFilter};
 use std::f64::consts::PI;
 
 /// Chain of unit masses and springs whose velocities are averaged with the velocities of the neighbors.
@@ -30,7 +30,7 @@ fn chain_of(stiffness: f64, share: f64, flip: f64) -> TransferredWaves<1> {
     let kept = kept.sum(&crystal);
     let stiffness = springs.sum(&crystal);
     let system = WaveSystem::new(crystal, stiffness, Mass::Lumped(vec![1.0]));
-    TransferredWaves::new(system, &kept, flip)
+    TransferredWaves::new(system, &kept, VelocityFilter::Blended { flip })
 }
 
 #[test]

@@ -14,7 +14,7 @@ use crate::kinematics::DeformationGradient;
 use crate::lattice::Particle;
 use crate::material::Hyperelastic;
 use crate::method::{Frame, MethodError};
-use crate::scheme::element::{ElementShape, FiniteElements, Mesh};
+use crate::scheme::element::{ElementOrder, ElementShape, FiniteElements, Mesh};
 use crate::scheme::{Afresh, Discretization, MethodChoices, PeriodicPatch, updated};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector, SymmetricEigen};
 use std::collections::BTreeMap;
@@ -120,8 +120,12 @@ fn tangent<const D: usize>(
             let masses = sph.masses();
             return Ok(Tangent { rows, masses });
         }
+        // Codes number the nodes in the middles of edges in different orders.
+        MethodChoices::FiniteElements(choices) if choices.order == ElementOrder::Quadratic => {
+            return Err(BodyError::NoTangent);
+        }
         MethodChoices::FiniteElements(choices) => {
-            let shape = choices.mesh.mesh::<D>(spacing)?.shape();
+            let shape = choices.built_mesh::<D>()?.shape();
             let needed = shape.nodes::<D>();
             if let Some((element, nodes)) = first_of_other_shape(body.elements, needed) {
                 return Err(BodyError::OtherElement {
@@ -132,8 +136,8 @@ fn tangent<const D: usize>(
             }
             // Nodes 2 and 3 of a quadrilateral, and 6 and 7 of a brick, are exchanged.
             let own_order = |n: usize| match shape {
-                ElementShape::Simplex => n,
                 ElementShape::Multilinear => n ^ (n >> 1 & 1),
+                _ => n,
             };
             let nodes = |element: &Vec<usize>| -> Vec<Particle<D>> {
                 let all = (0..needed).map(|n| Particle::home(element[own_order(n)]));

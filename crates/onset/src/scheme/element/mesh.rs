@@ -6,6 +6,9 @@ use crate::lattice::{BravaisLattice, Crystal, Particle};
 use crate::method::{MeshError, MethodError};
 use nalgebra::{DMatrix, SVector};
 
+/// Places of nodes closer than this, in lattice coordinates, are the same.
+const SAME_NODE: f64 = 1e-6;
+
 /// Periodic mesh of elements of one shape: a crystal of nodes and the elements of one cell, which the lattice repeats.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh<const D: usize> {
@@ -115,9 +118,53 @@ impl<const D: usize> Mesh<D> {
         Ok(Self::new(crystal, ElementShape::Simplex, elements)?)
     }
 
+    /// Returns this mesh of linear elements with further nodes in the middles of the edges, as a mesh of quadratic elements.
+    ///
+    /// # Errors
+    /// [`MethodError::Lattice`] if the nodes do not make a crystal, [`MethodError::Mesh`] if the elements are quadratic already.
+    pub fn quadratic(&self) -> Result<Self, MethodError> {
+        let shape = match self.shape {
+            ElementShape::Simplex => ElementShape::QuadraticSimplex,
+            ElementShape::Multilinear => ElementShape::Serendipity,
+            other => other,
+        };
+        let mut sites = self.crystal.sites().to_vec();
+        let place = |node: &Particle<D>| {
+            self.crystal.sites()[node.site] + SVector::from(node.cell.map(f64::from))
+        };
+        let mut elements = self.elements.clone();
+        for nodes in &mut elements {
+            for [a, b] in self.shape.edges::<D>() {
+                let middle = (place(&nodes[a]) + place(&nodes[b])) * 0.5;
+                let cell_of = |site: &SVector<f64, D>| (middle - site).map(f64::round);
+                let is_there =
+                    |site: &SVector<f64, D>| (middle - site - cell_of(site)).amax() < SAME_NODE;
+                let site = sites.iter().position(is_there).unwrap_or_else(|| {
+                    let inside = middle.map(|x| x - (x + SAME_NODE).floor());
+                    sites.push(inside);
+                    sites.len() - 1
+                });
+                let cell = cell_of(&sites[site]);
+                nodes.push(Particle {
+                    site,
+                    cell: array_of(|i| cell[i] as i32),
+                });
+            }
+        }
+        let crystal = Crystal::new(*self.crystal.lattice(), sites)?;
+        let crystal = crystal.with_spacing(0.5 * self.crystal.spacing());
+        Ok(Self::new(crystal, shape, elements)?)
+    }
+
     /// Integrals `int N_a N_b dV` over an element; length^D.
     pub(super) fn products(&self, nodes: &[Particle<D>]) -> DMatrix<f64> {
-        self.shape.products(&self.samples(nodes))
+        self.shape
+            .products(&self.positions(nodes), &self.samples(nodes))
+    }
+
+    fn positions(&self, nodes: &[Particle<D>]) -> Vec<SVector<f64, D>> {
+        let positions = nodes.iter().map(|node| self.crystal.position(node));
+        positions.collect()
     }
 
     /// Crystal of the nodes.
@@ -180,9 +227,9 @@ impl<const D: usize> Mesh<D> {
 
     /// Integration points of an element; empty if the element is flat.
     pub(super) fn samples(&self, nodes: &[Particle<D>]) -> Vec<Sample<D>> {
-        let positions = nodes.iter().map(|node| self.crystal.position(node));
-        let positions: Vec<SVector<f64, D>> = positions.collect();
-        self.shape.samples(&positions).unwrap_or_default()
+        self.shape
+            .samples(&self.positions(nodes))
+            .unwrap_or_default()
     }
 
     /// Checks the elements, and returns their volume.

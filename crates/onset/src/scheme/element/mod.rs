@@ -1,9 +1,11 @@
-//! Linear finite elements, total Lagrangian: bars, triangles, quadrilaterals, tetrahedra, bricks.
+//! Linear and quadratic finite elements, total Lagrangian: bars, triangles, quadrilaterals, tetrahedra, bricks.
 //!
 //! An element with the shape functions `N_a` has the energy `sum_q V_q W(F_q)`, `F_q = F + sum_a u_a (x) dN_a/dX(X_q)`.
-//! Multilinear elements are integrated fully (two Gauss points along each axis) or with one point, which takes the mean gradients over the element.
+//! Multilinear elements are integrated fully (two Gauss points along each axis), with a mean dilatation, or with one point, which takes the mean gradients
+//! over the element.
 //! One-point integration leaves zero-energy hourglass modes, which hourglass control resists.
 
+mod dilatation;
 mod hourglass;
 mod mesh;
 mod pattern;
@@ -14,7 +16,7 @@ pub use mesh::Mesh;
 pub use pattern::ElementMesh;
 pub use shape::ElementShape;
 
-use super::lagrangian::{LagrangianPoint, mean_neighbors, strains, stressed};
+use super::lagrangian::{LagrangianPoint, mean_neighbors, strains};
 use super::parts::{FiniteBodies, Part};
 use super::patch::Both;
 use super::{Assembled, Discretization, Forced, PatchForces, PeriodicPatch, StrainOperator};
@@ -24,9 +26,13 @@ use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Particle};
 use crate::material::Hyperelastic;
 use crate::method::MethodError;
+use dilatation::{Integrated, add_strains, integrated};
 use hourglass::{HourglassMode, Resisted, hourglass_modes};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use shape::Sample;
+
+/// Masses of nodes below this fraction of the mass of a cell are zero.
+const MASSLESS: f64 = 1e-9;
 
 /// Integration rule of the elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,6 +44,9 @@ use shape::Sample;
 pub enum Integration {
     /// Two Gauss points along each axis of quadrilaterals and bricks; one point in simplices, where the gradient is constant.
     Full,
+    /// The points of full integration with the mean dilatation of the element, `sum_q V_q W((theta / J_q)^(1/D) F_q)`, `theta = sum_q V_q J_q / V`
+    /// (Simo, Taylor and Pister 1985; at small strains B-bar, Hughes 1980), for nearly incompressible laws. As full integration for simplices.
+    MeanDilatation,
     /// One point with the mean gradient of the element (uniform strain).
     OnePoint,
 }
@@ -50,10 +59,27 @@ pub enum Integration {
     serde(rename_all = "kebab-case")
 )]
 pub enum ElementMass {
-    /// Lumped masses, `int rho N_a dV` at each node.
+    /// Lumped masses, `int rho N_a dV` at each node: the row sums of the consistent mass matrix.
     Lumped,
+    /// Lumped masses in the ratio of the diagonal of the consistent mass matrix, `m_a = rho V m_aa / sum_b m_bb` (Hinton, Rock and Zienkiewicz 1976).
+    Hrz,
     /// Consistent mass matrix, `int rho N_a N_b dV`.
     Consistent,
+}
+
+/// Degree of the shape functions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum ElementOrder {
+    /// Nodes at the corners.
+    #[default]
+    Linear,
+    /// Nodes at the corners and in the middles of the edges.
+    Quadratic,
 }
 
 /// Scaling of hourglass stiffness and viscosity, with `gamma_a` as in [`Formulation`] and `V` the volume of an element.
@@ -122,6 +148,8 @@ impl Default for Formulation {
 pub struct ElementChoices {
     /// Mesh of the elements.
     pub mesh: ElementMesh,
+    /// Degree of the shape functions.
+    pub order: ElementOrder,
     /// Distance between neighboring nodes; length.
     pub spacing: f64,
     /// Reference density; mass per reference volume.
@@ -134,9 +162,23 @@ impl Default for ElementChoices {
     fn default() -> Self {
         Self {
             mesh: ElementMesh::Quadrilaterals,
+            order: ElementOrder::Linear,
             spacing: 1.0,
             density: 1.0,
             formulation: Formulation::default(),
+        }
+    }
+}
+
+impl ElementChoices {
+    /// Returns the mesh with its nodes.
+    ///
+    /// # Errors
+    /// [`MethodError`] if the spacing is not positive, or if `D` is not the dimension of the mesh.
+    pub fn built_mesh<const D: usize>(&self) -> Result<Mesh<D>, MethodError> {
+        match self.order {
+            ElementOrder::Linear => self.mesh.mesh(self.spacing),
+            ElementOrder::Quadratic => self.mesh.mesh(2.0 * self.spacing)?.quadratic(),
         }
     }
 }
@@ -175,15 +217,14 @@ impl<const D: usize> FiniteElements<D> {
     /// # Errors
     /// [`MethodError`] if a number is not positive, or if the mesh does not have `D` dimensions.
     pub fn new(choices: &ElementChoices) -> Result<Self, MethodError> {
-        let mesh = choices.mesh.mesh(choices.spacing)?;
-        Self::on(mesh, choices.density, choices.formulation)
+        Self::on(choices.built_mesh()?, choices.density, choices.formulation)
     }
 
     /// Builds the method on any mesh.
     ///
     /// # Errors
-    /// [`MethodError`] if the density is not positive, if a coefficient of hourglass control is negative, or if the elements have no hourglass modes
-    /// to control.
+    /// [`MethodError`] if the density is not positive, if a coefficient of hourglass control is negative, if the elements have no hourglass modes to
+    /// control, if quadratic elements have one integration point, or if a lumped mass is not positive.
     pub fn on(mesh: Mesh<D>, density: f64, formulation: Formulation) -> Result<Self, MethodError> {
         MethodError::positive("density", density)?;
         let control = [
@@ -192,7 +233,7 @@ impl<const D: usize> FiniteElements<D> {
         ];
         for (name, value) in control {
             MethodError::not_negative(name, value)?;
-            if value > 0.0 && formulation.integration == Integration::Full {
+            if value > 0.0 && formulation.integration != Integration::OnePoint {
                 return Err(MeshError::NeedlessControl.into());
             }
         }
@@ -204,6 +245,17 @@ impl<const D: usize> FiniteElements<D> {
                 hint: "set hourglass-viscosity, or choose hourglass-scale = \"gradients\"",
             });
         }
+        let is_quadratic = matches!(
+            mesh.shape(),
+            ElementShape::QuadraticSimplex | ElementShape::Serendipity
+        );
+        if is_quadratic && formulation.integration != Integration::Full {
+            return Err(MethodError::Incompatible {
+                choice: "quadratic elements",
+                other: "an integration rule of linear elements",
+                hint: "set integration = \"full\", or choose element-order = \"linear\"",
+            });
+        }
         let (mut points, mut modes) = (Vec::new(), Vec::new());
         for nodes in mesh.elements() {
             let samples = mesh.samples(nodes);
@@ -212,7 +264,7 @@ impl<const D: usize> FiniteElements<D> {
                 LagrangianPoint::new(seen, volume)
             };
             match formulation.integration {
-                Integration::Full => points.extend(
+                Integration::Full | Integration::MeanDilatation => points.extend(
                     samples
                         .iter()
                         .map(|sample| seen(&sample.gradients, sample.volume.abs())),
@@ -230,7 +282,7 @@ impl<const D: usize> FiniteElements<D> {
                 }
             }
         }
-        let mass = mass_of(&mesh, density, formulation.mass);
+        let mass = mass_of(&mesh, density, formulation.mass)?;
         Ok(Self {
             mesh,
             density,
@@ -249,6 +301,20 @@ impl<const D: usize> FiniteElements<D> {
     /// Integration points of the elements of a cell.
     pub fn points(&self) -> &[LagrangianPoint<D>] {
         &self.points
+    }
+
+    /// Number of integration points of an element with a mean dilatation; `None` without.
+    fn points_of_mean(&self) -> Option<usize> {
+        let own = self.points.len() / self.mesh.elements().len();
+        (self.formulation.integration == Integration::MeanDilatation && own > 1).then_some(own)
+    }
+
+    fn integrated<'a>(
+        &'a self,
+        material: &'a dyn Hyperelastic,
+        f: &DeformationGradient,
+    ) -> Result<Vec<Integrated<'a, D>>, MethodError> {
+        integrated(&self.points, self.points_of_mean(), material, f)
     }
 
     /// Hourglass modes with their springs and dashpots; empty if both coefficients are zero.
@@ -289,7 +355,7 @@ impl<const D: usize> Discretization<D> for FiniteElements<D> {
         f: &DeformationGradient,
     ) -> Result<WaveSystem<D>, MethodError> {
         let mut forced = Forced::default();
-        for point in &stressed(&self.points, material, f)? {
+        for point in &self.integrated(material, f)? {
             forced.add(point);
         }
         for mode in &self.resisted(material)? {
@@ -299,6 +365,11 @@ impl<const D: usize> Discretization<D> for FiniteElements<D> {
     }
 
     fn strain(&self) -> Result<StrainOperator<D>, MethodError> {
+        if let Some(count) = self.points_of_mean() {
+            let mut strain = StrainOperator::new();
+            add_strains(&self.points, count, &mut strain);
+            return Ok(strain);
+        }
         let mut strain = strains(&self.points);
         if self.formulation.hourglass_stiffness > 0.0 {
             for mode in &self.modes {
@@ -315,7 +386,7 @@ impl<const D: usize> Discretization<D> for FiniteElements<D> {
         patch: &PeriodicPatch<D>,
         work: &mut dyn FnMut(&dyn PatchForces<D>),
     ) -> Result<(), MethodError> {
-        let points = stressed(&self.points, material, f)?;
+        let points = self.integrated(material, f)?;
         let modes = self.resisted(material)?;
         work(&Both(
             Assembled::new(patch, &points),
@@ -333,19 +404,13 @@ impl<const D: usize> Discretization<D> for FiniteElements<D> {
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
     ) -> Result<Option<FiniteBodies>, MethodError> {
-        let points = stressed(&self.points, material, f)?;
+        let points = self.integrated(material, f)?;
         let modes = self.resisted(material)?;
         let elements = self.mesh.elements();
         let (own_points, own_modes) = (points.len() / elements.len(), modes.len() / elements.len());
         let part = |(n, nodes): (usize, &Vec<Particle<D>>)| {
             let consistent = self.mesh.products(nodes) * self.density;
-            let mut part = Part::new(
-                nodes,
-                match self.formulation.mass {
-                    ElementMass::Lumped => DMatrix::from_diagonal(&consistent.column_sum()),
-                    ElementMass::Consistent => consistent,
-                },
-            );
+            let mut part = Part::new(nodes, of_element(consistent, self.formulation.mass));
             points[n * own_points..][..own_points]
                 .iter()
                 .for_each(|point| part.add(point));
@@ -376,12 +441,28 @@ fn mean_gradients<const D: usize>(
     ((0..nodes).map(mean).collect(), volume)
 }
 
-fn mass_of<const D: usize>(mesh: &Mesh<D>, density: f64, mass: ElementMass) -> Mass<D> {
+/// Mass matrix of an element from the consistent one.
+fn of_element(consistent: DMatrix<f64>, mass: ElementMass) -> DMatrix<f64> {
+    match mass {
+        ElementMass::Consistent => consistent,
+        ElementMass::Lumped => DMatrix::from_diagonal(&consistent.column_sum()),
+        ElementMass::Hrz => {
+            let diagonal = consistent.diagonal();
+            DMatrix::from_diagonal(&(&diagonal * (consistent.sum() / diagonal.sum())))
+        }
+    }
+}
+
+fn mass_of<const D: usize>(
+    mesh: &Mesh<D>,
+    density: f64,
+    mass: ElementMass,
+) -> Result<Mass<D>, MethodError> {
     let crystal = mesh.crystal();
     let mut lumped = vec![0.0; crystal.sites().len()];
     let mut consistent = BlochBlocks::new();
     for nodes in mesh.elements() {
-        let products = mesh.products(nodes) * density;
+        let products = of_element(mesh.products(nodes) * density, mass);
         for (a, from) in nodes.iter().enumerate() {
             lumped[from.site] += products.row(a).sum();
             for (b, to) in nodes.iter().enumerate() {
@@ -389,8 +470,16 @@ fn mass_of<const D: usize>(mesh: &Mesh<D>, density: f64, mass: ElementMass) -> M
             }
         }
     }
-    match mass {
-        ElementMass::Lumped => Mass::Lumped(lumped),
-        ElementMass::Consistent => Mass::Consistent(consistent.sum(crystal)),
+    if mass == ElementMass::Consistent {
+        return Ok(Mass::Consistent(consistent.sum(crystal)));
+    }
+    let least = MASSLESS * density * crystal.lattice().cell_volume();
+    match lumped.iter().position(|own| *own <= least) {
+        Some(site) => Err(MeshError::Massless {
+            site,
+            share: lumped[site] / (density * crystal.lattice().cell_volume()),
+        }
+        .into()),
+        None => Ok(Mass::Lumped(lumped)),
     }
 }

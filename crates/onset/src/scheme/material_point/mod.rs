@@ -14,7 +14,7 @@ pub use transfer::Transfer;
 use super::parts::{FiniteBodies, Part};
 use super::{Assembled, Discretization, Forced, PatchForces, PeriodicPatch, StrainOperator};
 use crate::algebra::{Each, array_of};
-use crate::bloch::{BlochBlocks, BlochSum, Mass, TransferredWaves, WaveSystem};
+use crate::bloch::{BlochBlocks, BlochSum, Mass, TransferredWaves, VelocityFilter, WaveSystem};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{BravaisLattice, Crystal, Fractional, LatticeError, Particle};
 use crate::material::Hyperelastic;
@@ -248,11 +248,11 @@ impl<const D: usize> MaterialPoints<D> {
         }
     }
 
-    /// Returns the transfer that filters velocities once per step, if any, and the fraction of its velocity that a point keeps.
-    fn transfer_of_a_step(&self) -> Option<(Transfer, f64)> {
+    /// Returns the transfer that filters velocities once per step, if any, with its filter.
+    fn transfer_of_a_step(&self) -> Option<(Transfer, VelocityFilter)> {
         match self.choices.formulation {
             Formulation::Particles { transfer, .. } => {
-                transfer.share_of_points().map(|flip| (transfer, flip))
+                transfer.filter().map(|filter| (transfer, filter))
             }
             _ => None,
         }
@@ -314,19 +314,24 @@ impl<const D: usize> MaterialPoints<D> {
     /// With the tangent `A` and `G = sum_i g_i (x) g_i / N_i` for the gradients `g_i`, the displacement gradient `l` and the affine field `C` of the
     /// point obey
     /// `l' = l + dt (C - dt (A : l) G / rho)`, `C' = C - dt (A : l) D^-1 / rho`; without affine fields `C = 0`. An amplification factor is -1 at
-    /// `4 / dt^2 = max eig (A : l) (2 G - D^-1) / rho`, or at `max eig 2 (A : l) G / rho` without affine fields.
+    /// `4 / dt^2 = max eig (A : l) (2 G - D^-1) / rho`, or at `max eig 2 (A : l) G / rho` without affine fields. FMPM(k) adds the accelerations of the
+    /// nodes `k` times, because they vanish at the point: `max eig 2 k (A : l) G / rho`.
     fn step_of_an_isolated_point(
         &self,
         material: &dyn Hyperelastic,
-        is_affine: bool,
+        transfer: Transfer,
     ) -> Result<Option<f64>, MethodError> {
+        let times = match transfer {
+            Transfer::FullMass { order } => f64::from(order),
+            _ => 1.0,
+        };
         let response = material.undeformed()?;
         let stress = response.first_piola.amax();
         if stress > UNSTRESSED * response.tangent.largest() {
             return Ok(None);
         }
         let square_of = |place: &Fractional<D>| {
-            let weights = self.stretch_of_an_isolated_point(place, is_affine);
+            let weights = self.stretch_of_an_isolated_point(place, transfer == Transfer::Affine);
             let root = |i: usize| weights[i].sqrt();
             let entry = |row: usize, column: usize| {
                 let (i, j) = (row / D, row % D);
@@ -337,7 +342,7 @@ impl<const D: usize> MaterialPoints<D> {
             matrix.symmetric_eigenvalues().max()
         };
         let squares = self.points.iter().map(|(place, _)| square_of(place));
-        let largest = squares.fold(0.0, f64::max);
+        let largest = times * squares.fold(0.0, f64::max);
         Ok((largest > 0.0).then(|| 2.0 / largest.sqrt()))
     }
 
@@ -587,14 +592,14 @@ impl<const D: usize> Discretization<D> for MaterialPoints<D> {
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
     ) -> Result<Option<TransferredWaves<D>>, MethodError> {
-        let Some((transfer, flip)) = self.transfer_of_a_step() else {
+        let Some((transfer, filter)) = self.transfer_of_a_step() else {
             return Ok(None);
         };
         let forced = self.between_nodes(material, f)?;
         let system = forced.waves(&self.grid, self.mass(GridMass::Lumped))?;
         let kept = self.kept(transfer == Transfer::Affine);
-        let alone = self.step_of_an_isolated_point(material, transfer == Transfer::Affine)?;
-        let waves = TransferredWaves::new(system, &kept, flip);
+        let alone = self.step_of_an_isolated_point(material, transfer)?;
+        let waves = TransferredWaves::new(system, &kept, filter);
         Ok(Some(waves.with_isolated_point(alone)))
     }
 

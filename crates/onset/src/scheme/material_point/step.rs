@@ -27,8 +27,8 @@ pub(super) struct Step<'a, const D: usize> {
     pub(super) points: Vec<Carried<D>>,
     /// Whether the unknowns are the points instead of the nodes.
     moves_points: bool,
-    /// Transfer of the time step, and the fraction of its velocity that a point keeps; `None` if integrators step the equations.
-    transfer: Option<(Transfer, f64)>,
+    /// Transfer of the time step; `None` if integrators step the equations.
+    transfer: Option<Transfer>,
 }
 
 /// A node whose function is nonzero at a place.
@@ -69,7 +69,7 @@ impl<'a, const D: usize> Step<'a, D> {
             points: nodes.particles().iter().flat_map(of_cell).collect(),
             nodes,
             moves_points: method.moves_points(),
-            transfer: method.transfer_of_a_step(),
+            transfer: method.transfer_of_a_step().map(|(transfer, _)| transfer),
         }
     }
 
@@ -216,6 +216,7 @@ struct OnTheGrid<const D: usize> {
     before: Vec<SVector<f64, D>>,
     /// Velocities after the forces have acted.
     after: Vec<SVector<f64, D>>,
+    masses: Vec<f64>,
 }
 
 impl<const D: usize> Step<'_, D> {
@@ -240,7 +241,7 @@ impl<const D: usize> Step<'_, D> {
     /// affine fields.
     fn affine(&self, place: &SVector<f64, D>, sampled: &Sampled<D>) -> SMatrix<f64, D, D> {
         let mut affine = SMatrix::zeros();
-        if !matches!(self.transfer, Some((Transfer::Affine, _))) {
+        if self.transfer != Some(Transfer::Affine) {
             return affine;
         }
         for (axis, moment) in self.moments(place).iter().enumerate() {
@@ -289,7 +290,38 @@ impl<const D: usize> Step<'_, D> {
             .zip(&masses)
             .map(|(f, mass)| over(f, mass) * dt);
         let after = before.iter().zip(kicks).map(|(v, kick)| v + kick).collect();
-        Ok(OnTheGrid { before, after })
+        Ok(OnTheGrid {
+            before,
+            after,
+            masses,
+        })
+    }
+
+    /// Velocities `(1 + A + ... + A^(k-1)) v` of the nodes, `A = 1 - S+ S`, with the interpolation `S` to the points and the transfer `S+` back: an
+    /// approximation of the full mass matrix of order `k` in place of the lumped masses.
+    fn with_full_mass(
+        &self,
+        velocities: &[SVector<f64, D>],
+        seen: &[Seen<D>],
+        masses: &[f64],
+        order: u32,
+    ) -> Vec<SVector<f64, D>> {
+        let (mut sum, mut increment) = (velocities.to_vec(), velocities.to_vec());
+        for _ in 1..order {
+            let mut back = vec![SVector::<f64, D>::zeros(); masses.len()];
+            for (point, seen) in self.points.iter().zip(seen) {
+                let terms = seen.iter().map(|node| increment[node.number] * node.value);
+                let own = terms.sum::<SVector<f64, D>>() * point.mass;
+                for node in seen {
+                    back[node.number] += own * node.value;
+                }
+            }
+            for (n, mass) in masses.iter().enumerate().filter(|(_, mass)| **mass > 0.0) {
+                increment[n] -= back[n] / *mass;
+                sum[n] += increment[n];
+            }
+        }
+        sum
     }
 }
 
@@ -299,7 +331,7 @@ impl<const D: usize> PatchTransfer<D> for Step<'_, D> {
     }
 
     fn advance(&self, points: &mut PointsInMotion<D>, dt: f64) -> Result<(), NoForce> {
-        let Some((_, flip)) = self.transfer else {
+        let Some(transfer) = self.transfer else {
             return Ok(());
         };
         let moved = self.points.iter().zip(&points.displacements);
@@ -312,11 +344,30 @@ impl<const D: usize> PatchTransfer<D> for Step<'_, D> {
             });
         }
         let seen: Vec<Seen<D>> = places.iter().map(|place| self.seen(place)).collect();
-        let grid = self.to_the_grid(points, &seen, dt)?;
+        let mut grid = self.to_the_grid(points, &seen, dt)?;
+        // Velocities that points take and keep beyond the velocities of the nodes after the forces.
+        let mut beyond = Vec::new();
+        match transfer {
+            Transfer::FullMass { order } => {
+                grid.after = self.with_full_mass(&grid.after, &seen, &grid.masses, order);
+            }
+            Transfer::Extended { order } => {
+                beyond = self.with_full_mass(&grid.before, &seen, &grid.masses, order);
+                let both = beyond.iter_mut().zip(&grid.before);
+                both.for_each(|(own, before)| *own -= before);
+            }
+            _ => {}
+        }
         for (p, (seen, place)) in seen.iter().zip(&places).enumerate() {
             let new = Self::sampled(seen, &grid.after);
-            let old = Self::sampled(seen, &grid.before);
-            points.velocities[p] = new.value + (points.velocities[p] - old.value) * flip;
+            let kept = match transfer {
+                Transfer::Blended { flip } => {
+                    (points.velocities[p] - Self::sampled(seen, &grid.before).value) * flip
+                }
+                Transfer::Extended { .. } => Self::sampled(seen, &beyond).value,
+                _ => SVector::zeros(),
+            };
+            points.velocities[p] = new.value + kept;
             points.affine[p] = self.affine(place, &new);
             points.displacements[p] += new.value * dt;
             let own = points.gradients[p];
