@@ -639,7 +639,7 @@ pub struct ScreenArguments {
     /// Output files of the run, and a study file (.toml) with its law and method; wildcards may be quoted.
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
-    /// Settings besides the study.
+    /// Settings on the command line.
     #[command(flatten)]
     pub set: SetArguments,
     /// Libraries that the file may load.
@@ -1444,7 +1444,7 @@ pub struct ProblemArguments {
 pub struct GivenArguments {
     /// Study file with the material and the discretization, - for standard input [default: settings of --set only].
     pub file: Option<PathBuf>,
-    /// Settings besides the study.
+    /// Settings on the command line.
     #[command(flatten)]
     pub set: SetArguments,
     /// Libraries that the file may load.
@@ -1452,7 +1452,7 @@ pub struct GivenArguments {
     pub trust: TrustArguments,
 }
 
-/// Settings besides those of a study file.
+/// Settings on the command line, which override a study file.
 #[derive(Clone, Debug, Args)]
 pub struct SetArguments {
     /// Set a key, for example material.model=blatz-ko (may be given several times).

@@ -755,7 +755,7 @@ pub fn topics() -> Vec<Topic> {
 
 /// Methods of particle codes, as option `--as` names them.
 fn presets() -> Topic {
-    static TOLD: LazyLock<Vec<(&Preset, String, String)>> = LazyLock::new(|| {
+    static PRESET_LINES: LazyLock<Vec<(&Preset, String, String)>> = LazyLock::new(|| {
         let told = |own: &'static Preset| {
             let keys: Vec<String> = own
                 .keys
@@ -789,7 +789,7 @@ fn presets() -> Topic {
     Topic {
         name: "presets",
         key: METHOD,
-        entries: TOLD.iter().map(entry).collect(),
+        entries: PRESET_LINES.iter().map(entry).collect(),
     }
 }
 

@@ -55,7 +55,7 @@ pub struct Question {
     pub time_step: Option<f64>,
     /// Time integration of the code.
     pub stepping: Stepping,
-    /// Amplitude above which short waves count as observed; spacings.
+    /// Smallest amplitude of observed short waves; spacings.
     pub threshold: f64,
     /// Amplitude of the waves when growth begins, in spacings; `None` for the short waves in the files.
     pub seed: Option<f64>,

@@ -39,8 +39,7 @@ impl<const D: usize> LagrangianPoint<D> {
         }
     }
 
-    /// The same point with forces along other vectors `c_K` than its gradients, in the order of the particles; 1/length. They do not derive from an
-    /// energy.
+    /// Replaces the vectors `c_K` of the forces, given in the order of the particles; 1/length. The forces then do not derive from an energy.
     pub(super) fn with_forces_along(self, along: Vec<SVector<f64, D>>) -> Self {
         Self {
             along: Some(along),

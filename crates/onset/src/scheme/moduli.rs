@@ -8,7 +8,7 @@ use crate::material::{Hyperelastic, MaterialError};
 pub(super) struct Moduli {
     /// Bulk modulus `kappa = lambda + 2 mu / D` in `D` dimensions.
     pub(super) bulk: f64,
-    /// Shear modulus `mu`, in one dimension that of the material in three.
+    /// Shear modulus `mu`; in one dimension the shear modulus in three dimensions.
     pub(super) shear: f64,
 }
 

@@ -532,7 +532,7 @@ fn long_waves_of_an_ordinary_solid_have_both_moduli_of_the_material() {
         let plane = body(hexagonal(), choices(horizon, BondModel::Ordinary));
         assert_long_waves_are_those_of_the_material(&plane, &*law, &rest, 1e-12);
     }
-    // The bulk modulus is exact on every lattice: the dilatation is that of the deformation.
+    // The bulk modulus is exact on every lattice, because the dilatation of a family equals the trace of the strain.
     let cubic = body(cubic::<3>(), choices(2.0, BondModel::Ordinary));
     let limit = cubic
         .waves(&*law, &rest)
@@ -545,7 +545,7 @@ fn long_waves_of_an_ordinary_solid_have_both_moduli_of_the_material() {
 }
 
 #[test]
-fn long_waves_of_bond_gradients_with_an_energy_are_those_of_the_material() {
+fn long_waves_of_bond_gradients_with_an_energy_agree_with_the_material() {
     fn checked<const D: usize>(crystal: &Crystal<D>, horizon: f64) {
         let material = ModifiedMooneyRivlin::default();
         for model in [FORM_II, BondModel::BondAveraged] {
@@ -564,7 +564,7 @@ fn pairwise_forces_of_bond_gradients_reproduce_a_homogeneous_stress_only_approxi
     let chain = body(cubic::<1>(), choices(2.0, FORM_I));
     let limit = waves(&chain, &DeformationGradient::identity()).long_wave_stiffness();
     let found = limit.acoustic_tensor(&SVector::from_element(1.0))[(0, 0)] / trace::<1>();
-    // sum_J (V_b/V_H) X_J^2 V / K_b instead of 1. The neighbors of the bond to 1 are -1, 1 and 2 of four: K = 6. Those of the bond to 2 are 1 and 2: K = 5.
+    // sum_J (V_b/V_H) X_J^2 V / K_b instead of 1. The neighbors of the bond to 1 are -1, 1 and 2 of four: K = 6. The neighbors of the bond to 2 are 1 and 2: K = 5.
     let expected = 2.0 * (0.75 / 6.0 + 0.5 * 4.0 / 5.0);
     assert!((found - expected).abs() < 1e-12, "{found} {expected}");
 }
@@ -636,7 +636,7 @@ fn forces_without_the_influence_function_differ_if_and_only_if_it_varies() {
     let matrix = |influence, weighted| of(influence, weighted).stiffness().at(&k);
     let constant = matrix(Influence::Constant, true);
     assert!((matrix(Influence::Constant, false) - &constant).norm() < 1e-14 * constant.norm());
-    // Long waves see the ratio of the moments sum w X^2 / sum X^2.
+    // Moduli of long waves are wrong by the ratio of the moments sum X^2 / sum w X^2.
     let [weighted, unweighted] = [true, false].map(|weighted| {
         let limit = of(Influence::Parabolic, weighted).long_wave_stiffness();
         limit.acoustic_tensor(&SVector::from([1.0, 0.0]))[(0, 0)]

@@ -28,11 +28,11 @@ pub(crate) struct Preset {
     pub(crate) version: &'static str,
     /// Publication and file of the code.
     pub(crate) source: &'static str,
-    /// Word of `discretization.method`.
+    /// Word of `discretization.method` for the family of the method.
     pub(crate) method: &'static str,
     /// Keys with their values, which apply unless the user sets them.
     pub(crate) keys: &'static [(&'static str, &'static str)],
-    /// What the numbers of a deck are called, and what the preset leaves out.
+    /// Names of the numbers of a deck, and parts of the code that the preset leaves out.
     pub(crate) note: &'static str,
 }
 
@@ -79,7 +79,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_of_the_user_override_those_of_a_preset_in_either_order() {
+    fn keys_of_the_user_override_a_preset_in_either_order() {
         let preset = "discretization.method=peridigm-lps";
         let own = "discretization.influence=parabolic";
         for assignments in [[preset, own], [own, preset]] {

@@ -23,14 +23,14 @@ pub(super) struct Peri {
     /// Last word of the pair style.
     style: &'static str,
     dialect: &'static [Settled],
-    /// Whether the model has a shear modulus; else a micromodulus stands for both moduli.
+    /// Whether the model has bulk and shear modulus; otherwise it has a micromodulus.
     is_solid: bool,
 }
 
 const METHOD: Settled = Settled::exactly("discretization.method", "peridynamics");
 const LATTICE: Settled = Settled::exactly("discretization.lattice", "simple-cubic");
 
-/// Bonds, `peri/pmb`.
+/// Bond-based peridynamics, `peri/pmb`.
 pub(super) const BONDS: Peri = Peri {
     name: "lammps-peri",
     title: "bond-based peridynamics of LAMMPS' package PERI, peri/pmb",

@@ -7,7 +7,7 @@ use crate::method::{MeshError, MethodError};
 use nalgebra::{DMatrix, SVector};
 
 /// Places of nodes closer than this, in lattice coordinates, are the same.
-const SAME_NODE: f64 = 1e-6;
+const NODE_DISTANCE_TOLERANCE: f64 = 1e-6;
 
 /// Periodic mesh of elements of one shape: a crystal of nodes and the elements of one cell, which the lattice repeats.
 #[derive(Clone, Debug, PartialEq)]
@@ -138,9 +138,9 @@ impl<const D: usize> Mesh<D> {
                 let middle = (place(&nodes[a]) + place(&nodes[b])) * 0.5;
                 let cell_of = |site: &SVector<f64, D>| (middle - site).map(f64::round);
                 let is_there =
-                    |site: &SVector<f64, D>| (middle - site - cell_of(site)).amax() < SAME_NODE;
+                    |site: &SVector<f64, D>| (middle - site - cell_of(site)).amax() < NODE_DISTANCE_TOLERANCE;
                 let site = sites.iter().position(is_there).unwrap_or_else(|| {
-                    let inside = middle.map(|x| x - (x + SAME_NODE).floor());
+                    let inside = middle.map(|x| x - (x + NODE_DISTANCE_TOLERANCE).floor());
                     sites.push(inside);
                     sites.len() - 1
                 });

@@ -36,8 +36,8 @@ pub(super) fn of_family<const D: usize>(
     point.with_forces_along(balanced(others))
 }
 
-/// Returns the points of the bonds of a family. The deformation gradient of a bond is that of the neighbors that also belong to the family of its
-/// other end (Chen 2018).
+/// Returns the points of the bonds of a family. The deformation gradient of a bond is computed from the neighbors that also belong to the family of
+/// its other end (Chen 2018).
 ///
 /// The energy of a family is the mean over its bonds, weighted with the volumes of their neighborhoods. Pairwise forces act on the ends of the bond alone.
 ///
@@ -117,7 +117,7 @@ pub(super) fn between_families<const D: usize>(
     points
 }
 
-/// Vectors of forces on the neighbors, with that of the particle itself in front, so that they add up to zero.
+/// Vectors of forces on the particle itself and on its neighbors, which add up to zero.
 fn balanced<const D: usize>(others: impl Iterator<Item = SVector<f64, D>>) -> Vec<SVector<f64, D>> {
     let others: Vec<_> = others.collect();
     let own = -others.iter().sum::<SVector<f64, D>>();
@@ -137,7 +137,7 @@ pub(super) enum Control<const D: usize> {
 }
 
 impl<const D: usize> Control<D> {
-    /// Returns the control of a family; `None` without one. `micromodulus` is that of bonds with constant influence.
+    /// Returns the control of a family; `None` without one. `micromodulus` belongs to bonds with constant influence.
     ///
     /// # Errors
     /// [`MaterialError`] if the material cannot be evaluated in the reference state.

@@ -177,10 +177,10 @@ pub enum BondModel {
     ///
     /// `e = |y| - r` is the elongation of a bond, `m = sum w r^2 V`, `theta = D/m sum w r e V` the dilatation and `e_d = e - theta r / D`.
     /// The model uses only the bulk modulus `kappa` in `D` dimensions and the shear modulus `mu` of the material in the reference state; in one
-    /// dimension `mu` is that of the material in three. For an anisotropic material both are those of the nearest isotropic tensor.
+    /// dimension `mu` is the shear modulus in three. For an anisotropic material both belong to the isotropic tensor with equal `A_iijj` and `A_ijij`.
     /// A homogeneous deformation is an equilibrium if every particle is a center of inversion.
     Ordinary,
-    /// Correspondence model with a deformation gradient for each bond, that of the neighbors within the horizon of both of its ends (Chen 2018).
+    /// Correspondence model with a deformation gradient for each bond, computed from the neighbors within the horizon of both of its ends (Chen 2018).
     BondAssociated {
         /// Forces of a bond.
         form: BondForm,
@@ -236,8 +236,8 @@ pub struct PeridynamicsChoices {
     pub partial_volumes: PartialVolumes,
     /// Peridynamic force model: bond-based or correspondence.
     pub model: BondModel,
-    /// Correspondence model of families: whether the forces `w P K^-1 X` of bonds and those of springs contain the influence function, as in the published
-    /// models. The energy exists only with it.
+    /// Correspondence model of families: whether the forces `w P K^-1 X` of bonds and the forces of springs contain the influence function, as in
+    /// the published models. The energy exists only with it.
     pub weighted_forces: bool,
 }
 

@@ -11,9 +11,9 @@ use nalgebra::SVector;
 
 /// Particle of total-Lagrangian SPH whose shear acts along the current vectors to its neighbors.
 ///
-/// With `a = J^(-2/D)` and the shear modulus `mu` of the reference state, the stress `P` of the law is split into the part `zeta mu a F`, whose divergence is
-/// taken as a Laplacian of the positions over pairs, and the remaining part `S`, which acts along uncorrected gradients:
-/// `S = P - mu a (F + (zeta - 1) tr(F F^T)/D F^-T)`. For neo-Hooke laws `S` is the published stress.
+/// The stress `P` of the law has the part `zeta mu a F`, with `a = J^(-2/D)` and the shear modulus `mu` of the reference state. Its divergence is computed as a
+/// Laplacian of the positions over pairs. The remaining part `S = P - mu a (F + (zeta - 1) tr(F F^T)/D F^-T)` acts along uncorrected gradients.
+/// For neo-Hooke laws `S` is the published stress.
 #[derive(Clone)]
 pub(super) struct PairwiseShear<'a, const D: usize> {
     point: &'a LagrangianPoint<D>,

@@ -34,11 +34,10 @@ use nalgebra::SVector;
 pub enum ShearForces {
     /// The whole stress of a particle acts along the gradients of its neighbors.
     Stress,
-    /// The part `zeta mu J^(-2/D) F` of the stress, with the shear modulus `mu` of the reference state, acts as a Laplacian of the current positions between
-    /// pairs of particles, and the rest along uncorrected gradients (Wu and others 2023, the essentially non-hourglass formulation of SPHinXsys).
+    /// The part `zeta mu J^(-2/D) F` of the stress acts as a Laplacian of the current positions between pairs of particles, the remaining stress along
+    /// uncorrected gradients. `mu` is the shear modulus of the reference state.
     ///
-    /// The forces do not derive from an energy. The published formulation is that of neo-Hooke laws; other laws differ from it by a stress that acts along
-    /// gradients.
+    /// This is the essentially non-hourglass formulation of SPHinXsys (Wu and others 2023), published for neo-Hooke laws. The forces do not derive from an energy.
     Pairs {
         /// Coefficient `zeta`, 1.07 in the publication.
         coefficient: f64,
