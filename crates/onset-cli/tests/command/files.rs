@@ -189,7 +189,7 @@ fn a_full_disk_leaves_existing_files_unchanged_and_gives_a_hint() {
             .expect("a shell");
         let told = String::from_utf8(output.stderr).expect("UTF-8");
         assert_eq!(output.status.code(), Some(1), "{line}: {told}");
-        for fact in ["cannot write", "make room", "as they were"] {
+        for fact in ["cannot write", "make room", "existing files are unchanged"] {
             assert!(told.contains(fact), "{line}: {told}");
         }
         for file in files {
