@@ -14,6 +14,7 @@ use onset::scheme::{
     BondForm, BondModel, Calibration, Discretization, Influence, PartialVolumes, Peridynamics,
     PeridynamicsChoices, ZeroEnergyControl,
 };
+use onset::verdict::{Survey, WEAK_WAVE_RATIO};
 use std::f64::consts::PI;
 
 const BONDS: BondModel = BondModel::BondBased {

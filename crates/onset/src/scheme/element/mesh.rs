@@ -137,8 +137,9 @@ impl<const D: usize> Mesh<D> {
             for [a, b] in self.shape.edges::<D>() {
                 let middle = (place(&nodes[a]) + place(&nodes[b])) * 0.5;
                 let cell_of = |site: &SVector<f64, D>| (middle - site).map(f64::round);
-                let is_there =
-                    |site: &SVector<f64, D>| (middle - site - cell_of(site)).amax() < NODE_DISTANCE_TOLERANCE;
+                let is_there = |site: &SVector<f64, D>| {
+                    (middle - site - cell_of(site)).amax() < NODE_DISTANCE_TOLERANCE
+                };
                 let site = sites.iter().position(is_there).unwrap_or_else(|| {
                     let inside = middle.map(|x| x - (x + NODE_DISTANCE_TOLERANCE).floor());
                     sites.push(inside);
