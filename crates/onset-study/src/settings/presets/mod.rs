@@ -54,6 +54,7 @@ pub(crate) const PRESETS: &[Preset] = &[
 #[cfg(test)]
 mod tests {
     use super::{METHOD, PRESETS};
+    use crate::answers::Problem;
     use crate::settings::{Key, Settings};
     use crate::verify::CODES;
 
@@ -74,7 +75,7 @@ mod tests {
                 let held = settings.value(name).expect("a value").to_string();
                 assert_eq!(held.trim_matches('"'), *value, "{}: {name}", preset.name);
             }
-            settings.method().expect("a method");
+            Problem::new(settings).expect("a method");
         }
     }
 
