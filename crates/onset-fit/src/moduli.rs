@@ -12,7 +12,8 @@
 //! Drucker's inequality says that `4 e_i e_j W_ij + 4 d_ij e_i W_i`, the second derivative by the logarithms of the stretches, is positive definite; for
 //! incompressible response, on increments without change of volume.
 
-use nalgebra::{Matrix2, Matrix3, Vector3};
+use crate::sums::{Curvatures, State};
+use nalgebra::{Matrix3, Vector3};
 use onset::real::{Jet, Real};
 use serde::Serialize;
 
@@ -55,38 +56,42 @@ pub(crate) struct Moduli<R> {
     quotients: [R; 3],
 }
 
-/// Squares closer than this part have the derivative in place of the quotient, whose error is of second order in the difference.
-const SQUARE_TOLERANCE: f64 = 1e-5;
-
 /// Pairs of different principal axes.
 pub(crate) const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 
 impl<R: Real> Moduli<R> {
-    /// Moduli from the derivatives of an energy.
-    pub fn new(energy: &Jet<3, R>, squares: [f64; 3]) -> Self {
-        let quotient = |i: usize, j: usize| {
-            let difference = squares[i] - squares[j];
-            if difference.abs() < SQUARE_TOLERANCE * squares[i] {
-                let second = &energy.hessian;
-                second[i][i] + second[j][j] - second[i][j] * 2.0
-            } else {
-                (energy.gradient[i] - energy.gradient[j]) * 2.0 / difference
-            }
-        };
-        Self::with_quotients(energy, squares.map(R::constant), quotient)
+    /// Moduli of no energy.
+    pub fn zero(state: &State<R>) -> Self {
+        let zero = R::constant(0.0);
+        Self {
+            squares: state.squares,
+            first: [zero; 3],
+            second: [[zero; 3]; 3],
+            quotients: [zero; 3],
+        }
     }
 
-    /// Moduli with given quotients `T_ij`.
-    pub fn with_quotients(
-        energy: &Jet<3, R>,
-        squares: [R; 3],
-        quotient: impl Fn(usize, usize) -> R,
-    ) -> Self {
-        Self {
-            squares,
-            first: energy.gradient,
-            second: energy.hessian,
-            quotients: [quotient(1, 2), quotient(0, 2), quotient(0, 1)],
+    /// Adds the moduli of a function of two sums, by the chain rule.
+    pub fn add(
+        &mut self,
+        energy: &Jet<2, R>,
+        slopes: &[(R, [R; 3]); 2],
+        curvatures: &[Curvatures<R>; 2],
+    ) {
+        for (a, (_, slope)) in slopes.iter().enumerate() {
+            let first = energy.gradient[a];
+            let (second, quotients) = &curvatures[a];
+            for i in 0..3 {
+                self.first[i] = self.first[i] + first * slope[i];
+                self.quotients[i] = self.quotients[i] + first * quotients[i] * 2.0;
+                for j in 0..3 {
+                    let mut sum = self.second[i][j] + first * second[i][j];
+                    for (b, (_, other)) in slopes.iter().enumerate() {
+                        sum = sum + energy.hessian[a][b] * slope[i] * other[j];
+                    }
+                    self.second[i][j] = sum;
+                }
+            }
         }
     }
 
@@ -299,21 +304,35 @@ impl Moduli<f64> {
     }
 
     fn softest_wave(&self, compressible: bool) -> (f64, Perturbation) {
-        let at = |p: [f64; 3]| self.softest_amplitude(p.map(f64::sqrt), compressible);
-        let mut best = (f64::INFINITY, [0.0; 3], [0.0; 3]);
-        let mut place = [0.0; 2];
+        // Stiffness alone, which is all that the search over directions needs.
+        let (trace, determinant) = self.elliptic_forms();
+        let inverse = self.squares.map(f64::recip);
+        let at = |p: [f64; 3]| match compressible {
+            true => lowest_root(&self.acoustic(p.map(f64::sqrt))),
+            false => {
+                let length = p[0] * inverse[0] + p[1] * inverse[1] + p[2] * inverse[2];
+                let trace = quadratic_form(&trace, p) / length;
+                let determinant = cubic_form(&determinant, p) / length;
+                let root = (trace * trace - 4.0 * determinant).max(0.0).sqrt();
+                match trace > 0.0 {
+                    true => 2.0 * determinant / (trace + root),
+                    false => 0.5 * (trace - root),
+                }
+            }
+        };
+        let (mut best, mut place) = (f64::INFINITY, [0.0; 2]);
         for a in 0..=DIRECTIONS {
             for b in 0..=DIRECTIONS - a {
                 let [u, v] = [a, b].map(|n| n as f64 / DIRECTIONS as f64);
                 let found = at([u, v, (1.0 - u - v).max(0.0)]);
-                if found.0 < best.0 {
+                if found < best {
                     (best, place) = (found, [u, v]);
                 }
             }
         }
         let mut step = 0.5 / DIRECTIONS as f64;
         while step > 1e-6 {
-            let before = best.0;
+            let before = best;
             for [du, dv] in [
                 [1.0, 0.0],
                 [-1.0, 0.0],
@@ -325,32 +344,39 @@ impl Moduli<f64> {
                 let u = (place[0] + step * du).clamp(0.0, 1.0);
                 let v = (place[1] + step * dv).clamp(0.0, 1.0 - u);
                 let found = at([u, v, (1.0 - u - v).max(0.0)]);
-                if found.0 < best.0 {
+                if found < best {
                     (best, place) = (found, [u, v]);
                 }
             }
-            if best.0 >= before {
+            if best >= before {
                 step *= 0.5;
             }
         }
-        (best.0, Perturbation::Wave(best.1, best.2))
+        let [u, v] = place;
+        let normal = [u, v, (1.0 - u - v).max(0.0)].map(f64::sqrt);
+        let (value, n, m) = self.softest_amplitude(normal, compressible);
+        (value, Perturbation::Wave(n, m))
+    }
+
+    /// Acoustic tensor of a direction in the reference.
+    fn acoustic(&self, n: [f64; 3]) -> Matrix3<f64> {
+        Matrix3::from_fn(|i, j| match i == j {
+            true => (0..3).map(|k| self.diagonal(i, k) * n[k] * n[k]).sum(),
+            false => (self.squares[i] * self.squares[j]).sqrt() * self.coupling(i, j) * n[i] * n[j],
+        })
     }
 
     /// Lowest stiffness of waves in a direction, with direction and amplitude.
     fn softest_amplitude(&self, n: [f64; 3], compressible: bool) -> (f64, [f64; 3], [f64; 3]) {
-        let q = |i: usize, j: usize| match i == j {
-            true => (0..3).map(|k| self.diagonal(i, k) * n[k] * n[k]).sum(),
-            false => (self.squares[i] * self.squares[j]).sqrt() * self.coupling(i, j) * n[i] * n[j],
-        };
+        let tensor = self.acoustic(n);
         if compressible {
-            let (value, vector) = lowest_of(Matrix3::from_fn(q));
+            let (value, vector) = lowest_of(tensor);
             return (value, n, vector);
         }
         let normal = Vector3::from_fn(|i, _| n[i] / self.squares[i].sqrt()).normalize();
         let least = (0..3).fold(0, |best, i| if normal[i] < normal[best] { i } else { best });
         let first = normal.cross(&Vector3::ith(least, 1.0)).normalize();
         let second = normal.cross(&first);
-        let tensor = Matrix3::from_fn(q);
         let image = [tensor * first, tensor * second];
         let across = first.dot(&image[1]);
         let (value, [x, y]) = lowest_of_two(&[
@@ -361,12 +387,53 @@ impl Moduli<f64> {
     }
 }
 
+/// Value of a quadratic form with coefficients in the Bernstein basis.
+fn quadratic_form(form: &[f64; 6], [a, b, c]: [f64; 3]) -> f64 {
+    form[0] * a * a
+        + form[1] * b * b
+        + form[2] * c * c
+        + 2.0 * (form[3] * b * c + form[4] * c * a + form[5] * a * b)
+}
+
+/// Value of a cubic form with coefficients in the Bernstein basis.
+fn cubic_form(form: &[f64; 10], p: [f64; 3]) -> f64 {
+    let mut sum = 6.0 * form[9] * p[0] * p[1] * p[2];
+    for a in 0..3 {
+        sum += form[a] * p[a] * p[a] * p[a];
+        for b in (0..3).filter(|b| *b != a) {
+            sum += 3.0 * form[cubic(a, a, b)] * p[a] * p[a] * p[b];
+        }
+    }
+    sum
+}
+
 /// Lowest eigenvalue of a symmetric matrix with its unit eigenvector.
 fn lowest_of_two([[a, b], [_, d]]: &[[f64; 2]; 2]) -> (f64, [f64; 2]) {
-    let eigen = Matrix2::new(*a, *b, *b, *d).symmetric_eigen();
-    let n = usize::from(eigen.eigenvalues[1] < eigen.eigenvalues[0]);
-    let vector = eigen.eigenvectors.column(n);
-    (eigen.eigenvalues[n], [vector[0], vector[1]])
+    let half = 0.5 * (a - d);
+    let root = half.hypot(*b);
+    let value = 0.5 * (a + d) - root;
+    // Rows of the matrix less the eigenvalue are normal to the eigenvector.
+    let vector = match half > 0.0 {
+        true => [-b, half + root],
+        false => [root - half, -b],
+    };
+    let size = vector[0].hypot(vector[1]);
+    match size > 0.0 {
+        true => (value, vector.map(|own| own / size)),
+        false => (value, [1.0, 0.0]),
+    }
+}
+
+/// Lowest eigenvalue of a symmetric matrix, as the lowest root of its characteristic polynomial.
+fn lowest_root(matrix: &Matrix3<f64>) -> f64 {
+    let mean = matrix.trace() / 3.0;
+    let shifted = matrix - Matrix3::identity() * mean;
+    let size = (shifted.norm_squared() / 6.0).sqrt();
+    if size == 0.0 || !size.is_finite() {
+        return mean;
+    }
+    let cosine = (0.5 * shifted.determinant() / (size * size * size)).clamp(-1.0, 1.0);
+    mean + 2.0 * size * (cosine.acos() / 3.0 + 2.0 * std::f64::consts::FRAC_PI_3).cos()
 }
 
 fn lowest_of(matrix: Matrix3<f64>) -> (f64, [f64; 3]) {

@@ -4,8 +4,9 @@
 //! forms) are enclosed by their mean-value form, `f(middle) + f'(cell) (cell - middle)`, whose excess is of second order in the size of the cell. A cell
 //! with a number that may be negative is halved; one with a state that is not stable ends the proof.
 
-use crate::moduli::{Criterion, Moduli, cubic, quadratic};
+use crate::moduli::{Criterion, cubic, quadratic};
 use crate::range::{Numbers, Patch, Worst};
+use crate::sums::Enclosed;
 use onset::cancel::checkpoint;
 use onset::real::{Dual, Interval, Real};
 use rayon::prelude::*;
@@ -17,7 +18,7 @@ use serde::Serialize;
 pub enum Proof {
     /// No state of the range is unstable.
     Proved {
-        /// Number of cells of the range.
+        /// Number of cells of the range; 0 if the law is convex at all states.
         cells: usize,
     },
     /// A state was found that is not stable.
@@ -33,51 +34,25 @@ pub enum Proof {
 const CELLS: usize = 12_000;
 /// Number with derivatives by the parameters of a patch.
 type Slope = Dual<2, Interval>;
-/// Enclosure of a number, with or without derivatives.
-trait Bounded: Real {
-    /// Number anywhere in an interval.
-    fn between(interval: Interval) -> Self;
-    /// Interval of the number.
-    fn range(self) -> Interval;
-}
-
-impl Bounded for Interval {
-    fn between(interval: Interval) -> Self {
-        interval
-    }
-
-    fn range(self) -> Interval {
-        self
-    }
-}
-
-impl Bounded for Slope {
-    fn between(interval: Interval) -> Self {
-        Self {
-            value: interval,
-            gradient: [Interval::ZERO; 2],
-        }
-    }
-
-    fn range(self) -> Interval {
-        self.value
-    }
-}
-
 /// Halvings of the triangle of directions.
 const MOST_HALVINGS: usize = 5;
 /// Rounding of the coefficients of a part, relative to the largest one.
 const ROUNDING_FRACTION: f64 = 1e-14;
-/// Strains of a cell closer than this have the quotient of their mean.
-const LEAST_DISTANCE: f64 = 0.02;
-/// Parts of the segment over which the mean is taken.
-const SEGMENTS: usize = 2;
-
 /// Proves that the criteria are positive on all patches.
 pub(crate) fn prove(law: &Numbers<'_>, patches: &[Patch]) -> Proof {
     if law.family.is_compressible() {
         return Proof::Sampled;
     }
+    let criteria: Vec<Criterion> = (law.criteria.iter().copied())
+        .filter(|own| !law.family.is_convex(*own, law.constants))
+        .collect();
+    if criteria.is_empty() {
+        return Proof::Proved { cells: 0 };
+    }
+    let law = &Numbers {
+        criteria: &criteria,
+        ..*law
+    };
     let shear = law.shear_modulus();
     let mut cells = 0;
     for patch in patches {
@@ -174,30 +149,8 @@ fn is_stable(law: &Numbers<'_>, patch: &Patch, cell: &[[f64; 2]; 2]) -> bool {
     })
 }
 
-fn deciding<R: Bounded>(law: &Numbers<'_>, patch: &Patch, at: [R; 2]) -> Deciding<R> {
-    let logs = logs_of(patch, at);
-    let squares = logs.map(|log| (log * 2.0).exp());
-    let energy = law.family.jet(law.constants, squares);
-    let quotient = |i: usize, j: usize| {
-        let distance = squares[i] - squares[j];
-        let apart = (logs[i] - logs[j]).range();
-        if apart.low > LEAST_DISTANCE || apart.high < -LEAST_DISTANCE {
-            return (energy.gradient[i] - energy.gradient[j]) * 2.0 / distance;
-        }
-        // Mean over the segment to the state with the two squares exchanged; it is symmetric about its middle.
-        let mut sum = R::constant(0.0);
-        for n in 0..SEGMENTS {
-            let part = Interval::new(n as f64, (n + 1) as f64) * (0.5 / SEGMENTS as f64);
-            let share = R::between(part);
-            let mut moved = squares;
-            moved[i] = squares[i] - distance * share;
-            moved[j] = squares[j] + distance * share;
-            let h = law.family.jet(law.constants, moved).hessian;
-            sum = sum + (h[i][i] + h[j][j] - h[i][j] * 2.0) / SEGMENTS as f64;
-        }
-        sum
-    };
-    let moduli = Moduli::with_quotients(&energy, squares, quotient);
+fn deciding<R: Enclosed>(law: &Numbers<'_>, patch: &Patch, at: [R; 2]) -> Deciding<R> {
+    let moduli = law.family.moduli(law.constants, logs_of(patch, at));
     let (trace, determinant) = moduli.elliptic_forms();
     Deciding {
         drucker: moduli.isochoric_minors(),

@@ -1,7 +1,7 @@
 //! States at which a law must be stable, and the worst of them.
 
 use crate::family::Family;
-use crate::moduli::{Criterion, Moduli, PAIRS, Perturbation, isochoric_basis};
+use crate::moduli::{Criterion, PAIRS, Perturbation, isochoric_basis};
 use crate::solve::Cut;
 use crate::tests_of_specimens::Test;
 use serde::Serialize;
@@ -117,6 +117,19 @@ impl Patch {
         (0..self.axes.len()).map(at).collect()
     }
 
+    /// Returns true if a state at constant volume with descending stretches belongs to the patch.
+    fn reaches(&self, logs: [f64; 3]) -> bool {
+        // Parameters of a line along its first axis, or the largest strain and minus the smallest one.
+        let at = match self.axes.as_slice() {
+            [axis] => vec![logs[0] / axis[0]],
+            _ => vec![logs[0], -logs[2]],
+        };
+        let own = self.logs(&at);
+        let is_same = logs.iter().zip(own).all(|(a, b)| (a - b).abs() < 1e-9);
+        let mut ends = at.iter().zip(self.low.iter().zip(&self.high));
+        is_same && ends.all(|(t, (low, high))| (low..=high).contains(&t))
+    }
+
     fn contains(&self, at: &[f64]) -> bool {
         let [a, b, c] = self.logs(at);
         let slack = 1e-12;
@@ -209,15 +222,13 @@ pub(crate) struct Numbers<'a> {
 impl Numbers<'_> {
     /// Shear modulus in the reference.
     pub fn shear_modulus(&self) -> f64 {
-        let energy = self.family.jet(self.constants, [1.0; 3]);
-        Moduli::new(&energy, [1.0; 3]).shear_modulus()
+        self.family.moduli(self.constants, [0.0; 3]).shear_modulus()
     }
 
     /// Lowest relative value of the criteria at a state. States beyond the locking of chains, at which the
     /// law has no energy, have an infinite value.
     pub fn worst_at(&self, logs: [f64; 3], shear: f64) -> Worst {
-        let squares = logs.map(|log| (2.0 * log).exp());
-        let moduli = Moduli::new(&self.family.jet(self.constants, squares), squares);
+        let moduli = self.family.moduli(self.constants, logs);
         let compressible = self.family.is_compressible();
         let mut worst: Option<Worst> = None;
         for criterion in self.criteria {
@@ -463,15 +474,39 @@ pub fn limits(family: &Family, constants: &[f64], criteria: &[Criterion]) -> Vec
     all
 }
 
+/// First state in tension, in a range, at which the chains of a law are straight; the stretch is the smallest one of all loadings.
+pub(crate) fn locked(family: &Family, constants: &[f64], range: &[Patch]) -> Option<(Mode, f64)> {
+    let first = family.locking(constants)?;
+    let invariant = |logs: [f64; 3]| logs.iter().map(|log| (2.0 * log).exp()).sum::<f64>() - 3.0;
+    let at = |mode: Mode| {
+        let logs = |h: f64| mode.direction().map(|part| part * h);
+        let (mut inside, mut outside) = (0.0, LARGEST_STRETCH.ln());
+        while invariant(logs(outside)) < first {
+            (inside, outside) = (outside, 2.0 * outside);
+        }
+        while outside - inside > 1e-12 * outside {
+            let middle = 0.5 * (inside + outside);
+            match invariant(logs(middle)) < first {
+                true => inside = middle,
+                false => outside = middle,
+            }
+        }
+        let is_inside = range.iter().any(|patch| patch.reaches(logs(inside)));
+        is_inside.then(|| (mode, inside.exp()))
+    };
+    let all = Mode::LOADINGS.into_iter().filter_map(at);
+    all.min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
 impl Family {
     /// Nominal stress of an incompressible specimen along the load; `None` for compressible laws and volumetric loading. Units of stress.
     pub fn stress(&self, constants: &[f64], mode: Mode, stretch: f64) -> Option<f64> {
         if self.is_compressible() || mode == Mode::Volumetric {
             return None;
         }
-        let squares = mode.logs(stretch).map(|log| (2.0 * log).exp());
-        let energy = self.jet(constants, squares);
-        let kirchhoff = |i: usize| 2.0 * squares[i] * energy.gradient[i];
+        let logs = mode.logs(stretch);
+        let slopes = self.slopes(constants, logs);
+        let kirchhoff = |i: usize| 2.0 * (2.0 * logs[i]).exp() * slopes[i];
         Some(mode.nominal(stretch) * (kirchhoff(0) - kirchhoff(2)))
     }
 

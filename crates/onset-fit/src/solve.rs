@@ -5,7 +5,7 @@
 //! damping is the optimum.
 
 use crate::family::Family;
-use crate::moduli::{Criterion, Moduli, Perturbation};
+use crate::moduli::{Criterion, Perturbation};
 use crate::range::Worst;
 use crate::tests_of_specimens::Equations;
 use clarabel::algebra::CscMatrix;
@@ -62,11 +62,9 @@ impl Problem<'_> {
         let mut values = DVector::<f64>::zeros(count);
         let mut slopes = DMatrix::<f64>::zeros(count, constants.len());
         for term in self.family.terms() {
-            let one = [1.0; 3];
-            let shear = Moduli::new(&Family::jet_of(term, constants, one), one).shear_modulus();
+            let shear = Family::moduli_of(term, constants, [0.0; 3]).shear_modulus();
             for (row, cut) in self.cuts.iter().enumerate() {
-                let squares = cut.logs.map(|log| (2.0 * log).exp());
-                let moduli = Moduli::new(&Family::jet_of(term, constants, squares), squares);
+                let moduli = Family::moduli_of(term, constants, cut.logs);
                 let scale = cut.criterion.reference(1.0);
                 let form: Dual<2> = moduli.form(&cut.perturbation) - shear * (self.margin * scale);
                 let modulus = constants[term.modulus];
