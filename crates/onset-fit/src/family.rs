@@ -441,7 +441,7 @@ impl Family {
         shapes
     }
 
-    /// Derivatives of the energy by the squares of the principal stretches, and their quotients, at the logarithms of the stretches.
+    /// Derivatives of the energy by the logarithms of the principal stretches, at these logarithms.
     ///
     /// Laws at constant volume are functions of all stretches that agree with the law where the volume is kept.
     pub(crate) fn moduli<R: Enclosed>(&self, constants: &[f64], logs: [R; 3]) -> Moduli<R> {
@@ -495,23 +495,23 @@ impl Family {
         let energy = terms.iter().fold(Jet::constant(0.0), |sum, own| {
             sum + own.energy(shapes(own).map(fixed), variables) * modulus(own)
         });
-        moduli.add(&energy, &slopes, &curvatures);
+        moduli.add(&energy, [&slopes[0].1, &slopes[1].1], &curvatures);
     }
 
-    /// Derivatives of the energy by the squares of the principal stretches.
-    pub(crate) fn slopes(&self, constants: &[f64], logs: [f64; 3]) -> [f64; 3] {
+    /// Principal Kirchhoff stresses, the derivatives of the energy by the logarithms of the principal stretches.
+    pub(crate) fn stresses(&self, constants: &[f64], logs: [f64; 3]) -> [f64; 3] {
         let mut all = [0.0; 3];
         for term in &self.terms {
-            let slopes = Self::slopes_of::<f64>(term, Self::shapes(term, constants), logs);
-            for (sum, own) in all.iter_mut().zip(slopes) {
+            let stresses = Self::stresses_of::<f64>(term, Self::shapes(term, constants), logs);
+            for (sum, own) in all.iter_mut().zip(stresses) {
                 *sum += constants[term.modulus] * own;
             }
         }
         all
     }
 
-    /// Derivatives of the energy of a term for a unit modulus by the squares of the principal stretches, with derivatives by its further constants.
-    pub(crate) fn slopes_of<R: Enclosed>(
+    /// Principal Kirchhoff stresses of a term for a unit modulus, with derivatives by its further constants.
+    pub(crate) fn stresses_of<R: Enclosed>(
         term: &Term,
         shapes: [R; SHAPES],
         logs: [f64; 3],

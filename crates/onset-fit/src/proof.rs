@@ -35,7 +35,7 @@ const CELLS: usize = 12_000;
 /// Number with derivatives by the parameters of a patch.
 type Slope = Dual<2, Interval>;
 /// Halvings of the triangle of directions.
-const MOST_HALVINGS: usize = 5;
+const MOST_HALVINGS: usize = 12;
 /// Rounding of the coefficients of a part, relative to the largest one.
 const ROUNDING_FRACTION: f64 = 1e-14;
 /// Proves that the criteria are positive on all patches.
@@ -123,30 +123,54 @@ fn is_stable(law: &Numbers<'_>, patch: &Patch, cell: &[[f64; 2]; 2]) -> bool {
     let on_cell = deciding(law, patch, Slope::variables(whole));
     let at_middle = deciding(law, patch, middle);
     let offsets: [Interval; 2] = std::array::from_fn(|a| whole[a] - middle[a]);
-    let bound = |on_cell: &Slope, at_middle: &Interval| {
+    // An axis without extent must not meet an unbounded slope.
+    let axes: Vec<usize> = (0..2).filter(|a| cell[*a][0] < cell[*a][1]).collect();
+    // Lower bound at a corner of the cell that is, with the bounds at the other corners, one on the whole cell.
+    let bound = |corner: usize, on_cell: &Slope, at_middle: &Interval| {
         let mut sum = *at_middle;
-        for a in 0..2 {
-            // An axis without extent must not meet an unbounded slope.
-            if cell[a][0] < cell[a][1] {
-                sum = sum + on_cell.gradient[a] * offsets[a];
-            }
+        for a in &axes {
+            let slope = on_cell.gradient[*a];
+            let end = Interval::point(cell[*a][corner >> a & 1]) - middle[*a];
+            sum = sum + end * slope.midpoint() - offsets[*a].abs() * slope.radius();
         }
-        let low = sum.low.max(on_cell.value.low);
-        if low.is_nan() { f64::NEG_INFINITY } else { low }
+        if sum.low.is_nan() { f64::NEG_INFINITY } else { sum.low }
     };
     law.criteria.iter().all(|criterion| match criterion {
-        Criterion::Drucker => {
-            (0..2).all(|n| bound(&on_cell.drucker[n], &at_middle.drucker[n]) > 0.0)
-        }
-        Criterion::StrongEllipticity => {
+        Criterion::Drucker => (0..2).all(|n| {
+            let (on_cell, at_middle) = (&on_cell.drucker[n], &at_middle.drucker[n]);
+            on_cell.value.low > 0.0 || (0..4).all(|corner| bound(corner, on_cell, at_middle) > 0.0)
+        }),
+        Criterion::StrongEllipticity => (0..4).all(|corner| {
             let trace: [f64; 6] =
-                std::array::from_fn(|n| bound(&on_cell.trace[n], &at_middle.trace[n]));
-            let determinant: [f64; 10] =
-                std::array::from_fn(|n| bound(&on_cell.determinant[n], &at_middle.determinant[n]));
-            is_positive(trace, quadratic_halves, MOST_HALVINGS)
-                && is_positive(determinant, cubic_halves, MOST_HALVINGS)
-        }
+                std::array::from_fn(|n| bound(corner, &on_cell.trace[n], &at_middle.trace[n]));
+            let determinant: [f64; 10] = std::array::from_fn(|n| {
+                bound(corner, &on_cell.determinant[n], &at_middle.determinant[n])
+            });
+            is_elliptic(trace, determinant)
+        }),
     })
+}
+
+/// Returns true if both forms are positive for all directions.
+fn is_elliptic(mut trace: [f64; 6], mut determinant: [f64; 10]) -> bool {
+    // In units of the axes in which a form is 1 at the corners.
+    let units = |form: &[f64], degree: f64| -> Option<[f64; 3]> {
+        let corners = form.iter().take(3).all(|own| *own > 0.0);
+        corners.then(|| std::array::from_fn(|a| form[a].powf(-1.0 / degree)))
+    };
+    let (Some(u), Some(v)) = (units(&trace, 2.0), units(&determinant, 3.0)) else {
+        return false;
+    };
+    for a in 0..3 {
+        for b in a..3 {
+            trace[quadratic(a, b)] *= u[a] * u[b];
+            for c in b..3 {
+                determinant[cubic(a, b, c)] *= v[a] * v[b] * v[c];
+            }
+        }
+    }
+    is_positive(trace, quadratic_halves, MOST_HALVINGS)
+        && is_positive(determinant, cubic_halves, MOST_HALVINGS)
 }
 
 fn deciding<R: Enclosed>(law: &Numbers<'_>, patch: &Patch, at: [R; 2]) -> Deciding<R> {

@@ -504,10 +504,8 @@ impl Family {
         if self.is_compressible() || mode == Mode::Volumetric {
             return None;
         }
-        let logs = mode.logs(stretch);
-        let slopes = self.slopes(constants, logs);
-        let kirchhoff = |i: usize| 2.0 * (2.0 * logs[i]).exp() * slopes[i];
-        Some(mode.nominal(stretch) * (kirchhoff(0) - kirchhoff(2)))
+        let stresses = self.stresses(constants, mode.logs(stretch));
+        Some(mode.nominal(stretch) * (stresses[0] - stresses[2]))
     }
 
     /// Returns true if criteria hold at a state of a loading.

@@ -1,9 +1,9 @@
 //! Symmetric functions of the stretches of which energies are functions, with derivatives without cancellation.
 //!
-//! The moduli of a law need quotients `(s_i - s_j)/(e_i - e_j)` of the derivatives `s_i = ds/de_i` by the squares of the stretches, which are 0/0 where two
-//! stretches are equal. With `h = ln lambda`, `t = h_i - h_j` and `e = exp(2 h)` they have closed forms: for a sum of powers
+//! With `h = ln lambda` and `e = exp(2 h)` all are sums `s = f(h_1) + f(h_2) + f(h_3)`. The moduli of a law need the slopes `a = f'`, the curvatures `f''` and the
+//! quotients `(a_i - a_j)/(e_i - e_j)`, which are 0/0 where two stretches are equal. They have closed forms: for a sum of powers, with `t = h_i - h_j`,
 //!
-//! `(e_i^q - e_j^q)/(e_i - e_j) = exp((q - 1)(h_i + h_j)) sinh(q t)/sinh(t)`,
+//! `(e_i^p - e_j^p)/(e_i - e_j) = exp((p - 1)(h_i + h_j)) sinh(p t)/sinh(t)`,
 //!
 //! whose last factor is even and smooth in `t`.
 
@@ -50,9 +50,13 @@ impl<R: Real> State<R> {
         Self { logs, squares }
     }
 
-    /// Sum and difference of the logarithms of two stretches.
-    fn pair(&self, i: usize, j: usize) -> [R; 2] {
-        [self.logs[i] + self.logs[j], self.logs[i] - self.logs[j]]
+    /// Differences `e_i - e_j` of the squares, by the third index.
+    pub fn differences(&self) -> [R; 3] {
+        let of = |i: usize, j: usize| {
+            let (sum, difference) = (self.logs[i] + self.logs[j], self.logs[i] - self.logs[j]);
+            sum.exp() * difference.sinh() * 2.0
+        };
+        [of(1, 2), of(0, 2), of(0, 1)]
     }
 }
 
@@ -61,7 +65,7 @@ impl<R: Real> State<R> {
 pub(crate) enum Sum<R> {
     /// First invariant less 3, `e_1 + e_2 + e_3 - 3`.
     First,
-    /// Second invariant less 3, `e_1 e_2 + e_2 e_3 + e_3 e_1 - 3`.
+    /// Second invariant less 3 at constant volume, `1/e_1 + 1/e_2 + 1/e_3 - 3`.
     Second,
     /// Powers of the stretches less 3, `lambda_1^alpha + lambda_2^alpha + lambda_3^alpha - 3`.
     Powers(R),
@@ -71,84 +75,117 @@ pub(crate) enum Sum<R> {
     Volume,
 }
 
-/// Second derivatives by the squares of the stretches, and the quotients `(s_i - s_j)/(e_i - e_j)` by the third index.
-pub(crate) type Curvatures<R> = ([[R; 3]; 3], [R; 3]);
+/// Second derivatives of a sum.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Curvatures<R> {
+    /// Curvatures `f''`.
+    pub own: [R; 3],
+    /// Quotients `(a_i - a_j)/(e_i - e_j)`, by the third index.
+    pub quotients: [R; 3],
+    /// Parts `f''_i - k_ij - k_ik + k_jk` with `k_ij = (e_i + e_j)/2` times the quotient.
+    pub parts: [R; 3],
+    /// Sums of two parts, `f''_i + f''_j - 2 k_ij`, by the third index.
+    pub pairs: [R; 3],
+}
+
+impl<R: Real> Curvatures<R> {
+    pub fn zero() -> Self {
+        let zero = [R::constant(0.0); 3];
+        Self {
+            own: zero,
+            quotients: zero,
+            parts: zero,
+            pairs: zero,
+        }
+    }
+}
 
 impl<R: Enclosed> Sum<R> {
-    /// Value, and derivatives by the squares of the stretches.
+    /// Value, and slopes.
     pub fn slopes(&self, state: &State<R>) -> (R, [R; 3]) {
         let State { logs, squares } = state;
-        let [a, b, c] = *squares;
         let total = |[a, b, c]: [R; 3]| a + b + c;
         match *self {
-            Self::First => (a + b + c - 3.0, [R::constant(1.0); 3]),
-            Self::Second => (a * b + b * c + c * a - 3.0, [b + c, c + a, a + b]),
+            Self::First => (total(*squares) - 3.0, squares.map(|own| own * 2.0)),
+            Self::Second => {
+                let inverse = squares.map(R::recip);
+                (total(inverse) - 3.0, inverse.map(|own| own * -2.0))
+            }
             Self::Powers(alpha) => {
                 let powers = logs.map(|log| (log * alpha).exp());
-                let slope = |i: usize| alpha * 0.5 * (logs[i] * (alpha - 2.0)).exp();
-                (total(powers) - 3.0, std::array::from_fn(slope))
+                (total(powers) - 3.0, powers.map(|own| own * alpha))
             }
-            Self::Squares => {
-                let slope = |i: usize| logs[i] / squares[i];
-                (
-                    total(logs.map(|log| log * log)),
-                    std::array::from_fn(slope),
-                )
-            }
-            Self::Volume => (total(*logs), squares.map(|own| own.recip() * 0.5)),
+            Self::Squares => (
+                total(logs.map(|log| log * log)),
+                logs.map(|log| log * 2.0),
+            ),
+            Self::Volume => (total(*logs), [R::constant(1.0); 3]),
         }
     }
 
-    /// Second derivatives and quotients.
+    /// Curvatures, quotients and parts of the curvatures.
     pub fn curvatures(&self, state: &State<R>) -> Curvatures<R> {
         let State { logs, squares } = state;
-        let zero = R::constant(0.0);
-        let diagonal = |of: &dyn Fn(usize) -> R| {
-            let mut second = [[zero; 3]; 3];
-            for (i, row) in second.iter_mut().enumerate() {
-                row[i] = of(i);
-            }
-            second
-        };
         let pairs = |of: &dyn Fn(usize, usize) -> R| [of(1, 2), of(0, 2), of(0, 1)];
         match *self {
-            Self::First => ([[zero; 3]; 3], [zero; 3]),
+            Self::First => halved(*squares, [R::constant(2.0); 3]),
             Self::Second => {
-                let mut second = [[R::constant(1.0); 3]; 3];
-                for (i, row) in second.iter_mut().enumerate() {
-                    row[i] = zero;
-                }
-                (second, [R::constant(-1.0); 3])
+                let inverse = squares.map(R::recip);
+                let quotient = |i: usize, j: usize| inverse[i] * inverse[j] * 2.0;
+                halved(inverse, pairs(&quotient))
             }
             Self::Powers(alpha) => {
-                let factor = alpha * 0.5;
-                let second = |i: usize| {
-                    factor * (alpha * 0.5 - 1.0) * (logs[i] * (alpha - 4.0)).exp()
-                };
                 let quotient = |i: usize, j: usize| {
-                    let [sum, difference] = state.pair(i, j);
-                    let power = (sum * (alpha * 0.5 - 2.0)).exp();
-                    factor * power * ratio_of_sines(alpha * 0.5 - 1.0, difference)
+                    let (sum, difference) = (logs[i] + logs[j], logs[i] - logs[j]);
+                    let power = (sum * (alpha * 0.5 - 1.0)).exp();
+                    alpha * power * ratio_of_sines(alpha * 0.5, difference)
                 };
-                (diagonal(&second), pairs(&quotient))
+                let curvature = |log: R| alpha * alpha * (log * alpha).exp();
+                reduced(state, logs.map(curvature), pairs(&quotient))
             }
             Self::Squares => {
-                let inverse = squares.map(R::recip);
-                let second = |i: usize| (-logs[i] + 0.5) * inverse[i] * inverse[i];
                 let quotient = |i: usize, j: usize| {
-                    let [sum, difference] = state.pair(i, j);
-                    let tangent = difference.cosh() / sine_quotient(difference);
-                    (tangent - sum) * 0.5 * inverse[i] * inverse[j]
+                    let (sum, difference) = (logs[i] + logs[j], logs[i] - logs[j]);
+                    (-sum).exp() / sine_quotient(difference)
                 };
-                (diagonal(&second), pairs(&quotient))
+                reduced(state, [R::constant(2.0); 3], pairs(&quotient))
             }
-            Self::Volume => {
-                let inverse = squares.map(R::recip);
-                let second = |i: usize| inverse[i] * inverse[i] * -0.5;
-                let quotient = |i: usize, j: usize| inverse[i] * inverse[j] * -0.5;
-                (diagonal(&second), pairs(&quotient))
-            }
+            Self::Volume => Curvatures::zero(),
         }
+    }
+}
+
+/// Second derivatives of a sum with the curvatures `4 x`, whose parts are half of them.
+fn halved<R: Real>(x: [R; 3], quotients: [R; 3]) -> Curvatures<R> {
+    let [a, b, c] = x;
+    Curvatures {
+        own: x.map(|own| own * 4.0),
+        quotients,
+        parts: x.map(|own| own * 2.0),
+        pairs: [b + c, a + c, a + b].map(|own| own * 2.0),
+    }
+}
+
+/// Second derivatives with parts in which the slopes of the largest stretch, which is the first one, cancel:
+/// `k_12 - k_13 = (a_3 - a_2)/2 + q_12 e_2 - q_13 e_3`.
+fn reduced<R: Real>(state: &State<R>, own: [R; 3], quotients: [R; 3]) -> Curvatures<R> {
+    let e = state.squares;
+    let [near, far, first] = quotients;
+    let twice = [near * (e[1] + e[2]), far * (e[0] + e[2]), first * (e[0] + e[1])];
+    let across = first * e[1] - far * e[2];
+    Curvatures {
+        own,
+        quotients,
+        parts: [
+            own[0] + (twice[0] - twice[1] - twice[2]) * 0.5,
+            own[1] - near * e[2] - across,
+            own[2] - near * e[1] + across,
+        ],
+        pairs: [
+            own[1] + own[2] - twice[0],
+            own[0] + own[2] - twice[1],
+            own[0] + own[1] - twice[2],
+        ],
     }
 }
 
@@ -193,15 +230,9 @@ fn is_beyond<R: Real>(x: R, limit: f64) -> bool {
 mod tests {
     use super::*;
 
-    /// Function of the squares, evaluated naively.
-    fn value(sum: &Sum<f64>, squares: [f64; 3]) -> f64 {
-        sum.slopes(&State::new(squares.map(|own| 0.5 * own.ln()))).0
-    }
-
     #[test]
     fn slopes_and_curvatures_are_the_derivatives() {
-        let squares = [1.7, 1.2, 0.4];
-        let state = State::new(squares.map(|own| 0.5 * own.ln()));
+        let logs = [0.3, 0.1, -0.5];
         for sum in [
             Sum::First,
             Sum::Second,
@@ -210,29 +241,40 @@ mod tests {
             Sum::Squares,
             Sum::Volume,
         ] {
+            let state = State::new(logs);
             let (_, slopes) = sum.slopes(&state);
-            let (second, quotients) = sum.curvatures(&state);
-            let step = 1e-4;
-            let moved = |i: usize, by: f64| {
-                let mut own = squares;
-                own[i] += by;
-                own
-            };
+            let Curvatures {
+                own: curvatures,
+                quotients,
+                parts,
+                pairs,
+            } = sum.curvatures(&state);
+            let e = state.squares;
+            let mean = |i: usize, j: usize| 0.5 * quotients[3 - i - j] * (e[i] + e[j]);
             for i in 0..3 {
-                let difference = value(&sum, moved(i, step)) - value(&sum, moved(i, -step));
-                assert!((difference / (2.0 * step) - slopes[i]).abs() < 1e-6, "{sum:?}");
-                for j in 0..3 {
-                    let slope = |by: f64| {
-                        let own = moved(j, by).map(|own| 0.5 * own.ln());
-                        sum.slopes(&State::new(own)).1[i]
-                    };
-                    let difference = (slope(step) - slope(-step)) / (2.0 * step);
-                    assert!((difference - second[i][j]).abs() < 1e-5, "{sum:?} {i} {j}");
-                }
+                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                let part = curvatures[i] - mean(i, j) - mean(i, k) + mean(j, k);
+                assert!((parts[i] - part).abs() < 1e-12, "{sum:?}");
+                assert!((pairs[i] - parts[j] - parts[k]).abs() < 1e-12, "{sum:?}");
+            }
+            let step = 1e-5;
+            for i in 0..3 {
+                let at = |by: f64| {
+                    let mut own = logs;
+                    own[i] += by;
+                    sum.slopes(&State::new(own))
+                };
+                let (above, below) = (at(step), at(-step));
+                let slope = (above.0 - below.0) / (2.0 * step);
+                assert!((slope - slopes[i]).abs() < 1e-8, "{sum:?}");
+                let curvature = (above.1[i] - below.1[i]) / (2.0 * step);
+                assert!((curvature - curvatures[i]).abs() < 1e-8, "{sum:?}");
             }
             for (i, j) in [(0, 1), (0, 2), (1, 2)] {
-                let expected = (slopes[i] - slopes[j]) / (squares[i] - squares[j]);
+                let difference = state.squares[i] - state.squares[j];
+                let expected = (slopes[i] - slopes[j]) / difference;
                 assert!((quotients[3 - i - j] - expected).abs() < 1e-12, "{sum:?}");
+                assert!((state.differences()[3 - i - j] - difference).abs() < 1e-12);
             }
         }
     }

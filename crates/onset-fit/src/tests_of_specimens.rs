@@ -76,15 +76,12 @@ impl Equations {
                     Weights::Relative(floor) => point.stress.abs().max(floor * largest).recip(),
                     Weights::Absolute => 1.0,
                 } * test.weight.sqrt();
-                let at = |logs: [f64; 3], factors: [f64; 3], measured| {
-                    let squares = logs.map(|log| (2.0 * log).exp());
-                    Equation {
-                        place: (t, p),
-                        logs,
-                        factors: std::array::from_fn(|i| 2.0 * squares[i] * factors[i]),
-                        measured,
-                        scale,
-                    }
+                let at = |logs: [f64; 3], factors: [f64; 3], measured| Equation {
+                    place: (t, p),
+                    logs,
+                    factors,
+                    measured,
+                    scale,
                 };
                 let h = point.stretch.ln();
                 let inverse = point.stretch.recip();
@@ -106,7 +103,7 @@ impl Equations {
                 };
                 all.push(first);
                 if compressible && test.mode != Mode::SimpleShear {
-                    let factors = [0.0, 0.0, 2.0 * across.exp()];
+                    let factors = [0.0, 0.0, (-across).exp()];
                     all.push(Equation {
                         factors,
                         measured: 0.0,
@@ -145,9 +142,9 @@ impl Equations {
             let mut sum = -own.measured;
             for term in family.terms() {
                 let shapes = Family::variable_shapes(term, constants);
-                let slopes = Family::slopes_of(term, shapes, own.logs);
+                let stresses = Family::stresses_of(term, shapes, own.logs);
                 let stress = (0..3).fold(Dual::constant(0.0), |sum, i| {
-                    sum + slopes[i] * own.factors[i]
+                    sum + stresses[i] * own.factors[i]
                 });
                 let modulus = constants[term.modulus];
                 sum += modulus * stress.value;
