@@ -4,7 +4,7 @@ use crate::family::{Family, SMALLEST_EXPONENT};
 use crate::moduli::Criterion;
 use crate::proof::{Proof, prove};
 use crate::range::{
-    Limit, Mode, Numbers, Patch, Range, Worst, fence, limits, locked, worst_states,
+    Limit, Mode, Numbers, Patch, Range, Worst, fence, limits, locked, low_states, worst_states,
 };
 use crate::solve::{Cut, Problem, Solution};
 use crate::tests_of_specimens::{Equations, Misfit, Test};
@@ -473,11 +473,18 @@ impl Search<'_> {
             }
             .solve(&constants)?;
             let law = self.numbers(&found.constants);
-            let mut worst = worst_states(&law, &self.patches);
-            worst.retain(|own| own.value < LEAST_MARGIN_SHARE * self.options.margin);
-            worst.truncate(ADDED);
-            if worst.is_empty() {
+            let least = LEAST_MARGIN_SHARE * self.options.margin;
+            // Many demands at once cost a linear law little, and save rounds.
+            let mut worst = match self.family.is_linear() {
+                true => low_states(&law, &self.patches, least),
+                false => worst_states(&law, &self.patches),
+            };
+            if worst.iter().all(|own| own.value >= least) {
                 return Some(found);
+            }
+            if !self.family.is_linear() {
+                worst.retain(|own| own.value < least);
+                worst.truncate(ADDED);
             }
             cuts.extend(worst.into_iter().map(Cut::from));
             constants = found.constants;

@@ -11,6 +11,7 @@ use onset::cancel::checkpoint;
 use onset::real::{Dual, Interval, Real};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// Result of a proof.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -31,11 +32,12 @@ pub enum Proof {
 }
 
 /// Largest number of cells.
-const CELLS: usize = 12_000;
+const CELLS: usize = 20_000;
 /// Number with derivatives by the parameters of a patch.
 type Slope = Dual<2, Interval>;
-/// Halvings of the triangle of directions.
-const MOST_HALVINGS: usize = 12;
+/// Largest number of parts of the triangle of directions, for a form and for all cells together.
+const MOST_PARTS: usize = 5_000;
+const ALL_PARTS: usize = 800_000;
 /// Rounding of the coefficients of a part, relative to the largest one.
 const ROUNDING_FRACTION: f64 = 1e-14;
 /// Proves that the criteria are positive on all patches.
@@ -55,6 +57,7 @@ pub(crate) fn prove(law: &Numbers<'_>, patches: &[Patch]) -> Proof {
     };
     let shear = law.shear_modulus();
     let mut cells = 0;
+    let used = AtomicUsize::new(0);
     for patch in patches {
         let dimension = patch.axes.len();
         let ends = |a: usize| match a < dimension {
@@ -66,12 +69,12 @@ pub(crate) fn prove(law: &Numbers<'_>, patches: &[Patch]) -> Proof {
             checkpoint();
             level.retain(|cell| !(patch.ordered && is_outside(patch, cell)));
             cells += level.len();
-            if cells > CELLS {
+            if cells > CELLS || used.load(Relaxed) > ALL_PARTS {
                 return Proof::Sampled;
             }
             let open: Vec<_> = level
                 .into_par_iter()
-                .filter(|cell| !is_stable(law, patch, cell))
+                .filter(|cell| !is_stable(law, patch, cell, &used))
                 .collect();
             level = Vec::with_capacity(2 * open.len());
             for cell in open {
@@ -117,7 +120,7 @@ struct Deciding<R> {
     determinant: [R; 10],
 }
 
-fn is_stable(law: &Numbers<'_>, patch: &Patch, cell: &[[f64; 2]; 2]) -> bool {
+fn is_stable(law: &Numbers<'_>, patch: &Patch, cell: &[[f64; 2]; 2], used: &AtomicUsize) -> bool {
     let whole = cell.map(|[a, b]| Interval::new(a, b));
     let middle = whole.map(|own| Interval::point(own.midpoint()));
     let on_cell = deciding(law, patch, Slope::variables(whole));
@@ -146,13 +149,13 @@ fn is_stable(law: &Numbers<'_>, patch: &Patch, cell: &[[f64; 2]; 2]) -> bool {
             let determinant: [f64; 10] = std::array::from_fn(|n| {
                 bound(corner, &on_cell.determinant[n], &at_middle.determinant[n])
             });
-            is_elliptic(trace, determinant)
+            is_elliptic(trace, determinant, used)
         }),
     })
 }
 
 /// Returns true if both forms are positive for all directions.
-fn is_elliptic(mut trace: [f64; 6], mut determinant: [f64; 10]) -> bool {
+fn is_elliptic(mut trace: [f64; 6], mut determinant: [f64; 10], used: &AtomicUsize) -> bool {
     // In units of the axes in which a form is 1 at the corners.
     let units = |form: &[f64], degree: f64| -> Option<[f64; 3]> {
         let corners = form.iter().take(3).all(|own| *own > 0.0);
@@ -169,8 +172,7 @@ fn is_elliptic(mut trace: [f64; 6], mut determinant: [f64; 10]) -> bool {
             }
         }
     }
-    is_positive(trace, quadratic_halves, MOST_HALVINGS)
-        && is_positive(determinant, cubic_halves, MOST_HALVINGS)
+    is_positive(trace, quadratic_halves, used) && is_positive(determinant, cubic_halves, used)
 }
 
 fn deciding<R: Enclosed>(law: &Numbers<'_>, patch: &Patch, at: [R; 2]) -> Deciding<R> {
@@ -187,26 +189,33 @@ fn deciding<R: Enclosed>(law: &Numbers<'_>, patch: &Patch, at: [R; 2]) -> Decidi
 fn is_positive<const N: usize>(
     form: [f64; N],
     halves: fn(&[f64; N], usize) -> [[f64; N]; 2],
-    depth: usize,
+    used: &AtomicUsize,
 ) -> bool {
     // Rounding of the halvings.
     let least = ROUNDING_FRACTION * form.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-    if form.iter().all(|own| *own > least) {
-        return true;
+    let mut open = vec![form];
+    for _ in 0..MOST_PARTS {
+        let Some(part) = open.pop() else {
+            return true;
+        };
+        if part.iter().all(|own| *own > least) {
+            continue;
+        }
+        // The first three coefficients are values at the corners.
+        if !part[..3].iter().all(|own| *own > least) {
+            return false;
+        }
+        if used.fetch_add(1, Relaxed) > ALL_PARTS {
+            return false;
+        }
+        // Three halvings, one an edge.
+        let mut parts = vec![part];
+        for edge in 0..3 {
+            parts = parts.iter().flat_map(|own| halves(own, edge)).collect();
+        }
+        open.extend(parts);
     }
-    // The first three coefficients are values at the corners.
-    let corners_hold = form[..3].iter().all(|own| *own > least);
-    if depth == 0 || !corners_hold {
-        return false;
-    }
-    // Three halvings, one an edge, quarter the size.
-    let mut parts = vec![form];
-    for edge in 0..3 {
-        parts = parts.iter().flat_map(|own| halves(own, edge)).collect();
-    }
-    parts
-        .into_iter()
-        .all(|own| is_positive(own, halves, depth - 1))
+    open.is_empty()
 }
 
 /// Corners of the edge opposite to a corner.

@@ -340,8 +340,16 @@ const POINTS: [usize; 3] = [301, 41, 9];
 /// Number of local minima of a grid that are improved.
 const IMPROVED: usize = 8;
 
+/// Distances from a minimum to the states around it, as parts of the distance of grid points.
+const AROUND: [f64; 3] = [0.5, 0.125, 0.03];
+
 /// Local minima of the criteria over parts of a range, the lowest first.
 pub(crate) fn worst_states(law: &Numbers<'_>, patches: &[Patch]) -> Vec<Worst> {
+    low_states(law, patches, f64::NEG_INFINITY)
+}
+
+/// Local minima of the criteria over parts of a range, the lowest first, with the grid points below a value and states around minima below it.
+pub(crate) fn low_states(law: &Numbers<'_>, patches: &[Patch], below: f64) -> Vec<Worst> {
     let shear = law.shear_modulus();
     let mut found: Vec<Worst> = Vec::new();
     for patch in patches {
@@ -357,6 +365,8 @@ pub(crate) fn worst_states(law: &Numbers<'_>, patches: &[Patch]) -> Vec<Worst> {
                     .then(|| law.worst_at(patch.logs(&at), shear))
             })
             .collect();
+        let low = values.iter().flatten().filter(|own| own.value < below);
+        found.extend(low.cloned());
         let value = |n: usize| values[n].as_ref().map_or(f64::INFINITY, |own| own.value);
         let is_low = |n: usize| {
             (0..dimension).all(|a| {
@@ -375,15 +385,30 @@ pub(crate) fn worst_states(law: &Numbers<'_>, patches: &[Patch]) -> Vec<Worst> {
             let steps: Vec<f64> = (0..dimension)
                 .map(|a| 0.5 * (patch.high[a] - patch.low[a]) / (count - 1) as f64)
                 .collect();
-            let start = values[n].clone();
-            found.extend(start.map(|start| improved(law, patch, shear, place(n), steps, start)));
+            let Some(start) = values[n].clone() else {
+                continue;
+            };
+            let (worst, middle) = improved(law, patch, shear, place(n), steps.clone(), start);
+            if worst.value < below {
+                for (a, part) in (0..dimension).flat_map(|a| AROUND.map(|part| (a, part))) {
+                    for sign in [1.0, -1.0] {
+                        let mut at = middle.clone();
+                        let moved = at[a] + 2.0 * sign * part * steps[a];
+                        at[a] = moved.clamp(patch.low[a], patch.high[a]);
+                        if patch.contains(&at) {
+                            found.push(law.worst_at(patch.logs(&at), shear));
+                        }
+                    }
+                }
+            }
+            found.push(worst);
         }
     }
     found.sort_by(|a, b| a.value.total_cmp(&b.value));
     found
 }
 
-/// Local minimum near a state by a search along the axes of a patch.
+/// Local minimum near a state, with its parameters, by a search along the axes of a patch.
 fn improved(
     law: &Numbers<'_>,
     patch: &Patch,
@@ -391,7 +416,7 @@ fn improved(
     mut place: Vec<f64>,
     mut steps: Vec<f64>,
     mut best: Worst,
-) -> Worst {
+) -> (Worst, Vec<f64>) {
     let dimension = place.len();
     let smallest = steps.iter().fold(0.0_f64, |a, b| a.max(*b)) * 1e-4;
     while steps.iter().any(|step| *step > smallest) {
@@ -415,7 +440,7 @@ fn improved(
             steps.iter_mut().for_each(|step| *step *= 0.5);
         }
     }
-    best
+    (best, place)
 }
 
 /// End of the stable stretches along a loading of an incompressible specimen in tension. Compression passes through the states of another

@@ -52,6 +52,8 @@ pub(crate) struct Solution {
 const MOST_STEPS: usize = 200;
 /// A step that lowers the sum of squares by less than this part is the last one.
 const LEAST_GAIN: f64 = 1e-13;
+/// Largest sum of violated demands, relative to the constants.
+const MOST_VIOLATED: f64 = 1e-6;
 /// Weight of a violated demand, relative to the sum of squares at the start.
 const PENALTY: f64 = 10.0;
 
@@ -89,7 +91,8 @@ impl Problem<'_> {
         self.confine(&mut constants);
         let is_free: Vec<bool> = self.bounds.iter().map(|[low, high]| low < high).collect();
         if self.family.is_linear() {
-            return self.of_moduli(&constants, &is_free);
+            let found = self.of_moduli(&constants, &is_free)?;
+            return (self.violation(&found.constants) < MOST_VIOLATED).then_some(found);
         }
         constants = self.of_moduli(&constants, &is_free)?.constants;
         let (mut errors, mut jacobian) = self.equations.errors(self.family, &constants);
@@ -144,7 +147,7 @@ impl Problem<'_> {
                 break;
             }
         }
-        (loss.is_finite() && violated < 1e-6).then_some(Solution { constants, loss })
+        (loss.is_finite() && violated < MOST_VIOLATED).then_some(Solution { constants, loss })
     }
 
     fn violation(&self, constants: &[f64]) -> f64 {
@@ -268,15 +271,19 @@ impl Problem<'_> {
     }
 }
 
+/// Quadratic programs of one step, conditions that are added to each, and the part of the unit by which others may be violated.
+const MOST_PROGRAMS: usize = 100;
+const ADDED_CONDITIONS: usize = 12;
+const CONDITION_TOLERANCE: f64 = 1e-12;
+
 /// Point `y` nearest to `target` with `slope . R^-1 y >= bound`; `None` if it does not exist.
 fn nearest(
     upper: &DMatrix<f64>,
     target: &DVector<f64>,
     conditions: &[(DVector<f64>, f64)],
 ) -> Option<DVector<f64>> {
-    let count = target.len();
     let lower = upper.transpose();
-    let mut rows = Vec::new();
+    let mut rows: Vec<DVector<f64>> = Vec::new();
     let mut bounds = Vec::new();
     for (slope, bound) in conditions {
         // slope . R^-1 y = (R^-T slope) . y
@@ -291,12 +298,38 @@ fn nearest(
     // Numbers of order one: in units of the distance of the target or of the conditions.
     let needed = bounds.iter().fold(0.0_f64, |most, own| most.max(-own));
     let unit = target.norm().max(needed).max(1e-300);
-    let matrix: Vec<Vec<f64>> = rows
-        .iter()
-        .map(|row| row.iter().copied().collect())
-        .collect();
-    let bounds: Vec<f64> = bounds.iter().map(|own| own / unit).collect();
-    let linear: Vec<f64> = target.iter().map(|own| -own / unit).collect();
+    let target = target / unit;
+    bounds.iter_mut().for_each(|own| *own /= unit);
+    // Only a few of many conditions are active: violated ones are added until all hold.
+    let mut active: Vec<usize> = Vec::new();
+    let mut point = target.clone();
+    for _ in 0..MOST_PROGRAMS {
+        let mut violated: Vec<(usize, f64)> = (0..rows.len())
+            .map(|n| (n, rows[n].dot(&point) - bounds[n]))
+            .filter(|(n, excess)| *excess > CONDITION_TOLERANCE && !active.contains(n))
+            .collect();
+        if violated.is_empty() {
+            break;
+        }
+        violated.sort_by(|a, b| b.1.total_cmp(&a.1));
+        active.extend(violated.iter().take(ADDED_CONDITIONS).map(|(n, _)| *n));
+        point = nearest_of(&target, &rows, &bounds, &active)?;
+    }
+    Some(point * unit)
+}
+
+/// Point nearest to `target` on one side of some planes; `None` if it does not exist.
+fn nearest_of(
+    target: &DVector<f64>,
+    rows: &[DVector<f64>],
+    bounds: &[f64],
+    active: &[usize],
+) -> Option<DVector<f64>> {
+    let count = target.len();
+    let row = |n: &usize| rows[*n].iter().copied().collect();
+    let matrix: Vec<Vec<f64>> = active.iter().map(row).collect();
+    let bounds: Vec<f64> = active.iter().map(|n| bounds[*n]).collect();
+    let linear: Vec<f64> = target.iter().map(|own| -own).collect();
     let settings = DefaultSettings {
         verbose: false,
         tol_gap_abs: 1e-13,
@@ -319,5 +352,5 @@ fn nearest(
         solver.solution.status,
         SolverStatus::Solved | SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress
     );
-    is_solved.then(|| DVector::from_vec(solver.solution.x) * unit)
+    is_solved.then(|| DVector::from_vec(solver.solution.x))
 }
