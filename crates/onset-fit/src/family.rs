@@ -453,7 +453,9 @@ impl Family {
             let same = others.iter().take_while(|own| own.shares_sums(term));
             let (own, others) = rest.split_at(1 + same.count());
             let shapes = |own: &Term| Self::shapes(own, constants);
-            Self::add(&mut moduli, &state, own, shapes, |own| constants[own.modulus]);
+            Self::add(&mut moduli, &state, own, shapes, |own| {
+                constants[own.modulus]
+            });
             rest = others;
         }
         moduli
@@ -468,7 +470,13 @@ impl Family {
         let state = State::new(logs.map(Dual::constant));
         let mut moduli = Moduli::zero(&state);
         let shapes = |own: &Term| Self::variable_shapes(own, constants);
-        Self::add(&mut moduli, &state, std::slice::from_ref(term), shapes, |_| 1.0);
+        Self::add(
+            &mut moduli,
+            &state,
+            std::slice::from_ref(term),
+            shapes,
+            |_| 1.0,
+        );
         moduli
     }
 

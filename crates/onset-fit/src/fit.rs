@@ -541,10 +541,10 @@ impl Search<'_> {
     fn at_bounds(&self, constants: &[f64]) -> Vec<String> {
         let is_at = |n: usize| {
             let value = constants[n];
-            let is_near = |end: f64| {
-                end.is_finite() && (value - end).abs() <= BOUND_TOLERANCE * end.abs()
-            };
-            let is_smallest = self.family.is_exponent(n) && is_near(SMALLEST_EXPONENT.copysign(value));
+            let is_near =
+                |end: f64| end.is_finite() && (value - end).abs() <= BOUND_TOLERANCE * end.abs();
+            let is_smallest =
+                self.family.is_exponent(n) && is_near(SMALLEST_EXPONENT.copysign(value));
             self.is_free[n] && (is_smallest || self.bounds[n].into_iter().any(is_near))
         };
         let names = self.family.constants().iter().map(|own| own.name.clone());

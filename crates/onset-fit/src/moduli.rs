@@ -95,7 +95,12 @@ impl<R: Real> Moduli<R> {
     }
 
     /// Adds the moduli of a function of two sums, by the chain rule. No more than one function of a law at constant volume is not linear in its sums.
-    pub fn add(&mut self, energy: &Jet<2, R>, slopes: [&[R; 3]; 2], curvatures: &[Curvatures<R>; 2]) {
+    pub fn add(
+        &mut self,
+        energy: &Jet<2, R>,
+        slopes: [&[R; 3]; 2],
+        curvatures: &[Curvatures<R>; 2],
+    ) {
         for a in 0..2 {
             let first = energy.gradient[a];
             let own = &curvatures[a];
@@ -354,7 +359,14 @@ impl Moduli<f64> {
         let own = |i: usize| (self.logarithmic(i, i) - self.stress[i]) / self.squares[i];
         Matrix3::from_fn(|i, j| match i == j {
             true => (0..3)
-                .map(|k| n[k] * n[k] * if k == i { own(i) } else { self.quotients[3 - i - k] })
+                .map(|k| {
+                    n[k] * n[k]
+                        * if k == i {
+                            own(i)
+                        } else {
+                            self.quotients[3 - i - k]
+                        }
+                })
                 .sum(),
             false => self.coupling(i, j) * n[i] * n[j],
         })

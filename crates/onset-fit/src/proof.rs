@@ -136,7 +136,11 @@ fn is_stable(law: &Numbers<'_>, patch: &Patch, cell: &[[f64; 2]; 2], used: &Atom
             let end = Interval::point(cell[*a][corner >> a & 1]) - middle[*a];
             sum = sum + end * slope.midpoint() - offsets[*a].abs() * slope.radius();
         }
-        if sum.low.is_nan() { f64::NEG_INFINITY } else { sum.low }
+        if sum.low.is_nan() {
+            f64::NEG_INFINITY
+        } else {
+            sum.low
+        }
     };
     law.criteria.iter().all(|criterion| match criterion {
         Criterion::Drucker => (0..2).all(|n| {

@@ -130,7 +130,10 @@ impl Equations {
 
     /// Norm of the scaled measured values.
     pub fn norm(&self) -> f64 {
-        let squares = self.all.iter().map(|own| (own.scale * own.measured).powi(2));
+        let squares = self
+            .all
+            .iter()
+            .map(|own| (own.scale * own.measured).powi(2));
         squares.sum::<f64>().sqrt()
     }
 

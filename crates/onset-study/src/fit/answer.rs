@@ -457,7 +457,9 @@ fn remarks(laws: &[LawAnswer]) -> Vec<String> {
     let mut notes = Vec::new();
     let all = |holds: &dyn Fn(&LawAnswer) -> bool| {
         let own = laws.iter().filter(|own| holds(own));
-        own.map(|own| own.law.as_str()).collect::<Vec<_>>().join(", ")
+        own.map(|own| own.law.as_str())
+            .collect::<Vec<_>>()
+            .join(", ")
     };
     let exact = all(&|own| own.spare_points == 0);
     if !exact.is_empty() {
@@ -482,7 +484,8 @@ fn remarks(laws: &[LawAnswer]) -> Vec<String> {
                 short(lock.stretch),
                 lock.mode.name(),
                 match own.fit.family.ends_at_locking() {
-                    true => "beyond, it has no energy, and stability means that of the states before",
+                    true =>
+                        "beyond, it has no energy, and stability means that of the states before",
                     false => "beyond, its series continues without a limit",
                 }
             ));
@@ -501,7 +504,9 @@ impl ConstantAnswer {
                     digits if digits <= 0.0 => 0.0,
                     digits => {
                         let digits = digits.min(17.0) as usize;
-                        format!("{:.*e}", digits - 1, self.value).parse().unwrap_or(self.value)
+                        format!("{:.*e}", digits - 1, self.value)
+                            .parse()
+                            .unwrap_or(self.value)
                     }
                 }
             }

@@ -224,7 +224,8 @@ impl Tests {
         }
         if all.tests.iter().all(|test| test.mode == Mode::Volumetric) && !all.tests.is_empty() {
             return Err(TableError::Tests {
-                message: "volumetric tests alone determine no constant besides the bulk modulus".to_owned(),
+                message: "volumetric tests alone determine no constant besides the bulk modulus"
+                    .to_owned(),
                 hint: "add a uniaxial, equibiaxial, planar or simple shear test".to_owned(),
             });
         }
@@ -470,7 +471,8 @@ fn split(header: &str) -> (String, Option<String>) {
 
 /// Columns of programs whose tables have no header.
 const ABAQUS: &str = "data lines of Abaqus hold nominal stress and nominal strain";
-const ANSYS: &str = "files of Ansys hold nominal strain and nominal stress, or volume ratio and pressure";
+const ANSYS: &str =
+    "files of Ansys hold nominal strain and nominal stress, or volume ratio and pressure";
 
 /// Text of a file, or arrays with an empty text.
 struct Table<'a> {
@@ -909,12 +911,17 @@ impl Table<'_> {
             }
         }
         let has_name = |name: &Option<String>, wanted: &str| {
-            name.as_ref().is_some_and(|own| own.eq_ignore_ascii_case(wanted))
+            name.as_ref()
+                .is_some_and(|own| own.eq_ignore_ascii_case(wanted))
         };
         let wanted = self.reading.material.as_deref();
         let message = match wanted {
             None if names.len() > 1 => {
-                format!("it has tests of {} materials: {}", names.len(), names.join(", "))
+                format!(
+                    "it has tests of {} materials: {}",
+                    names.len(),
+                    names.join(", ")
+                )
             }
             Some(wanted) if !tests.iter().any(|(name, _)| has_name(name, wanted)) => format!(
                 "it has no tests of the material `{wanted}`, but of {}",
@@ -1240,9 +1247,9 @@ impl Table<'_> {
                 },
             ));
         }
-        let tests = found.into_iter().map(|(material, mode, rows)| {
-            Ok((material, self.test(mode, rows, Column::Strain)?))
-        });
+        let tests = found
+            .into_iter()
+            .map(|(material, mode, rows)| Ok((material, self.test(mode, rows, Column::Strain)?)));
         tests.collect()
     }
 
@@ -1313,7 +1320,9 @@ impl Table<'_> {
             if text.is_empty() {
                 continue;
             }
-            let cells = text.split([',', ';', ' ', '\t']).filter(|own| !own.is_empty());
+            let cells = text
+                .split([',', ';', ' ', '\t'])
+                .filter(|own| !own.is_empty());
             let values: Option<Vec<f64>> = cells
                 .map(|own| own.parse::<f64>().ok().filter(|own| own.is_finite()))
                 .collect();
@@ -1321,7 +1330,10 @@ impl Table<'_> {
             else {
                 return Err(self.line(
                     n + 1,
-                    format!("`{}` where a strain and a stress were expected", brief(text)),
+                    format!(
+                        "`{}` where a strain and a stress were expected",
+                        brief(text)
+                    ),
                     ANSYS,
                 ));
             };
