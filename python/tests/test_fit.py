@@ -121,6 +121,15 @@ def test_faults_of_arrays_are_told_as_those_of_tables(tmp_path: Path) -> None:
         assert str(raised.value) == told.error
 
 
+def test_hints_name_keywords_instead_of_options() -> None:
+    x = np.linspace(1.1, 4.0, 3)
+    for given in ({"law": "polynomial-3"}, {"law": "hencky"}, {"range": (7.0, 8.0)}):
+        with pytest.raises(onset.InputError) as raised:
+            onset.fit(**{"tests": {"uniaxial": (x, yeoh(x))}, "law": "yeoh", **given})
+        assert "hint:" in str(raised.value)
+        assert "--" not in str(raised.value)
+
+
 def test_faults_name_the_argument() -> None:
     x = np.linspace(1.1, 4.0, 12)
     y = yeoh(x)
