@@ -377,6 +377,9 @@ fn experiment(line: &str) -> Option<Vec<&str>> {
     is_command.then(|| words.collect())
 }
 
+/// Points with their lines.
+type Rows = Vec<(usize, Point)>;
+
 /// Test of a deck, with the material to which it belongs.
 type OfMaterial = (Option<String>, Test);
 
@@ -1181,7 +1184,7 @@ impl Table<'_> {
 
     /// Test data of a deck of Abaqus: nominal stress, nominal strain and lateral strain; pressure and volume ratio.
     fn deck(&self) -> Result<Vec<OfMaterial>, TableError> {
-        let mut found: Vec<(Option<String>, Mode, Vec<(usize, Point)>)> = Vec::new();
+        let mut found: Vec<(Option<String>, Mode, Rows)> = Vec::new();
         let mut is_open = false;
         let mut material = None;
         for (n, text) in self.text.lines().enumerate() {
