@@ -4,6 +4,7 @@ use crate::family::Family;
 use crate::moduli::{Criterion, PAIRS, Perturbation, isochoric_basis};
 use crate::solve::Cut;
 use crate::tests_of_specimens::Test;
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// Loading of a specimen.
@@ -358,6 +359,7 @@ pub(crate) fn low_states(law: &Numbers<'_>, patches: &[Patch], below: f64) -> Ve
         let place = |n: usize| patch.place(n, count);
         let total = count.pow(dimension as u32);
         let values: Vec<Option<Worst>> = (0..total)
+            .into_par_iter()
             .map(|n| {
                 let at = place(n);
                 patch

@@ -12,6 +12,7 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 use nalgebra::{DMatrix, DVector};
 use onset::real::Dual;
+use rayon::prelude::*;
 
 /// Demand that a form of the law is not below a margin: `q(state, perturbation) >= margin q(reference)`.
 #[derive(Clone, Copy, Debug)]
@@ -54,34 +55,39 @@ const MOST_STEPS: usize = 200;
 const LEAST_GAIN: f64 = 1e-13;
 /// Largest sum of violated demands, relative to the constants.
 const MOST_VIOLATED: f64 = 1e-6;
+/// Fewest demands for which another thread is worth while.
+const DEMANDS_OF_A_THREAD: usize = 64;
 /// Weight of a violated demand, relative to the sum of squares at the start.
 const PENALTY: f64 = 10.0;
 
 impl Problem<'_> {
     /// Values of the demands with their derivatives, scaled by the size of the gradient.
     fn demands(&self, constants: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
-        let count = self.cuts.len();
-        let mut values = DVector::<f64>::zeros(count);
-        let mut slopes = DMatrix::<f64>::zeros(count, constants.len());
-        for term in self.family.terms() {
-            let shear = Family::moduli_of(term, constants, [0.0; 3]).shear_modulus();
-            for (row, cut) in self.cuts.iter().enumerate() {
+        let terms = self.family.terms();
+        let shear = |term| Family::moduli_of(term, constants, [0.0; 3]).shear_modulus();
+        let shears: Vec<Dual<2>> = terms.iter().map(shear).collect();
+        // Value and derivatives of a demand.
+        let row = |cut: &Cut| {
+            let mut value = 0.0;
+            let mut slope = DVector::<f64>::zeros(constants.len());
+            let least = self.margin * cut.criterion.reference(1.0);
+            for (term, shear) in terms.iter().zip(&shears) {
                 let moduli = Family::moduli_of(term, constants, cut.logs);
-                let scale = cut.criterion.reference(1.0);
-                let form: Dual<2> = moduli.form(&cut.perturbation) - shear * (self.margin * scale);
+                let form = moduli.form(&cut.perturbation) - *shear * least;
                 let modulus = constants[term.modulus];
-                values[row] += modulus * form.value;
-                slopes[(row, term.modulus)] += form.value;
+                value += modulus * form.value;
+                slope[term.modulus] += form.value;
                 for (n, index) in term.shapes.iter().enumerate() {
-                    slopes[(row, *index)] += modulus * form.gradient[n];
+                    slope[*index] += modulus * form.gradient[n];
                 }
             }
-        }
-        for row in 0..count {
-            let size = slopes.row(row).norm().max(f64::MIN_POSITIVE);
-            values[row] /= size;
-            slopes.row_mut(row).scale_mut(size.recip());
-        }
+            let size = slope.norm().max(f64::MIN_POSITIVE);
+            (value / size, slope / size)
+        };
+        let all = self.cuts.par_iter().with_min_len(DEMANDS_OF_A_THREAD);
+        let rows: Vec<(f64, DVector<f64>)> = all.map(row).collect();
+        let values = DVector::from_fn(rows.len(), |n, _| rows[n].0);
+        let slopes = DMatrix::from_fn(rows.len(), constants.len(), |n, c| rows[n].1[c]);
         (values, slopes)
     }
 
