@@ -117,6 +117,11 @@ def larger(program, root, rounds):
         "`onset map studies/three-axes.toml`, 36 x 36 x 12 states": lambda: program.map(studies["three-axes"])[:2],
         "`onset map studies/fcc-eulerian.toml`, 64 x 64 states in space": lambda: program.map(studies["fcc-eulerian"])[:2],
     }
+    tests = [str(root / "rubber" / f"treloar-{mode}.csv") for mode in ("uniaxial", "equibiaxial", "planar")]
+    jobs["`onset fit rubber/treloar-*.csv`, all laws"] = lambda: program.run(["fit", *tests])[:2]
+    jobs["`onset fit rubber/treloar-uniaxial.csv --law polynomial-3`"] = lambda: program.run(
+        ["fit", tests[0], "--law", "polynomial-3"]
+    )[:2]
     for name, keys in SUPERCELLS.items():
         arguments = ["state", "--stretch", "1.02,1.01,1" if "space" in name else "1.1,1"]
         arguments += [part for key in keys.split() for part in ("--set", f"discretization.{key}")]

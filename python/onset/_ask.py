@@ -668,12 +668,15 @@ def fit(
     unit: str | None = None,
     area: float | None = None,
     range: tuple[float, float] | None = None,
+    material: str | None = None,
 ) -> Fit:
     """Laws fitted to tests, stable in the range where they are used: ``onset fit``.
 
-    The constants ``c`` minimize ``sum_i (P(lambda_i, c) - P_i)^2 / s_i^2`` over the points of all tests. ``P`` is the nominal stress of the
-    incompressible specimen, or of a foam with free lateral faces. The scale ``s_i`` is the measured stress or 1. The criteria are satisfied in the
-    whole range of stretches.
+    The constants ``c`` minimize ``sum_i (P(lambda_i, c) - P_i)^2 / s_i^2`` over the points of all tests, as in Ogden, Saccomandi and Sgura, Comput. Mech. 34
+    (2004) 484. ``P`` is the nominal stress of the incompressible specimen, ``(w_1 - w_3) / lambda_1`` with ``w_i = dW/d ln(lambda_i)`` and the free face 3, or
+    that of a foam with free lateral faces. The scale ``s_i`` is the measured stress or 1. The criteria are satisfied in the whole range of stretches:
+    ``d^2 W / d ln(lambda_i) d ln(lambda_j)`` is positive definite on increments that keep the volume (Drucker), and ``m . Q(N) m > 0`` for all waves
+    with the normal ``N`` and the amplitude ``m`` that keep the volume (strong ellipticity).
 
     Parameters
     ----------
@@ -708,6 +711,8 @@ def fit(
         Undeformed area of the cross-section, which turns the forces of a table into nominal stresses; length^2.
     range
         Smallest and largest stretch of the points that are used.
+    material
+        Material whose tests are read from a deck of Abaqus or Ansys with several ones: its name or its number.
 
     Raises
     ------
@@ -731,6 +736,7 @@ def fit(
         unit=unit,
         area=None if area is None else positive(area, "area"),
         range=None if range is None else pair(range, "range"),
+        material=material,
     )
     return Fit(_onset.fit(asked))
 

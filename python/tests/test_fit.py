@@ -121,7 +121,16 @@ def test_arrays_and_tables_give_the_same_error_messages(tmp_path: Path) -> None:
         assert str(raised.value) == output.error
 
 
-def test_errors_name_the_argument() -> None:
+def test_hints_name_keywords_instead_of_options() -> None:
+    x = np.linspace(1.1, 4.0, 3)
+    for given in ({"law": "polynomial-3"}, {"law": "hencky"}, {"range": (7.0, 8.0)}):
+        with pytest.raises(onset.InputError) as raised:
+            onset.fit(**{"tests": {"uniaxial": (x, yeoh(x))}, "law": "yeoh", **given})
+        assert "hint:" in str(raised.value)
+        assert "--" not in str(raised.value)
+
+
+def test_faults_name_the_argument() -> None:
     x = np.linspace(1.1, 4.0, 12)
     y = yeoh(x)
     hole = np.where(np.arange(12) == 3, np.nan, y)

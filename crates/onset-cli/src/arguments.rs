@@ -714,7 +714,7 @@ pub struct ScreenArguments {
 /// Command-line arguments of `onset fit`.
 #[derive(Debug, Args)]
 pub struct FitArguments {
-    /// Tables of tests. A comment `# mode: planar` or the name of the file gives the loading.
+    /// Tables of tests, or decks of Abaqus or Ansys with test data. A comment `# mode: planar` or the name of the file gives the loading of a table.
     #[arg(value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Table of a uniaxial test.
@@ -732,6 +732,9 @@ pub struct FitArguments {
     /// Table of a volumetric test.
     #[arg(long, value_name = "FILE", help_heading = "Tests")]
     pub volumetric: Vec<PathBuf>,
+    /// Material whose tests are read from a deck with several materials: its name (Abaqus) or its number (Ansys).
+    #[arg(long, value_name = "NAME", help_heading = "Tests")]
+    pub material: Option<String>,
     /// Unit of stress of tables without a unit, for example MPa.
     #[arg(long, value_name = "UNIT", help_heading = "Tests")]
     pub unit: Option<String>,

@@ -3,6 +3,8 @@
 //! The library of laws has its constants as numbers. Here they are variables, so that derivatives by them are exact. Each energy is a sum of terms,
 //! each a modulus times a function of at most two further constants; a test compares each family with the law of the library.
 
+use crate::moduli::{Criterion, Moduli};
+use crate::sums::{Enclosed, State, Sum};
 use onset::real::{Dual, Jet, Real};
 use std::fmt::Write;
 
@@ -73,51 +75,80 @@ pub(crate) struct Term {
 pub(crate) const SHAPES: usize = 2;
 
 impl Term {
-    /// Energy of the term for a unit modulus at the squares of the principal stretches.
-    ///
-    /// Terms of incompressible laws are functions of all stretches that agree with the law where the volume is kept.
-    pub fn energy<R: Real>(&self, shapes: [R; SHAPES], squares: [R; 3]) -> R {
-        let [a, b, c] = squares;
-        let powers = |power: R| {
-            let [a, b, c] = squares.map(|square| (square.ln() * power * 0.5).exp());
-            a + b + c
-        };
-        let logs = || squares.map(|square| square.ln() * 0.5);
-        let of_logs = || {
-            let [a, b, c] = logs();
-            a * a + b * b + c * c
-        };
-        let first = || a + b + c - 3.0;
-        let [shape, other] = shapes;
-        let value = match self.part {
-            Part::Powers(i, j) => {
-                let second = || a * b + b * c + c * a - 3.0;
-                match (i, j) {
-                    (_, 0) => first().powi(i),
-                    (0, _) => second().powi(j),
-                    _ => first().powi(i) * second().powi(j),
-                }
+    /// Sums of the stretches of which the energy is a function.
+    fn sums<R: Enclosed>(&self, [shape, _]: [R; SHAPES]) -> [Sum<R>; 2] {
+        match self.part {
+            Part::Powers(..) | Part::Gent | Part::ArrudaBoyce | Part::Fung => {
+                [Sum::First, Sum::Second]
             }
-            Part::Ogden => (powers(shape) - 3.0) / shape,
-            Part::Gent => -(shape * 0.5) * (-(first() / shape) + 1.0).ln(),
+            Part::Ogden | Part::Foam => [Sum::Powers(shape), Sum::Volume],
+            Part::Hencky | Part::ExponentiatedHencky => [Sum::Squares, Sum::Volume],
+        }
+    }
+
+    /// Returns true if two terms are functions of the same sums.
+    fn shares_sums(&self, other: &Self) -> bool {
+        let is_invariant = |own: &Self| {
+            let part = own.part;
+            matches!(
+                part,
+                Part::Powers(..) | Part::Gent | Part::ArrudaBoyce | Part::Fung
+            )
+        };
+        is_invariant(self) && is_invariant(other)
+    }
+
+    /// Energy of the term for a unit modulus as a function of its sums.
+    fn energy<R: Real>(&self, [shape, other]: [R; SHAPES], [x, y]: [R; 2]) -> R {
+        let value = match self.part {
+            Part::Powers(i, 0) => x.powi(i),
+            Part::Powers(0, j) => y.powi(j),
+            Part::Powers(i, j) => x.powi(i) * y.powi(j),
+            Part::Ogden => x / shape,
+            Part::Gent => -(shape * 0.5) * (-(x / shape) + 1.0).ln(),
             Part::ArrudaBoyce => {
                 let links = (shape * shape).recip();
                 let chains = |x: R| {
                     let horner = |sum: R, a: &f64| sum * x * links + *a;
                     x * CHAINS.iter().rev().fold(R::constant(0.0), horner)
                 };
-                chains(first() + 3.0) - chains(R::constant(3.0))
+                chains(x + 3.0) - chains(R::constant(3.0))
             }
-            Part::Fung => ((first() * shape).exp() - 1.0) / (shape * 2.0),
-            Part::Hencky => of_logs(),
-            Part::ExponentiatedHencky => ((of_logs() * shape).exp() - 1.0) / shape,
+            Part::Fung => ((x * shape).exp() - 1.0) / (shape * 2.0),
+            Part::Hencky => x,
+            Part::ExponentiatedHencky => ((x * shape).exp() - 1.0) / shape,
             Part::Foam => {
-                let [a, b, c] = logs();
-                let volumetric = ((-((a + b + c) * shape * other)).exp() - 1.0) / other;
-                (powers(shape) - 3.0 + volumetric) * 2.0 / (shape * shape)
+                let volumetric = ((-(y * shape * other)).exp() - 1.0) / other;
+                (x + volumetric) * 2.0 / (shape * shape)
             }
         };
         value * self.factor
+    }
+
+    /// Whether the energy is, at all states at constant volume, convex as a criterion demands: in the logarithms of the stretches for Drucker's inequality, and along
+    /// all lines `F + t m N` that keep the volume for strong ellipticity. `None` if that is not known, and true if it is strictly convex.
+    ///
+    /// Both `tr C` and `tr C^-1` are convex in either sense, and increasing convex functions of convex functions are convex. On those lines the
+    /// cofactor of `F` is linear in `t`, so that `sum lambda^alpha` is convex if `|alpha| >= 1`, as in Ball, Arch. Rational Mech. Anal. 63 (1977) 337.
+    fn is_strictly_convex(&self, criterion: Criterion, constants: &[f64]) -> Option<bool> {
+        let [shape, _] = Family::shapes::<f64>(self, constants);
+        let modulus = constants[self.modulus];
+        let in_logarithms = criterion == Criterion::Drucker;
+        if modulus == 0.0 {
+            return Some(false);
+        }
+        let (holds, is_strict) = match self.part {
+            Part::Powers(i, j) => (modulus > 0.0 && i.min(j) == 0, i + j == 1),
+            Part::Ogden => (
+                modulus * shape > 0.0 && (in_logarithms || shape.abs() >= 1.0),
+                true,
+            ),
+            Part::Gent | Part::ArrudaBoyce | Part::Fung => (modulus > 0.0 && shape > 0.0, true),
+            Part::Hencky => (modulus > 0.0 && in_logarithms, true),
+            Part::ExponentiatedHencky => (modulus > 0.0 && shape > 0.0 && in_logarithms, true),
+            Part::Foam => (false, false),
+        };
+        holds.then_some(is_strict)
     }
 }
 
@@ -165,7 +196,7 @@ const NAMES: [&str; 18] = [
 const OGDEN_TERMS: usize = 6;
 const FOAM_TERMS: usize = 3;
 /// Exponents of smaller magnitude are not tried: two of them would be one term with a logarithm.
-const SMALLEST_EXPONENT: f64 = 0.05;
+pub(crate) const SMALLEST_EXPONENT: f64 = 0.05;
 
 impl Family {
     /// Names of the families that `all` means.
@@ -410,32 +441,132 @@ impl Family {
         shapes
     }
 
-    /// Energy with derivatives by the squares of the principal stretches, to second order.
-    pub(crate) fn jet<R: Real>(&self, constants: &[f64], squares: [R; 3]) -> Jet<3, R> {
-        let variables = Jet::variables(squares);
-        let zero = Jet::<3, R>::constant(0.0);
-        self.terms.iter().fold(zero, |sum, term| {
-            sum + term.energy(Self::shapes(term, constants), variables) * constants[term.modulus]
-        })
+    /// Derivatives of the energy by the logarithms of the principal stretches, at these logarithms.
+    ///
+    /// Laws at constant volume are functions of all stretches that agree with the law where the volume is kept.
+    pub(crate) fn moduli<R: Enclosed>(&self, constants: &[f64], logs: [R; 3]) -> Moduli<R> {
+        let state = State::new(logs);
+        let mut moduli = Moduli::zero(&state);
+        let mut rest = self.terms.as_slice();
+        while let Some((term, others)) = rest.split_first() {
+            // Terms of the same sums are one function of them.
+            let same = others.iter().take_while(|own| own.shares_sums(term));
+            let (own, others) = rest.split_at(1 + same.count());
+            let shapes = |own: &Term| Self::shapes(own, constants);
+            Self::add(&mut moduli, &state, own, shapes, |own| {
+                constants[own.modulus]
+            });
+            rest = others;
+        }
+        moduli
     }
 
-    /// Energy of a term for a unit modulus, with derivatives by the squares of the stretches (jet) and by its further constants (dual).
-    pub(crate) fn jet_of(
+    /// Moduli of a term for a unit modulus, with derivatives by its further constants.
+    pub(crate) fn moduli_of(
         term: &Term,
         constants: &[f64],
-        squares: [f64; 3],
-    ) -> Jet<3, Dual<SHAPES>> {
-        let mut shapes = [Dual::constant(1.0); SHAPES];
-        for (n, (own, index)) in shapes.iter_mut().zip(&term.shapes).enumerate() {
-            *own = Dual::variable(constants[*index], n);
-        }
-        let variables = Jet::variables(squares.map(Dual::constant));
-        let fixed = |value: Dual<SHAPES>| {
+        logs: [f64; 3],
+    ) -> Moduli<Dual<SHAPES>> {
+        let state = State::new(logs.map(Dual::constant));
+        let mut moduli = Moduli::zero(&state);
+        let shapes = |own: &Term| Self::variable_shapes(own, constants);
+        Self::add(
+            &mut moduli,
+            &state,
+            std::slice::from_ref(term),
+            shapes,
+            |_| 1.0,
+        );
+        moduli
+    }
+
+    /// Adds the moduli of terms of the same sums.
+    fn add<R: Enclosed>(
+        moduli: &mut Moduli<R>,
+        state: &State<R>,
+        terms: &[Term],
+        shapes: impl Fn(&Term) -> [R; SHAPES],
+        modulus: impl Fn(&Term) -> f64,
+    ) {
+        let Some(first) = terms.first() else {
+            return;
+        };
+        let sums = first.sums(shapes(first));
+        let slopes = [sums[0].slopes(state), sums[1].slopes(state)];
+        let curvatures = [sums[0].curvatures(state), sums[1].curvatures(state)];
+        let variables = Jet::variables([slopes[0].0, slopes[1].0]);
+        let fixed = |value: R| {
             let mut jet = Jet::constant(0.0);
             jet.value = value;
             jet
         };
-        term.energy(shapes.map(fixed), variables)
+        let energy = terms.iter().fold(Jet::constant(0.0), |sum, own| {
+            sum + own.energy(shapes(own).map(fixed), variables) * modulus(own)
+        });
+        moduli.add(&energy, [&slopes[0].1, &slopes[1].1], &curvatures);
+    }
+
+    /// Principal Kirchhoff stresses, the derivatives of the energy by the logarithms of the principal stretches.
+    pub(crate) fn stresses(&self, constants: &[f64], logs: [f64; 3]) -> [f64; 3] {
+        let mut all = [0.0; 3];
+        for term in &self.terms {
+            let stresses = Self::stresses_of::<f64>(term, Self::shapes(term, constants), logs);
+            for (sum, own) in all.iter_mut().zip(stresses) {
+                *sum += constants[term.modulus] * own;
+            }
+        }
+        all
+    }
+
+    /// Principal Kirchhoff stresses of a term for a unit modulus, with derivatives by its further constants.
+    pub(crate) fn stresses_of<R: Enclosed>(
+        term: &Term,
+        shapes: [R; SHAPES],
+        logs: [f64; 3],
+    ) -> [R; 3] {
+        let state = State::new(logs.map(R::constant));
+        let sums = term.sums(shapes).map(|sum| sum.slopes(&state));
+        let fixed = shapes.map(|value| Dual {
+            value,
+            gradient: [R::constant(0.0); 2],
+        });
+        let energy = term.energy(fixed, Dual::variables(sums.map(|own| own.0)));
+        let [x, y] = energy.gradient;
+        std::array::from_fn(|i| x * sums[0].1[i] + y * sums[1].1[i])
+    }
+
+    /// Further constants of a term as variables.
+    pub(crate) fn variable_shapes(term: &Term, constants: &[f64]) -> [Dual<SHAPES>; SHAPES] {
+        let mut shapes = [Dual::constant(1.0); SHAPES];
+        for (n, (own, index)) in shapes.iter_mut().zip(&term.shapes).enumerate() {
+            *own = Dual::variable(constants[*index], n);
+        }
+        shapes
+    }
+
+    /// Returns true if a criterion holds at all states at constant volume at which the energy is defined, because each term is convex.
+    pub(crate) fn is_convex(&self, criterion: Criterion, constants: &[f64]) -> bool {
+        let terms = self.terms.iter();
+        let convex = terms.map(|term| term.is_strictly_convex(criterion, constants));
+        let strict: Option<Vec<bool>> = convex.collect();
+        strict.is_some_and(|own| own.contains(&true))
+    }
+
+    /// First invariant less 3 at which the chains of a law are straight; `None` for laws without chains.
+    pub(crate) fn locking(&self, constants: &[f64]) -> Option<f64> {
+        self.terms.iter().find_map(|term| {
+            let [shape, _] = Self::shapes::<f64>(term, constants);
+            match term.part {
+                Part::Gent => Some(shape),
+                Part::ArrudaBoyce => Some(3.0 * (shape * shape - 1.0)),
+                _ => None,
+            }
+        })
+    }
+
+    /// Returns true if the energy is not defined at stretches beyond the locking of chains.
+    pub fn ends_at_locking(&self) -> bool {
+        self.terms.iter().any(|term| term.part == Part::Gent)
     }
 
     /// Returns true if a constant is an exponent, which is not 0.

@@ -1,9 +1,11 @@
 //! The fit: free, then subject to stability.
 
-use crate::family::Family;
+use crate::family::{Family, SMALLEST_EXPONENT};
 use crate::moduli::Criterion;
 use crate::proof::{Proof, prove};
-use crate::range::{Limit, Mode, Numbers, Patch, Range, Worst, fence, limits, worst_states};
+use crate::range::{
+    Limit, Mode, Numbers, Patch, Range, Worst, fence, limits, locked, low_states, worst_states,
+};
 use crate::solve::{Cut, Problem, Solution};
 use crate::tests_of_specimens::{Equations, Misfit, Test};
 use crate::uncertainty::Uncertainty;
@@ -140,6 +142,10 @@ pub struct Fitted {
     pub worst: Option<Worst>,
     /// Standard deviations and correlations of the constants.
     pub uncertainty: Uncertainty,
+    /// Names of the constants that are at their bounds, besides fixed ones.
+    pub at_bounds: Vec<String>,
+    /// Loading and stretch, the smallest one in the range, at which the chains of the law are straight.
+    pub locked: Option<(Mode, f64)>,
 }
 
 /// Result of a fit.
@@ -154,6 +160,8 @@ pub struct Fit {
     pub stable: Option<Fitted>,
     /// Whether the stability of the result is proved; `None` without a range.
     pub proof: Option<Proof>,
+    /// Number of different measured conditions beyond the number of free constants.
+    pub spare: usize,
     /// Other constants whose sum of squares is within 5 % of the best, as values and sum.
     pub others: Vec<(Vec<f64>, f64)>,
     /// Limits of the principal stretches of the range.
@@ -182,6 +190,8 @@ const ADDED: usize = 6;
 const LEAST_MARGIN_SHARE: f64 = 0.5;
 /// Optima within this part of the best are listed.
 const SIMILAR: f64 = 0.05;
+/// Constants this close to a bound, relative to it, are at the bound.
+const BOUND_TOLERANCE: f64 = 1e-6;
 /// Optima whose constants differ by less than this part are one.
 const CONSTANT_TOLERANCE: f64 = 1e-3;
 /// Number of free optima at which a fit with demands begins.
@@ -281,12 +291,12 @@ impl Search<'_> {
     fn run(&self) -> Result<Fit, FitError> {
         let free = self.optima(&self.guesses(), &|problem, start| problem.solve(start));
         let Some(best) = free.first() else {
-            let planar = self.tests.iter().all(|test| test.mode == Mode::Planar);
+            let is_shear = |mode| matches!(mode, Mode::Planar | Mode::SimpleShear);
             return Err(FitError::Undetermined {
                 law: self.family.name().to_owned(),
-                hint: match planar {
+                hint: match self.tests.iter().all(|test| is_shear(test.mode)) {
                     true => {
-                        "in planar tension both invariants are equal: add another test, or choose a law with fewer constants"
+                        "in planar tension and in simple shear both invariants are equal: add another test, or choose a law with fewer constants"
                     }
                     false => "add another kind of test, or choose a law with fewer constants",
                 },
@@ -297,6 +307,7 @@ impl Search<'_> {
             free: self.fitted(best),
             stable: None,
             proof: None,
+            spare: self.equations.len() - self.is_free.iter().filter(|own| **own).count(),
             others: self.others(&free),
             stretches: None,
         };
@@ -462,11 +473,18 @@ impl Search<'_> {
             }
             .solve(&constants)?;
             let law = self.numbers(&found.constants);
-            let mut worst = worst_states(&law, &self.patches);
-            worst.retain(|own| own.value < LEAST_MARGIN_SHARE * self.options.margin);
-            worst.truncate(ADDED);
-            if worst.is_empty() {
+            let least = LEAST_MARGIN_SHARE * self.options.margin;
+            // Many demands at once cost a linear law little, and save rounds.
+            let mut worst = match self.family.is_linear() {
+                true => low_states(&law, &self.patches, least),
+                false => worst_states(&law, &self.patches),
+            };
+            if worst.iter().all(|own| own.value >= least) {
                 return Some(found);
+            }
+            if !self.family.is_linear() {
+                worst.retain(|own| own.value < least);
+                worst.truncate(ADDED);
             }
             cuts.extend(worst.into_iter().map(Cut::from));
             constants = found.constants;
@@ -515,6 +533,22 @@ impl Search<'_> {
                 &solution.constants,
                 self.is_free,
             ),
+            at_bounds: self.at_bounds(&solution.constants),
+            locked: locked(self.family, &solution.constants, &self.patches),
         }
+    }
+
+    fn at_bounds(&self, constants: &[f64]) -> Vec<String> {
+        let is_at = |n: usize| {
+            let value = constants[n];
+            let is_near =
+                |end: f64| end.is_finite() && (value - end).abs() <= BOUND_TOLERANCE * end.abs();
+            let is_smallest =
+                self.family.is_exponent(n) && is_near(SMALLEST_EXPONENT.copysign(value));
+            self.is_free[n] && (is_smallest || self.bounds[n].into_iter().any(is_near))
+        };
+        let names = self.family.constants().iter().map(|own| own.name.clone());
+        let all = names.enumerate().filter(|(n, _)| is_at(*n));
+        all.map(|(_, name)| name).collect()
     }
 }

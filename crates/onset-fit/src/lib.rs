@@ -18,6 +18,7 @@ mod moduli;
 mod proof;
 mod range;
 mod solve;
+mod sums;
 mod tests_of_specimens;
 mod uncertainty;
 

@@ -1,18 +1,23 @@
 //! Stability of an isotropic law in its principal axes.
 //!
-//! With `e_i = lambda_i^2`, `W_i = dW/de_i`, `W_ij = d^2 W/de_i de_j` and `T_ij = 2 (W_i - W_j)/(e_i - e_j)`, waves with the normal `N` in the reference
-//! and the amplitude `m` have the stiffness `m . Q(N) m` with
+//! With `h_i = ln lambda_i`, `e_i = lambda_i^2`, the Kirchhoff stresses `t_i = dW/dh_i`, `L_ij = d^2 W/dh_i dh_j` and `g_ij = (t_i - t_j)/(e_i - e_j)`, waves with the normal
+//! `N` in the reference configuration and the amplitude `m` have the stiffness `m . Q(N) m`. In `n_i = N_i/lambda_i`
 //!
-//! `Q_jj = (4 e_j W_jj + 2 W_j) N_j^2 + sum_(i != j) (2 W_j + e_i T_ij) N_i^2`, `Q_ij = lambda_i lambda_j (4 W_ij + T_ij) N_i N_j`.
+//! `Q_jj = (L_jj - t_j) n_j^2 + sum_(i != j) g_ij e_i n_i^2`, `Q_ij = (L_ij + (g_ij (e_i + e_j) - t_i - t_j)/2) n_i n_j`.
 //!
 //! These are the moduli of Ogden, Non-linear elastic deformations (1984), section 6.1. Strong ellipticity means that `Q(N)` is positive definite; for
-//! incompressible response, on amplitudes normal to `n = F^-T N`. Only the squares `p_i = N_i^2` enter the condition: `|n|^2 tr Q - n . Q n` is a quadratic and
-//! `n . adj(Q) n` a cubic form of `p`, whose coefficients in the Bernstein basis bound them over all directions.
+//! incompressible response, on amplitudes normal to `n`, where the terms with `t` add up to `(sum t_i n_i m_i)(sum n_j m_j) = 0` and are left out. Only the squares
+//! `q_i = n_i^2` enter the condition: `|n|^2 tr Q - n . Q n` is a quadratic and `n . adj(Q) n` a cubic form of `q`, whose coefficients in the Bernstein
+//! basis bound them over all directions.
 //!
-//! Drucker's inequality means that `4 e_i e_j W_ij + 4 d_ij e_i W_i`, the second derivative by the logarithms of the stretches, is positive definite; for
-//! incompressible response, on increments without change of volume.
+//! Drucker's inequality means that `L` is positive definite; for incompressible response, on increments without change of volume.
+//!
+//! An energy is a function `F` of sums over the stretches with slopes `a` and curvatures (see `sums`), so that `L` is a diagonal matrix `d` and a matrix `M` of products
+//! `F_ab a_i b_j`. Only the differences `M_ii + M_jj - 2 M_ij` and the sum of all cofactors of `M` matter without change of volume; both follow from the
+//! differences `a_i - a_j`, and thus without cancellation.
 
-use nalgebra::{Matrix2, Matrix3, Vector3};
+use crate::sums::{Curvatures, State};
+use nalgebra::{Matrix3, Vector3};
 use onset::real::{Jet, Real};
 use serde::Serialize;
 
@@ -45,77 +50,107 @@ pub(crate) enum Perturbation {
     Wave([f64; 3], [f64; 3]),
 }
 
-/// Derivatives of an energy by the squares of the stretches, with the quotients that the moduli need.
+/// Derivatives of an energy by the logarithms of the stretches.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moduli<R> {
     squares: [R; 3],
-    first: [R; 3],
-    second: [[R; 3]; 3],
-    /// `T_ij`, by the third index.
+    /// Kirchhoff stresses.
+    stress: [R; 3],
+    /// Diagonal part `d` of the second derivatives.
+    diagonal: [R; 3],
+    /// `r_i = d_i - k_ij - k_ik + k_jk` with `k_ij = g_ij (e_i + e_j)/2`, and the sums of two, by the third index.
+    reduced: [R; 3],
+    pairs: [R; 3],
+    /// Other part of the second derivatives.
+    products: [[R; 3]; 3],
+    /// Quotients `g_ij`, by the third index.
     quotients: [R; 3],
+    /// Differences of the squares, by the third index.
+    differences: [R; 3],
+    /// `M_ii + M_jj - 2 M_ij`, by the third index.
+    relative: [R; 3],
+    /// Sum of all cofactors of the other part.
+    cofactors: R,
 }
-
-/// Squares closer than this part have the derivative in place of the quotient, whose error is of second order in the difference.
-const SQUARE_TOLERANCE: f64 = 1e-5;
 
 /// Pairs of different principal axes.
 pub(crate) const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 
 impl<R: Real> Moduli<R> {
-    /// Moduli from the derivatives of an energy.
-    pub fn new(energy: &Jet<3, R>, squares: [f64; 3]) -> Self {
-        let quotient = |i: usize, j: usize| {
-            let difference = squares[i] - squares[j];
-            if difference.abs() < SQUARE_TOLERANCE * squares[i] {
-                let second = &energy.hessian;
-                second[i][i] + second[j][j] - second[i][j] * 2.0
-            } else {
-                (energy.gradient[i] - energy.gradient[j]) * 2.0 / difference
-            }
-        };
-        Self::with_quotients(energy, squares.map(R::constant), quotient)
-    }
-
-    /// Moduli with given quotients `T_ij`.
-    pub fn with_quotients(
-        energy: &Jet<3, R>,
-        squares: [R; 3],
-        quotient: impl Fn(usize, usize) -> R,
-    ) -> Self {
+    /// Moduli of no energy.
+    pub fn zero(state: &State<R>) -> Self {
+        let zero = R::constant(0.0);
         Self {
-            squares,
-            first: energy.gradient,
-            second: energy.hessian,
-            quotients: [quotient(1, 2), quotient(0, 2), quotient(0, 1)],
+            squares: state.squares,
+            stress: [zero; 3],
+            diagonal: [zero; 3],
+            reduced: [zero; 3],
+            pairs: [zero; 3],
+            products: [[zero; 3]; 3],
+            quotients: [zero; 3],
+            differences: state.differences(),
+            relative: [zero; 3],
+            cofactors: zero,
         }
     }
 
-    /// Coefficient of `N_i^2` in `Q_jj`.
-    fn diagonal(&self, j: usize, i: usize) -> R {
-        let own = self.first[j] * 2.0;
-        match i == j {
-            true => own + self.squares[j] * self.second[j][j] * 4.0,
-            false => own + self.squares[i] * self.quotients[3 - i - j],
+    /// Adds the moduli of a function of two sums, by the chain rule. No more than one function of a law at constant volume is not linear in its sums.
+    pub fn add(
+        &mut self,
+        energy: &Jet<2, R>,
+        slopes: [&[R; 3]; 2],
+        curvatures: &[Curvatures<R>; 2],
+    ) {
+        for a in 0..2 {
+            let first = energy.gradient[a];
+            let own = &curvatures[a];
+            for i in 0..3 {
+                self.stress[i] = self.stress[i] + first * slopes[a][i];
+                self.diagonal[i] = self.diagonal[i] + first * own.own[i];
+                self.quotients[i] = self.quotients[i] + first * own.quotients[i];
+                self.reduced[i] = self.reduced[i] + first * own.parts[i];
+                self.pairs[i] = self.pairs[i] + first * own.pairs[i];
+            }
         }
-    }
-
-    /// Coupling `4 W_ij + T_ij` of two axes in the acoustic tensor.
-    fn coupling(&self, i: usize, j: usize) -> R {
-        self.second[i][j] * 4.0 + self.quotients[3 - i - j]
-    }
-
-    /// Minor `W_ii W_jj - W_ij^2` of the second derivatives.
-    fn determinant(&self, i: usize, j: usize) -> R {
-        self.second[i][i] * self.second[j][j] - self.second[i][j] * self.second[i][j]
+        let [[xx, xy], [_, yy]] = energy.hessian;
+        let [x, y] = slopes;
+        let form = |a: R, b: R, c: R, d: R| xx * a * c + xy * (a * d + b * c) + yy * b * d;
+        for i in 0..3 {
+            for j in 0..3 {
+                self.products[i][j] = self.products[i][j] + form(x[i], y[i], x[j], y[j]);
+            }
+        }
+        let steps = |quotients: &[R; 3]| -> [R; 3] {
+            std::array::from_fn(|k| quotients[k] * self.differences[k])
+        };
+        let (x, y) = (
+            steps(&curvatures[0].quotients),
+            steps(&curvatures[1].quotients),
+        );
+        for k in 0..3 {
+            let square = |a: R, b: R| xx * a * a + xy * a * b * 2.0 + yy * b * b;
+            self.relative[k] = self.relative[k] + square(x[k], y[k]);
+        }
+        let area = x[1] * y[0] - x[0] * y[1];
+        self.cofactors = self.cofactors + (xx * yy - xy * xy) * area * area;
     }
 
     /// Second derivative by the logarithms of two stretches.
     fn logarithmic(&self, i: usize, j: usize) -> R {
-        let both = self.squares[i] * self.squares[j] * self.second[i][j] * 4.0;
         match i == j {
-            true => both + self.squares[i] * self.first[i] * 4.0,
-            false => both,
+            true => self.products[i][i] + self.diagonal[i],
+            false => self.products[i][j],
         }
+    }
+
+    /// Coefficient of `n_i^2` in `Q_jj`.
+    fn shear(&self, j: usize, i: usize) -> R {
+        self.quotients[3 - i - j] * self.squares[i]
+    }
+
+    /// Mean of both coefficients of two axes.
+    fn mean_shear(&self, i: usize, j: usize) -> R {
+        self.quotients[3 - i - j] * (self.squares[i] + self.squares[j]) * 0.5
     }
 
     /// Quadratic form of a perturbation; linear in the moduli of the law.
@@ -131,17 +166,25 @@ impl<R: Real> Moduli<R> {
             }
             Perturbation::Wave(n, m) => {
                 for j in 0..3 {
-                    for i in 0..3 {
-                        sum = sum + self.diagonal(j, i) * (n[i] * m[j]).powi(2);
+                    let own = (self.logarithmic(j, j) - self.stress[j]) / self.squares[j];
+                    sum = sum + own * (n[j] * m[j]).powi(2);
+                    for i in (0..3).filter(|i| *i != j) {
+                        sum = sum + self.quotients[3 - i - j] * (n[i] * m[j]).powi(2);
                     }
                 }
                 for (i, j) in PAIRS {
-                    let root = (self.squares[i] * self.squares[j]).sqrt();
-                    sum = sum + root * self.coupling(i, j) * (2.0 * n[i] * m[i] * n[j] * m[j]);
+                    sum = sum + self.coupling(i, j) * (2.0 * n[i] * m[i] * n[j] * m[j]);
                 }
             }
         }
         sum
+    }
+
+    /// Coefficient of `N_i N_j` in the acoustic tensor.
+    fn coupling(&self, i: usize, j: usize) -> R {
+        let stress = (self.stress[i] + self.stress[j]) * 0.5;
+        let coupling = self.logarithmic(i, j) + self.mean_shear(i, j) - stress;
+        coupling / (self.squares[i] * self.squares[j]).sqrt()
     }
 
     /// Shear modulus; for the moduli of the reference configuration.
@@ -165,90 +208,47 @@ impl<R: Real> Moduli<R> {
         [[of(&a, &a), across], [across, of(&b, &b)]]
     }
 
-    /// Trace and determinant of Drucker's matrix `w` on increments without change of volume, up to positive factors: `sum w_ii - sum_(i<j) w_ij` and the sum of all
-    /// cofactors. Written so that terms that cancel are not added to each other.
+    /// Trace and determinant of Drucker's matrix on increments without change of volume, up to positive factors: `sum L_ii - sum_(i<j) L_ij` and the sum of all
+    /// cofactors.
     pub fn isochoric_minors(&self) -> [R; 2] {
-        let e = self.squares;
-        let w = |i: usize, j: usize| self.logarithmic(i, j);
-        let trace = w(0, 0) + w(1, 1) + w(2, 2) - w(0, 1) - w(0, 2) - w(1, 2);
-        let mut sum = R::constant(0.0);
+        let (d, m) = (self.diagonal, self.relative);
+        let trace = d[0] + d[1] + d[2] + (m[0] + m[1] + m[2]) * 0.5;
+        let mut sum = self.cofactors;
         for (i, j) in PAIRS {
             let k = 3 - i - j;
-            let product = e[i] * e[j];
-            let stress =
-                e[i] * self.second[i][i] * self.first[j] + e[j] * self.second[j][j] * self.first[i];
-            sum = sum
-                + product
-                    * (product * self.determinant(i, j) + stress + self.first[i] * self.first[j])
-                    * 16.0;
-            sum = sum + (w(i, k) * w(j, k) - w(i, j) * w(k, k)) * 2.0;
+            sum = sum + d[i] * d[j] + d[k] * m[k];
         }
         [trace, sum]
     }
 
-    /// Forms in `p_i = N_i^2` that are positive for all directions if and only if incompressible response is strongly elliptic: the trace and the
-    /// determinant of `Q(N)` on the amplitudes normal to `n`, times `|n|^2`. Coefficients in the Bernstein basis of the triangle of `p`.
+    /// Forms in `q_i = n_i^2` that are positive for all directions if and only if incompressible response is strongly elliptic: the trace and the
+    /// determinant of `Q(N)` on the amplitudes normal to `n`, times `|n|^2`. Coefficients in the Bernstein basis of the triangle of `q`. With `r` in place of `d`, terms that
+    /// cancel are left out.
     pub fn elliptic_forms(&self) -> ([R; 6], [R; 10]) {
         let zero = R::constant(0.0);
-        let inverse = self.squares.map(R::recip);
+        let (r, m, g, e) = (self.reduced, self.relative, self.quotients, self.squares);
         let mut trace = [zero; 6];
-        let mut add = |a: usize, b: usize, value: R| {
-            let own = &mut trace[quadratic(a, b)];
-            *own = *own + value / if a == b { 1.0 } else { 2.0 };
-        };
-        for k in 0..3 {
-            for j in (0..3).filter(|j| *j != k) {
-                for i in 0..3 {
-                    add(i, k, self.diagonal(j, i) * inverse[k]);
-                }
-            }
-        }
-        for (i, j) in PAIRS {
-            add(i, j, self.coupling(i, j) * -2.0);
-        }
-        // n . adj(Q) n with adj_kk = Q_ii Q_jj - Q_ij^2 and adj_ij = Q_ik Q_jk - Q_ij Q_kk.
         let mut determinant = [zero; 10];
-        let mut add = |[a, b, c]: [usize; 3], value: R| {
-            let orders = match [a == b, b == c, a == c].iter().filter(|own| **own).count() {
-                0 => 6.0,
-                1 => 3.0,
-                _ => 1.0,
-            };
-            let own = &mut determinant[cubic(a, b, c)];
-            *own = *own + value / orders;
-        };
-        let e = self.squares;
-        for k in 0..3 {
-            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            let coupling = self.coupling(i, j);
-            for a in 0..3 {
-                for b in (0..3).filter(|b| (a, *b) != (i, j)) {
-                    add(
-                        [a, b, k],
-                        self.diagonal(i, a) * self.diagonal(j, b) * inverse[k],
-                    );
-                }
-                add([a, i, j], coupling * self.diagonal(k, a) * -2.0);
+        let mut mixed = self.cofactors + r[0] * self.pairs[0] + r[1] * r[2];
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            trace[quadratic(i, i)] = self.shear(j, i) + self.shear(k, i);
+            determinant[cubic(i, i, i)] = self.shear(j, i) * self.shear(k, i);
+            let stretching = self.pairs[i] + m[i];
+            let across = self.shear(i, j) + self.shear(i, k);
+            trace[quadratic(j, k)] = (stretching + across) * 0.5;
+            for (a, b) in [(j, k), (k, j)] {
+                let sum = stretching * g[b] + g[i] * g[a] * e[b];
+                determinant[cubic(a, a, b)] = e[a] * sum / 3.0;
             }
-            // Q_ii Q_jj - Q_ij^2 of the two squares, with what cancels grouped.
-            let (first, second, quotient) = (self.first, self.second, self.quotients[k]);
-            let stress = e[i] * second[i][i] * first[j] + e[j] * second[j][j] * first[i];
-            let own = e[i]
-                * e[j]
-                * (self.determinant(i, j) * 16.0 - quotient * (second[i][j] * 8.0 + quotient))
-                + stress * 8.0
-                + first[i] * first[j] * 4.0;
-            add([i, j, k], own * inverse[k]);
-            add(
-                [i, j, k],
-                self.coupling(i, k) * self.coupling(j, k) * e[k] * 2.0,
-            );
+            mixed = mixed + m[i] * r[i] + g[i] * g[i] * e[j] * e[k];
         }
+        determinant[cubic(0, 1, 2)] = mixed / 6.0;
         (trace, determinant)
     }
 }
 
-/// Index of the monomial `p_a p_b`: squares first, then the product without the axis `n - 3`.
+/// Index of the monomial `q_a q_b`: squares first, then the product without the axis `n - 3`.
 pub(crate) fn quadratic(a: usize, b: usize) -> usize {
     match a == b {
         true => a,
@@ -256,7 +256,7 @@ pub(crate) fn quadratic(a: usize, b: usize) -> usize {
     }
 }
 
-/// Index of the monomial `p_a p_b p_c`: cubes, then `p_a^2 p_b`, then the product of all three.
+/// Index of the monomial `q_a q_b q_c`: cubes, then `q_a^2 q_b`, then the product of all three.
 pub(crate) fn cubic(a: usize, b: usize, c: usize) -> usize {
     let mut sorted = [a, b, c];
     sorted.sort_unstable();
@@ -299,21 +299,36 @@ impl Moduli<f64> {
     }
 
     fn softest_wave(&self, compressible: bool) -> (f64, Perturbation) {
-        let at = |p: [f64; 3]| self.softest_amplitude(p.map(f64::sqrt), compressible);
-        let mut best = (f64::INFINITY, [0.0; 3], [0.0; 3]);
-        let mut place = [0.0; 2];
+        // Stiffness alone, which is all that the search over directions needs.
+        let (trace, determinant) = self.elliptic_forms();
+        let inverse = self.squares.map(f64::recip);
+        let at = |p: [f64; 3]| match compressible {
+            true => lowest_root(&self.acoustic(p.map(f64::sqrt))),
+            false => {
+                let q = [p[0] * inverse[0], p[1] * inverse[1], p[2] * inverse[2]];
+                let length = q[0] + q[1] + q[2];
+                let trace = quadratic_form(&trace, q) / length;
+                let determinant = cubic_form(&determinant, q) / length;
+                let root = (trace * trace - 4.0 * determinant).max(0.0).sqrt();
+                match trace > 0.0 {
+                    true => 2.0 * determinant / (trace + root),
+                    false => 0.5 * (trace - root),
+                }
+            }
+        };
+        let (mut best, mut place) = (f64::INFINITY, [0.0; 2]);
         for a in 0..=DIRECTIONS {
             for b in 0..=DIRECTIONS - a {
                 let [u, v] = [a, b].map(|n| n as f64 / DIRECTIONS as f64);
                 let found = at([u, v, (1.0 - u - v).max(0.0)]);
-                if found.0 < best.0 {
+                if found < best {
                     (best, place) = (found, [u, v]);
                 }
             }
         }
         let mut step = 0.5 / DIRECTIONS as f64;
         while step > 1e-6 {
-            let before = best.0;
+            let before = best;
             for [du, dv] in [
                 [1.0, 0.0],
                 [-1.0, 0.0],
@@ -325,32 +340,49 @@ impl Moduli<f64> {
                 let u = (place[0] + step * du).clamp(0.0, 1.0);
                 let v = (place[1] + step * dv).clamp(0.0, 1.0 - u);
                 let found = at([u, v, (1.0 - u - v).max(0.0)]);
-                if found.0 < best.0 {
+                if found < best {
                     (best, place) = (found, [u, v]);
                 }
             }
-            if best.0 >= before {
+            if best >= before {
                 step *= 0.5;
             }
         }
-        (best.0, Perturbation::Wave(best.1, best.2))
+        let [u, v] = place;
+        let normal = [u, v, (1.0 - u - v).max(0.0)].map(f64::sqrt);
+        let (value, n, m) = self.softest_amplitude(normal, compressible);
+        (value, Perturbation::Wave(n, m))
+    }
+
+    /// Acoustic tensor of a direction in the reference.
+    fn acoustic(&self, n: [f64; 3]) -> Matrix3<f64> {
+        let own = |i: usize| (self.logarithmic(i, i) - self.stress[i]) / self.squares[i];
+        Matrix3::from_fn(|i, j| match i == j {
+            true => (0..3)
+                .map(|k| {
+                    n[k] * n[k]
+                        * if k == i {
+                            own(i)
+                        } else {
+                            self.quotients[3 - i - k]
+                        }
+                })
+                .sum(),
+            false => self.coupling(i, j) * n[i] * n[j],
+        })
     }
 
     /// Lowest stiffness of waves in a direction, with direction and amplitude.
     fn softest_amplitude(&self, n: [f64; 3], compressible: bool) -> (f64, [f64; 3], [f64; 3]) {
-        let q = |i: usize, j: usize| match i == j {
-            true => (0..3).map(|k| self.diagonal(i, k) * n[k] * n[k]).sum(),
-            false => (self.squares[i] * self.squares[j]).sqrt() * self.coupling(i, j) * n[i] * n[j],
-        };
+        let tensor = self.acoustic(n);
         if compressible {
-            let (value, vector) = lowest_of(Matrix3::from_fn(q));
+            let (value, vector) = lowest_of(tensor);
             return (value, n, vector);
         }
         let normal = Vector3::from_fn(|i, _| n[i] / self.squares[i].sqrt()).normalize();
         let least = (0..3).fold(0, |best, i| if normal[i] < normal[best] { i } else { best });
         let first = normal.cross(&Vector3::ith(least, 1.0)).normalize();
         let second = normal.cross(&first);
-        let tensor = Matrix3::from_fn(q);
         let image = [tensor * first, tensor * second];
         let across = first.dot(&image[1]);
         let (value, [x, y]) = lowest_of_two(&[
@@ -361,12 +393,53 @@ impl Moduli<f64> {
     }
 }
 
+/// Value of a quadratic form with coefficients in the Bernstein basis.
+fn quadratic_form(form: &[f64; 6], [a, b, c]: [f64; 3]) -> f64 {
+    form[0] * a * a
+        + form[1] * b * b
+        + form[2] * c * c
+        + 2.0 * (form[3] * b * c + form[4] * c * a + form[5] * a * b)
+}
+
+/// Value of a cubic form with coefficients in the Bernstein basis.
+fn cubic_form(form: &[f64; 10], p: [f64; 3]) -> f64 {
+    let mut sum = 6.0 * form[9] * p[0] * p[1] * p[2];
+    for a in 0..3 {
+        sum += form[a] * p[a] * p[a] * p[a];
+        for b in (0..3).filter(|b| *b != a) {
+            sum += 3.0 * form[cubic(a, a, b)] * p[a] * p[a] * p[b];
+        }
+    }
+    sum
+}
+
 /// Lowest eigenvalue of a symmetric matrix with its unit eigenvector.
 fn lowest_of_two([[a, b], [_, d]]: &[[f64; 2]; 2]) -> (f64, [f64; 2]) {
-    let eigen = Matrix2::new(*a, *b, *b, *d).symmetric_eigen();
-    let n = usize::from(eigen.eigenvalues[1] < eigen.eigenvalues[0]);
-    let vector = eigen.eigenvectors.column(n);
-    (eigen.eigenvalues[n], [vector[0], vector[1]])
+    let half = 0.5 * (a - d);
+    let root = half.hypot(*b);
+    let value = 0.5 * (a + d) - root;
+    // Rows of the matrix less the eigenvalue are normal to the eigenvector.
+    let vector = match half > 0.0 {
+        true => [-b, half + root],
+        false => [root - half, -b],
+    };
+    let size = vector[0].hypot(vector[1]);
+    match size > 0.0 {
+        true => (value, vector.map(|own| own / size)),
+        false => (value, [1.0, 0.0]),
+    }
+}
+
+/// Lowest eigenvalue of a symmetric matrix, as the lowest root of its characteristic polynomial.
+fn lowest_root(matrix: &Matrix3<f64>) -> f64 {
+    let mean = matrix.trace() / 3.0;
+    let shifted = matrix - Matrix3::identity() * mean;
+    let size = (shifted.norm_squared() / 6.0).sqrt();
+    if size == 0.0 || !size.is_finite() {
+        return mean;
+    }
+    let cosine = (0.5 * shifted.determinant() / (size * size * size)).clamp(-1.0, 1.0);
+    mean + 2.0 * size * (cosine.acos() / 3.0 + 2.0 * std::f64::consts::FRAC_PI_3).cos()
 }
 
 fn lowest_of(matrix: Matrix3<f64>) -> (f64, [f64; 3]) {

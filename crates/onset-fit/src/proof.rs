@@ -4,12 +4,14 @@
 //! forms) are enclosed by their mean-value form, `f(middle) + f'(cell) (cell - middle)`, whose excess is of second order in the size of the cell. A cell
 //! with a number that may be negative is halved; one with a state that is not stable ends the proof.
 
-use crate::moduli::{Criterion, Moduli, cubic, quadratic};
+use crate::moduli::{Criterion, cubic, quadratic};
 use crate::range::{Numbers, Patch, Worst};
+use crate::sums::Enclosed;
 use onset::cancel::checkpoint;
 use onset::real::{Dual, Interval, Real};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// Result of a proof.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -17,7 +19,7 @@ use serde::Serialize;
 pub enum Proof {
     /// No state of the range is unstable.
     Proved {
-        /// Number of cells of the range.
+        /// Number of cells of the range; 0 if the law is convex at all states.
         cells: usize,
     },
     /// A state was found that is not stable.
@@ -30,56 +32,32 @@ pub enum Proof {
 }
 
 /// Largest number of cells.
-const CELLS: usize = 12_000;
+const CELLS: usize = 20_000;
 /// Number with derivatives by the parameters of a patch.
 type Slope = Dual<2, Interval>;
-/// Enclosure of a number, with or without derivatives.
-trait Bounded: Real {
-    /// Number anywhere in an interval.
-    fn between(interval: Interval) -> Self;
-    /// Interval of the number.
-    fn range(self) -> Interval;
-}
-
-impl Bounded for Interval {
-    fn between(interval: Interval) -> Self {
-        interval
-    }
-
-    fn range(self) -> Interval {
-        self
-    }
-}
-
-impl Bounded for Slope {
-    fn between(interval: Interval) -> Self {
-        Self {
-            value: interval,
-            gradient: [Interval::ZERO; 2],
-        }
-    }
-
-    fn range(self) -> Interval {
-        self.value
-    }
-}
-
-/// Halvings of the triangle of directions.
-const MOST_HALVINGS: usize = 5;
+/// Largest number of parts of the triangle of directions, for a form and for all cells together.
+const MOST_PARTS: usize = 5_000;
+const ALL_PARTS: usize = 800_000;
 /// Rounding of the coefficients of a part, relative to the largest one.
 const ROUNDING_FRACTION: f64 = 1e-14;
-/// Strains of a cell closer than this have the quotient of their mean.
-const LEAST_DISTANCE: f64 = 0.02;
-/// Parts of the segment over which the mean is taken.
-const SEGMENTS: usize = 2;
-
 /// Proves that the criteria are positive on all patches.
 pub(crate) fn prove(law: &Numbers<'_>, patches: &[Patch]) -> Proof {
     if law.family.is_compressible() {
         return Proof::Sampled;
     }
+    let criteria: Vec<Criterion> = (law.criteria.iter().copied())
+        .filter(|own| !law.family.is_convex(*own, law.constants))
+        .collect();
+    if criteria.is_empty() {
+        return Proof::Proved { cells: 0 };
+    }
+    let law = &Numbers {
+        criteria: &criteria,
+        ..*law
+    };
     let shear = law.shear_modulus();
     let mut cells = 0;
+    let used = AtomicUsize::new(0);
     for patch in patches {
         let dimension = patch.axes.len();
         let ends = |a: usize| match a < dimension {
@@ -91,12 +69,12 @@ pub(crate) fn prove(law: &Numbers<'_>, patches: &[Patch]) -> Proof {
             checkpoint();
             level.retain(|cell| !(patch.ordered && is_outside(patch, cell)));
             cells += level.len();
-            if cells > CELLS {
+            if cells > CELLS || used.load(Relaxed) > ALL_PARTS {
                 return Proof::Sampled;
             }
             let open: Vec<_> = level
                 .into_par_iter()
-                .filter(|cell| !is_stable(law, patch, cell))
+                .filter(|cell| !is_stable(law, patch, cell, &used))
                 .collect();
             level = Vec::with_capacity(2 * open.len());
             for cell in open {
@@ -142,62 +120,67 @@ struct Deciding<R> {
     determinant: [R; 10],
 }
 
-fn is_stable(law: &Numbers<'_>, patch: &Patch, cell: &[[f64; 2]; 2]) -> bool {
+fn is_stable(law: &Numbers<'_>, patch: &Patch, cell: &[[f64; 2]; 2], used: &AtomicUsize) -> bool {
     let whole = cell.map(|[a, b]| Interval::new(a, b));
     let middle = whole.map(|own| Interval::point(own.midpoint()));
     let on_cell = deciding(law, patch, Slope::variables(whole));
     let at_middle = deciding(law, patch, middle);
     let offsets: [Interval; 2] = std::array::from_fn(|a| whole[a] - middle[a]);
-    let bound = |on_cell: &Slope, at_middle: &Interval| {
+    // An axis without extent must not meet an unbounded slope.
+    let axes: Vec<usize> = (0..2).filter(|a| cell[*a][0] < cell[*a][1]).collect();
+    // Lower bound at a corner of the cell that is, with the bounds at the other corners, one on the whole cell.
+    let bound = |corner: usize, on_cell: &Slope, at_middle: &Interval| {
         let mut sum = *at_middle;
-        for a in 0..2 {
-            // An axis without extent must not meet an unbounded slope.
-            if cell[a][0] < cell[a][1] {
-                sum = sum + on_cell.gradient[a] * offsets[a];
-            }
+        for a in &axes {
+            let slope = on_cell.gradient[*a];
+            let end = Interval::point(cell[*a][corner >> a & 1]) - middle[*a];
+            sum = sum + end * slope.midpoint() - offsets[*a].abs() * slope.radius();
         }
-        let low = sum.low.max(on_cell.value.low);
-        if low.is_nan() { f64::NEG_INFINITY } else { low }
+        if sum.low.is_nan() {
+            f64::NEG_INFINITY
+        } else {
+            sum.low
+        }
     };
     law.criteria.iter().all(|criterion| match criterion {
-        Criterion::Drucker => {
-            (0..2).all(|n| bound(&on_cell.drucker[n], &at_middle.drucker[n]) > 0.0)
-        }
-        Criterion::StrongEllipticity => {
+        Criterion::Drucker => (0..2).all(|n| {
+            let (on_cell, at_middle) = (&on_cell.drucker[n], &at_middle.drucker[n]);
+            on_cell.value.low > 0.0 || (0..4).all(|corner| bound(corner, on_cell, at_middle) > 0.0)
+        }),
+        Criterion::StrongEllipticity => (0..4).all(|corner| {
             let trace: [f64; 6] =
-                std::array::from_fn(|n| bound(&on_cell.trace[n], &at_middle.trace[n]));
-            let determinant: [f64; 10] =
-                std::array::from_fn(|n| bound(&on_cell.determinant[n], &at_middle.determinant[n]));
-            is_positive(trace, quadratic_halves, MOST_HALVINGS)
-                && is_positive(determinant, cubic_halves, MOST_HALVINGS)
-        }
+                std::array::from_fn(|n| bound(corner, &on_cell.trace[n], &at_middle.trace[n]));
+            let determinant: [f64; 10] = std::array::from_fn(|n| {
+                bound(corner, &on_cell.determinant[n], &at_middle.determinant[n])
+            });
+            is_elliptic(trace, determinant, used)
+        }),
     })
 }
 
-fn deciding<R: Bounded>(law: &Numbers<'_>, patch: &Patch, at: [R; 2]) -> Deciding<R> {
-    let logs = logs_of(patch, at);
-    let squares = logs.map(|log| (log * 2.0).exp());
-    let energy = law.family.jet(law.constants, squares);
-    let quotient = |i: usize, j: usize| {
-        let distance = squares[i] - squares[j];
-        let apart = (logs[i] - logs[j]).range();
-        if apart.low > LEAST_DISTANCE || apart.high < -LEAST_DISTANCE {
-            return (energy.gradient[i] - energy.gradient[j]) * 2.0 / distance;
-        }
-        // Mean over the segment to the state with the two squares exchanged; it is symmetric about its middle.
-        let mut sum = R::constant(0.0);
-        for n in 0..SEGMENTS {
-            let part = Interval::new(n as f64, (n + 1) as f64) * (0.5 / SEGMENTS as f64);
-            let share = R::between(part);
-            let mut moved = squares;
-            moved[i] = squares[i] - distance * share;
-            moved[j] = squares[j] + distance * share;
-            let h = law.family.jet(law.constants, moved).hessian;
-            sum = sum + (h[i][i] + h[j][j] - h[i][j] * 2.0) / SEGMENTS as f64;
-        }
-        sum
+/// Returns true if both forms are positive for all directions.
+fn is_elliptic(mut trace: [f64; 6], mut determinant: [f64; 10], used: &AtomicUsize) -> bool {
+    // In units of the axes in which a form is 1 at the corners.
+    let units = |form: &[f64], degree: f64| -> Option<[f64; 3]> {
+        let corners = form.iter().take(3).all(|own| *own > 0.0);
+        corners.then(|| std::array::from_fn(|a| form[a].powf(-1.0 / degree)))
     };
-    let moduli = Moduli::with_quotients(&energy, squares, quotient);
+    let (Some(u), Some(v)) = (units(&trace, 2.0), units(&determinant, 3.0)) else {
+        return false;
+    };
+    for a in 0..3 {
+        for b in a..3 {
+            trace[quadratic(a, b)] *= u[a] * u[b];
+            for c in b..3 {
+                determinant[cubic(a, b, c)] *= v[a] * v[b] * v[c];
+            }
+        }
+    }
+    is_positive(trace, quadratic_halves, used) && is_positive(determinant, cubic_halves, used)
+}
+
+fn deciding<R: Enclosed>(law: &Numbers<'_>, patch: &Patch, at: [R; 2]) -> Deciding<R> {
+    let moduli = law.family.moduli(law.constants, logs_of(patch, at));
     let (trace, determinant) = moduli.elliptic_forms();
     Deciding {
         drucker: moduli.isochoric_minors(),
@@ -210,26 +193,33 @@ fn deciding<R: Bounded>(law: &Numbers<'_>, patch: &Patch, at: [R; 2]) -> Decidin
 fn is_positive<const N: usize>(
     form: [f64; N],
     halves: fn(&[f64; N], usize) -> [[f64; N]; 2],
-    depth: usize,
+    used: &AtomicUsize,
 ) -> bool {
     // Rounding of the halvings.
     let least = ROUNDING_FRACTION * form.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-    if form.iter().all(|own| *own > least) {
-        return true;
+    let mut open = vec![form];
+    for _ in 0..MOST_PARTS {
+        let Some(part) = open.pop() else {
+            return true;
+        };
+        if part.iter().all(|own| *own > least) {
+            continue;
+        }
+        // The first three coefficients are values at the corners.
+        if !part[..3].iter().all(|own| *own > least) {
+            return false;
+        }
+        if used.fetch_add(1, Relaxed) > ALL_PARTS {
+            return false;
+        }
+        // Three halvings, one an edge.
+        let mut parts = vec![part];
+        for edge in 0..3 {
+            parts = parts.iter().flat_map(|own| halves(own, edge)).collect();
+        }
+        open.extend(parts);
     }
-    // The first three coefficients are values at the corners.
-    let corners_hold = form[..3].iter().all(|own| *own > least);
-    if depth == 0 || !corners_hold {
-        return false;
-    }
-    // Three halvings, one an edge, quarter the size.
-    let mut parts = vec![form];
-    for edge in 0..3 {
-        parts = parts.iter().flat_map(|own| halves(own, edge)).collect();
-    }
-    parts
-        .into_iter()
-        .all(|own| is_positive(own, halves, depth - 1))
+    open.is_empty()
 }
 
 /// Corners of the edge opposite to a corner.

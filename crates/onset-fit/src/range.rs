@@ -1,9 +1,10 @@
 //! States at which a law must be stable, and the worst of them.
 
 use crate::family::Family;
-use crate::moduli::{Criterion, Moduli, PAIRS, Perturbation, isochoric_basis};
+use crate::moduli::{Criterion, PAIRS, Perturbation, isochoric_basis};
 use crate::solve::Cut;
 use crate::tests_of_specimens::Test;
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// Loading of a specimen.
@@ -117,6 +118,19 @@ impl Patch {
         (0..self.axes.len()).map(at).collect()
     }
 
+    /// Returns true if a state at constant volume with descending stretches belongs to the patch.
+    fn reaches(&self, logs: [f64; 3]) -> bool {
+        // Parameters of a line along its first axis, or the largest strain and minus the smallest one.
+        let at = match self.axes.as_slice() {
+            [axis] => vec![logs[0] / axis[0]],
+            _ => vec![logs[0], -logs[2]],
+        };
+        let own = self.logs(&at);
+        let is_same = logs.iter().zip(own).all(|(a, b)| (a - b).abs() < 1e-9);
+        let mut ends = at.iter().zip(self.low.iter().zip(&self.high));
+        is_same && ends.all(|(t, (low, high))| (low..=high).contains(&t))
+    }
+
     fn contains(&self, at: &[f64]) -> bool {
         let [a, b, c] = self.logs(at);
         let slack = 1e-12;
@@ -209,15 +223,13 @@ pub(crate) struct Numbers<'a> {
 impl Numbers<'_> {
     /// Shear modulus in the reference configuration.
     pub fn shear_modulus(&self) -> f64 {
-        let energy = self.family.jet(self.constants, [1.0; 3]);
-        Moduli::new(&energy, [1.0; 3]).shear_modulus()
+        self.family.moduli(self.constants, [0.0; 3]).shear_modulus()
     }
 
     /// Lowest relative value of the criteria at a state. States beyond the locking of chains, at which the
     /// law has no energy, have an infinite value.
     pub fn worst_at(&self, logs: [f64; 3], shear: f64) -> Worst {
-        let squares = logs.map(|log| (2.0 * log).exp());
-        let moduli = Moduli::new(&self.family.jet(self.constants, squares), squares);
+        let moduli = self.family.moduli(self.constants, logs);
         let compressible = self.family.is_compressible();
         let mut worst: Option<Worst> = None;
         for criterion in self.criteria {
@@ -329,8 +341,16 @@ const POINTS: [usize; 3] = [301, 41, 9];
 /// Number of local minima of a grid that are improved.
 const IMPROVED: usize = 8;
 
+/// Distances from a minimum to the states around it, as parts of the distance of grid points.
+const AROUND: [f64; 3] = [0.5, 0.125, 0.03];
+
 /// Local minima of the criteria over parts of a range, the lowest first.
 pub(crate) fn worst_states(law: &Numbers<'_>, patches: &[Patch]) -> Vec<Worst> {
+    low_states(law, patches, f64::NEG_INFINITY)
+}
+
+/// Local minima of the criteria over parts of a range, the lowest first, with the grid points below a value and states around minima below it.
+pub(crate) fn low_states(law: &Numbers<'_>, patches: &[Patch], below: f64) -> Vec<Worst> {
     let shear = law.shear_modulus();
     let mut found: Vec<Worst> = Vec::new();
     for patch in patches {
@@ -339,6 +359,7 @@ pub(crate) fn worst_states(law: &Numbers<'_>, patches: &[Patch]) -> Vec<Worst> {
         let place = |n: usize| patch.place(n, count);
         let total = count.pow(dimension as u32);
         let values: Vec<Option<Worst>> = (0..total)
+            .into_par_iter()
             .map(|n| {
                 let at = place(n);
                 patch
@@ -346,6 +367,8 @@ pub(crate) fn worst_states(law: &Numbers<'_>, patches: &[Patch]) -> Vec<Worst> {
                     .then(|| law.worst_at(patch.logs(&at), shear))
             })
             .collect();
+        let low = values.iter().flatten().filter(|own| own.value < below);
+        found.extend(low.cloned());
         let value = |n: usize| values[n].as_ref().map_or(f64::INFINITY, |own| own.value);
         let is_low = |n: usize| {
             (0..dimension).all(|a| {
@@ -364,15 +387,30 @@ pub(crate) fn worst_states(law: &Numbers<'_>, patches: &[Patch]) -> Vec<Worst> {
             let steps: Vec<f64> = (0..dimension)
                 .map(|a| 0.5 * (patch.high[a] - patch.low[a]) / (count - 1) as f64)
                 .collect();
-            let start = values[n].clone();
-            found.extend(start.map(|start| improved(law, patch, shear, place(n), steps, start)));
+            let Some(start) = values[n].clone() else {
+                continue;
+            };
+            let (worst, middle) = improved(law, patch, shear, place(n), steps.clone(), start);
+            if worst.value < below {
+                for (a, part) in (0..dimension).flat_map(|a| AROUND.map(|part| (a, part))) {
+                    for sign in [1.0, -1.0] {
+                        let mut at = middle.clone();
+                        let moved = at[a] + 2.0 * sign * part * steps[a];
+                        at[a] = moved.clamp(patch.low[a], patch.high[a]);
+                        if patch.contains(&at) {
+                            found.push(law.worst_at(patch.logs(&at), shear));
+                        }
+                    }
+                }
+            }
+            found.push(worst);
         }
     }
     found.sort_by(|a, b| a.value.total_cmp(&b.value));
     found
 }
 
-/// Local minimum near a state by a search along the axes of a patch.
+/// Local minimum near a state, with its parameters, by a search along the axes of a patch.
 fn improved(
     law: &Numbers<'_>,
     patch: &Patch,
@@ -380,7 +418,7 @@ fn improved(
     mut place: Vec<f64>,
     mut steps: Vec<f64>,
     mut best: Worst,
-) -> Worst {
+) -> (Worst, Vec<f64>) {
     let dimension = place.len();
     let smallest = steps.iter().fold(0.0_f64, |a, b| a.max(*b)) * 1e-4;
     while steps.iter().any(|step| *step > smallest) {
@@ -404,7 +442,7 @@ fn improved(
             steps.iter_mut().for_each(|step| *step *= 0.5);
         }
     }
-    best
+    (best, place)
 }
 
 /// End of the stable stretches along a loading of an incompressible specimen in tension. Compression passes through the states of another
@@ -463,16 +501,38 @@ pub fn limits(family: &Family, constants: &[f64], criteria: &[Criterion]) -> Vec
     all
 }
 
+/// First state in tension, in a range, at which the chains of a law are straight; the stretch is the smallest one of all loadings.
+pub(crate) fn locked(family: &Family, constants: &[f64], range: &[Patch]) -> Option<(Mode, f64)> {
+    let first = family.locking(constants)?;
+    let invariant = |logs: [f64; 3]| logs.iter().map(|log| (2.0 * log).exp()).sum::<f64>() - 3.0;
+    let at = |mode: Mode| {
+        let logs = |h: f64| mode.direction().map(|part| part * h);
+        let (mut inside, mut outside) = (0.0, LARGEST_STRETCH.ln());
+        while invariant(logs(outside)) < first {
+            (inside, outside) = (outside, 2.0 * outside);
+        }
+        while outside - inside > 1e-12 * outside {
+            let middle = 0.5 * (inside + outside);
+            match invariant(logs(middle)) < first {
+                true => inside = middle,
+                false => outside = middle,
+            }
+        }
+        let is_inside = range.iter().any(|patch| patch.reaches(logs(inside)));
+        is_inside.then(|| (mode, inside.exp()))
+    };
+    let all = Mode::LOADINGS.into_iter().filter_map(at);
+    all.min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
 impl Family {
     /// Nominal stress of an incompressible specimen along the load; `None` for compressible laws and volumetric loading. Units of stress.
     pub fn stress(&self, constants: &[f64], mode: Mode, stretch: f64) -> Option<f64> {
         if self.is_compressible() || mode == Mode::Volumetric {
             return None;
         }
-        let squares = mode.logs(stretch).map(|log| (2.0 * log).exp());
-        let energy = self.jet(constants, squares);
-        let kirchhoff = |i: usize| 2.0 * squares[i] * energy.gradient[i];
-        Some(mode.nominal(stretch) * (kirchhoff(0) - kirchhoff(2)))
+        let stresses = self.stresses(constants, mode.logs(stretch));
+        Some(mode.nominal(stretch) * (stresses[0] - stresses[2]))
     }
 
     /// Returns true if criteria hold at a state of a loading.

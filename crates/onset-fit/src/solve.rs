@@ -5,13 +5,14 @@
 //! damping is the optimum.
 
 use crate::family::Family;
-use crate::moduli::{Criterion, Moduli, Perturbation};
+use crate::moduli::{Criterion, Perturbation};
 use crate::range::Worst;
 use crate::tests_of_specimens::Equations;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 use nalgebra::{DMatrix, DVector};
 use onset::real::Dual;
+use rayon::prelude::*;
 
 /// Demand that a form of the law is not below a margin: `q(state, perturbation) >= margin q(reference)`.
 #[derive(Clone, Copy, Debug)]
@@ -52,36 +53,41 @@ pub(crate) struct Solution {
 const MOST_STEPS: usize = 200;
 /// A step that lowers the sum of squares by less than this part is the last one.
 const LEAST_GAIN: f64 = 1e-13;
+/// Largest sum of violated demands, relative to the constants.
+const MOST_VIOLATED: f64 = 1e-6;
+/// Fewest demands for which another thread is worth while.
+const DEMANDS_OF_A_THREAD: usize = 64;
 /// Weight of a violated demand, relative to the sum of squares at the start.
 const PENALTY: f64 = 10.0;
 
 impl Problem<'_> {
     /// Values of the demands with their derivatives, scaled by the size of the gradient.
     fn demands(&self, constants: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
-        let count = self.cuts.len();
-        let mut values = DVector::<f64>::zeros(count);
-        let mut slopes = DMatrix::<f64>::zeros(count, constants.len());
-        for term in self.family.terms() {
-            let one = [1.0; 3];
-            let shear = Moduli::new(&Family::jet_of(term, constants, one), one).shear_modulus();
-            for (row, cut) in self.cuts.iter().enumerate() {
-                let squares = cut.logs.map(|log| (2.0 * log).exp());
-                let moduli = Moduli::new(&Family::jet_of(term, constants, squares), squares);
-                let scale = cut.criterion.reference(1.0);
-                let form: Dual<2> = moduli.form(&cut.perturbation) - shear * (self.margin * scale);
+        let terms = self.family.terms();
+        let shear = |term| Family::moduli_of(term, constants, [0.0; 3]).shear_modulus();
+        let shears: Vec<Dual<2>> = terms.iter().map(shear).collect();
+        // Value and derivatives of a demand.
+        let row = |cut: &Cut| {
+            let mut value = 0.0;
+            let mut slope = DVector::<f64>::zeros(constants.len());
+            let least = self.margin * cut.criterion.reference(1.0);
+            for (term, shear) in terms.iter().zip(&shears) {
+                let moduli = Family::moduli_of(term, constants, cut.logs);
+                let form = moduli.form(&cut.perturbation) - *shear * least;
                 let modulus = constants[term.modulus];
-                values[row] += modulus * form.value;
-                slopes[(row, term.modulus)] += form.value;
+                value += modulus * form.value;
+                slope[term.modulus] += form.value;
                 for (n, index) in term.shapes.iter().enumerate() {
-                    slopes[(row, *index)] += modulus * form.gradient[n];
+                    slope[*index] += modulus * form.gradient[n];
                 }
             }
-        }
-        for row in 0..count {
-            let size = slopes.row(row).norm().max(f64::MIN_POSITIVE);
-            values[row] /= size;
-            slopes.row_mut(row).scale_mut(size.recip());
-        }
+            let size = slope.norm().max(f64::MIN_POSITIVE);
+            (value / size, slope / size)
+        };
+        let all = self.cuts.par_iter().with_min_len(DEMANDS_OF_A_THREAD);
+        let rows: Vec<(f64, DVector<f64>)> = all.map(row).collect();
+        let values = DVector::from_fn(rows.len(), |n, _| rows[n].0);
+        let slopes = DMatrix::from_fn(rows.len(), constants.len(), |n, c| rows[n].1[c]);
         (values, slopes)
     }
 
@@ -91,7 +97,8 @@ impl Problem<'_> {
         self.confine(&mut constants);
         let is_free: Vec<bool> = self.bounds.iter().map(|[low, high]| low < high).collect();
         if self.family.is_linear() {
-            return self.of_moduli(&constants, &is_free);
+            let found = self.of_moduli(&constants, &is_free)?;
+            return (self.violation(&found.constants) < MOST_VIOLATED).then_some(found);
         }
         constants = self.of_moduli(&constants, &is_free)?.constants;
         let (mut errors, mut jacobian) = self.equations.errors(self.family, &constants);
@@ -146,7 +153,7 @@ impl Problem<'_> {
                 break;
             }
         }
-        (loss.is_finite() && violated < 1e-6).then_some(Solution { constants, loss })
+        (loss.is_finite() && violated < MOST_VIOLATED).then_some(Solution { constants, loss })
     }
 
     fn violation(&self, constants: &[f64]) -> f64 {
@@ -270,15 +277,19 @@ impl Problem<'_> {
     }
 }
 
+/// Quadratic programs of one step, conditions that are added to each, and the part of the unit by which others may be violated.
+const MOST_PROGRAMS: usize = 100;
+const ADDED_CONDITIONS: usize = 12;
+const CONDITION_TOLERANCE: f64 = 1e-12;
+
 /// Point `y` nearest to `target` with `slope . R^-1 y >= bound`; `None` if it does not exist.
 fn nearest(
     upper: &DMatrix<f64>,
     target: &DVector<f64>,
     conditions: &[(DVector<f64>, f64)],
 ) -> Option<DVector<f64>> {
-    let count = target.len();
     let lower = upper.transpose();
-    let mut rows = Vec::new();
+    let mut rows: Vec<DVector<f64>> = Vec::new();
     let mut bounds = Vec::new();
     for (slope, bound) in conditions {
         // slope . R^-1 y = (R^-T slope) . y
@@ -293,12 +304,38 @@ fn nearest(
     // Numbers of order one: in units of the distance of the target or of the conditions.
     let needed = bounds.iter().fold(0.0_f64, |most, own| most.max(-own));
     let unit = target.norm().max(needed).max(1e-300);
-    let matrix: Vec<Vec<f64>> = rows
-        .iter()
-        .map(|row| row.iter().copied().collect())
-        .collect();
-    let bounds: Vec<f64> = bounds.iter().map(|own| own / unit).collect();
-    let linear: Vec<f64> = target.iter().map(|own| -own / unit).collect();
+    let target = target / unit;
+    bounds.iter_mut().for_each(|own| *own /= unit);
+    // Only a few of many conditions are active: violated ones are added until all hold.
+    let mut active: Vec<usize> = Vec::new();
+    let mut point = target.clone();
+    for _ in 0..MOST_PROGRAMS {
+        let mut violated: Vec<(usize, f64)> = (0..rows.len())
+            .map(|n| (n, rows[n].dot(&point) - bounds[n]))
+            .filter(|(n, excess)| *excess > CONDITION_TOLERANCE && !active.contains(n))
+            .collect();
+        if violated.is_empty() {
+            break;
+        }
+        violated.sort_by(|a, b| b.1.total_cmp(&a.1));
+        active.extend(violated.iter().take(ADDED_CONDITIONS).map(|(n, _)| *n));
+        point = nearest_of(&target, &rows, &bounds, &active)?;
+    }
+    Some(point * unit)
+}
+
+/// Point nearest to `target` on one side of some planes; `None` if it does not exist.
+fn nearest_of(
+    target: &DVector<f64>,
+    rows: &[DVector<f64>],
+    bounds: &[f64],
+    active: &[usize],
+) -> Option<DVector<f64>> {
+    let count = target.len();
+    let row = |n: &usize| rows[*n].iter().copied().collect();
+    let matrix: Vec<Vec<f64>> = active.iter().map(row).collect();
+    let bounds: Vec<f64> = active.iter().map(|n| bounds[*n]).collect();
+    let linear: Vec<f64> = target.iter().map(|own| -own).collect();
     let settings = DefaultSettings {
         verbose: false,
         tol_gap_abs: 1e-13,
@@ -321,5 +358,5 @@ fn nearest(
         solver.solution.status,
         SolverStatus::Solved | SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress
     );
-    is_solved.then(|| DVector::from_vec(solver.solution.x) * unit)
+    is_solved.then(|| DVector::from_vec(solver.solution.x))
 }

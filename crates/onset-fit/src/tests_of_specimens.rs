@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use onset::real::{Dual, Real};
 use serde::Serialize;
 
-use crate::family::{Family, SHAPES};
+use crate::family::Family;
 
 /// Measured point of a test.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,7 +51,7 @@ pub struct Misfit {
 struct Equation {
     /// Index of the test and of the point.
     place: (usize, usize),
-    squares: [f64; 3],
+    logs: [f64; 3],
     factors: [f64; 3],
     measured: f64,
     /// Factor of the error in the sum of squares.
@@ -76,15 +76,12 @@ impl Equations {
                     Weights::Relative(floor) => point.stress.abs().max(floor * largest).recip(),
                     Weights::Absolute => 1.0,
                 } * test.weight.sqrt();
-                let at = |logs: [f64; 3], factors: [f64; 3], measured| {
-                    let squares = logs.map(|log| (2.0 * log).exp());
-                    Equation {
-                        place: (t, p),
-                        squares,
-                        factors: std::array::from_fn(|i| 2.0 * squares[i] * factors[i]),
-                        measured,
-                        scale,
-                    }
+                let at = |logs: [f64; 3], factors: [f64; 3], measured| Equation {
+                    place: (t, p),
+                    logs,
+                    factors,
+                    measured,
+                    scale,
                 };
                 let h = point.stretch.ln();
                 let inverse = point.stretch.recip();
@@ -106,10 +103,8 @@ impl Equations {
                 };
                 all.push(first);
                 if compressible && test.mode != Mode::SimpleShear {
-                    let squares = first.squares;
-                    let factors = [0.0, 0.0, 2.0 * across.exp()];
+                    let factors = [0.0, 0.0, (-across).exp()];
                     all.push(Equation {
-                        squares,
                         factors,
                         measured: 0.0,
                         ..first
@@ -120,9 +115,26 @@ impl Equations {
         Self { all }
     }
 
-    /// Number of conditions of all tests.
+    /// Number of different conditions of all tests: points of the same state are one.
     pub fn len(&self) -> usize {
-        self.all.len()
+        let bits = |own: &Equation| {
+            let [a, b, c] = own.logs.map(f64::to_bits);
+            let [d, e, f] = own.factors.map(f64::to_bits);
+            [a, b, c, d, e, f]
+        };
+        let mut all: Vec<_> = self.all.iter().map(bits).collect();
+        all.sort_unstable();
+        all.dedup();
+        all.len()
+    }
+
+    /// Norm of the scaled measured values.
+    pub fn norm(&self) -> f64 {
+        let squares = self
+            .all
+            .iter()
+            .map(|own| (own.scale * own.measured).powi(2));
+        squares.sum::<f64>().sqrt()
     }
 
     /// Scaled errors of a law, and their derivatives by its constants.
@@ -132,14 +144,10 @@ impl Equations {
         for (row, own) in self.all.iter().enumerate() {
             let mut sum = -own.measured;
             for term in family.terms() {
-                let mut shapes = [Dual::<3, Dual<SHAPES>>::constant(1.0); SHAPES];
-                for (n, (shape, index)) in shapes.iter_mut().zip(&term.shapes).enumerate() {
-                    shape.value = Dual::variable(constants[*index], n);
-                }
-                let squares = Dual::variables(own.squares.map(Dual::constant));
-                let energy = term.energy(shapes, squares);
+                let shapes = Family::variable_shapes(term, constants);
+                let stresses = Family::stresses_of(term, shapes, own.logs);
                 let stress = (0..3).fold(Dual::constant(0.0), |sum, i| {
-                    sum + energy.gradient[i] * own.factors[i]
+                    sum + stresses[i] * own.factors[i]
                 });
                 let modulus = constants[term.modulus];
                 sum += modulus * stress.value;

@@ -7,7 +7,8 @@ use serde::Serialize;
 
 /// Standard deviations of the constants and their strong correlations, from the linearized errors at the optimum.
 ///
-/// `cov = s^2 (J^T J)^-1` with the derivatives `J` of the scaled errors and `s^2` their sum of squares over the degrees of freedom.
+/// `cov = s^2 (J^T J)^-1` with the derivatives `J` of the scaled errors and `s^2` their sum of squares over the degrees of freedom. Errors below the rounding of
+/// the data count as rounding.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Uncertainty {
     /// Standard deviations in the order of the constants; NaN for fixed ones.
@@ -16,6 +17,8 @@ pub struct Uncertainty {
     pub correlated: Vec<(String, String, f64)>,
 }
 
+/// Rounding of the data, relative to their norm.
+const ROUNDING_FRACTION: f64 = 1e-13;
 /// Correlations of larger magnitude are reported.
 const STRONG: f64 = 0.99;
 
@@ -40,7 +43,8 @@ impl Uncertainty {
         let scaled = DMatrix::from_fn(errors.len(), free.len(), |i, j| {
             jacobian[(i, free[j])] / sizes[j]
         });
-        let variance = errors.norm_squared() / degrees as f64;
+        let rounding = ROUNDING_FRACTION * equations.norm();
+        let variance = errors.norm_squared().max(rounding * rounding) / degrees as f64;
         let upper = scaled.qr().r();
         let Some(inverse) = upper.try_inverse() else {
             return own;

@@ -32,6 +32,7 @@ pub struct Asked {
     unit: Option<String>,
     area: Option<f64>,
     range: Option<[f64; 2]>,
+    material: Option<String>,
 }
 
 impl From<FittingError> for Failure {
@@ -39,7 +40,8 @@ impl From<FittingError> for Failure {
         match error {
             FittingError::Setting(error) => error.into(),
             FittingError::Output(error) => error.into(),
-            other => Self::input(other),
+            // Options of the command are keywords here.
+            other => Self::input(other.to_string().replace(" --", " ")),
         }
     }
 }
@@ -92,6 +94,7 @@ pub fn fit(py: Python<'_>, asked: Asked) -> PyResult<Answer> {
             unit: asked.unit,
             area: asked.area,
             range: asked.range,
+            material: asked.material,
         };
         let tests = Tests::read(&sources, &reading).map_err(FittingError::from)?;
         let answer = fitted(tests, &families, &options, asked.bulk, &mut |_| {})?;

@@ -50,6 +50,7 @@ pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
         unit: arguments.unit.clone(),
         area: arguments.area,
         range: arguments.range,
+        material: arguments.material.clone(),
     };
     if arguments.fail_on.is_some() && arguments.stable.0.is_none() {
         return Err(Failure::input(

@@ -602,6 +602,115 @@ fn broken_decks_are_refused() {
     }
 }
 
+/// Test data of two materials as decks of Abaqus and of Ansys, the latter with files of strains and stresses.
+#[test]
+fn one_material_of_a_deck_is_chosen() {
+    let strains = |factor: f64| table("", |[a, b]| [factor * (a - 1.0), b]);
+    let abaqus = |name: &str, factor: f64| {
+        let rows = table("*UNIAXIAL TEST DATA", |[a, b]| [b, factor * (a - 1.0)]);
+        format!("*MATERIAL, NAME={name}\n*HYPERELASTIC, YEOH\n{rows}")
+    };
+    let deck = Written::new("two.inp", abaqus("Soft", 1.0) + &abaqus("Hard", 0.5));
+    let folder = Scratch::new("ansys");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let write = |name: &str, text: String| std::fs::write(folder.join(name), text).expect("a file");
+    write("soft.exp", strains(1.0).trim_start().replace(',', " "));
+    write("hard.exp", strains(0.5).trim_start().to_owned());
+    write(
+        "deck.dat",
+        "/PREP7\nTBFT,EADD,1,UNIA,soft.exp\ntbft,eadd,2,,hard,exp ! comment\n".to_owned(),
+    );
+    let ansys = folder.join("deck.dat");
+    let ansys = ansys.to_str().expect("UTF-8");
+    let (plain, _) = fit_of("uniaxial.csv", table(HEADER, |own| own), "--json");
+    let first = |text: &str| {
+        let answer: Value = serde_json::from_str(text).expect("JSON");
+        number(&answer, "/laws/0/constants/0/value")
+    };
+    let expected = first(&plain.stdout);
+    for (file, names) in [(&*deck, ["Soft", "Hard"]), (ansys, ["1", "2"])] {
+        let both = onset(&["fit", file, "--law", "yeoh"]);
+        assert_eq!(both.code, Some(2));
+        for fact in ["tests of 2 materials", &names.join(", "), "--material"] {
+            assert!(both.stderr.contains(fact), "{}", both.stderr);
+        }
+        let own = onset(&[
+            "fit",
+            file,
+            "--law",
+            "yeoh",
+            "--material",
+            names[0],
+            "--json",
+        ]);
+        assert_eq!(own.code, Some(0), "{}", own.stderr);
+        assert_close(first(&own.stdout), expected, 1e-9);
+        let none = onset(&["fit", file, "--law", "yeoh", "--material", "x"]);
+        assert!(
+            none.stderr.contains("no tests of the material `x`"),
+            "{}",
+            none.stderr
+        );
+    }
+    write("deck.dat", "TBFT,EADD,1,UNIA,none.exp\n".to_owned());
+    let missing = onset(&["fit", ansys, "--law", "yeoh"]);
+    assert_eq!(missing.code, Some(2));
+    for fact in ["line 1", "none.exp cannot be read", "folder of the deck"] {
+        assert!(missing.stderr.contains(fact), "{}", missing.stderr);
+    }
+}
+
+#[test]
+fn fits_that_say_nothing_are_not_silent() {
+    let pull = Written::new("uniaxial.csv", table(HEADER, |own| own));
+    let twice = onset(&["fit", &pull, &pull, "--law", "yeoh"]);
+    assert_eq!(twice.code, Some(2));
+    assert!(
+        twice
+            .stderr
+            .contains("the same points as the uniaxial test"),
+        "{}",
+        twice.stderr
+    );
+    let squeeze = rows("volume_ratio,pressure", &["0.99,20", "0.98,41", "0.97,64"]);
+    let squeeze = Written::new("volumetric.csv", squeeze);
+    let alone = onset(&["fit", &squeeze, "--law", "yeoh"]);
+    assert_eq!(alone.code, Some(2));
+    assert!(
+        alone.stderr.contains("volumetric tests alone"),
+        "{}",
+        alone.stderr
+    );
+    let shear = rows(
+        "gamma,shear_stress",
+        &[".2,.2", ".5,.5", ".9,.8", "1.2,1.1"],
+    );
+    let shear = Written::new("simple-shear.csv", shear);
+    let shear = onset(&["fit", &shear, "--law", "mooney-rivlin"]);
+    assert!(
+        shear.stderr.contains("both invariants are equal"),
+        "{}",
+        shear.stderr
+    );
+    let (exact, _) = fit_of(
+        "uniaxial.csv",
+        rows(HEADER, &["1.2,.2", "1.5,.4", "2,.7"]),
+        "",
+    );
+    assert!(
+        unwrapped(&exact.stdout).contains("as many points as there are constants"),
+        "{}",
+        exact.stdout
+    );
+    let locked = unwrapped(&fitted(&ALL, "--law gent --bound jm=1,60", 0));
+    for fact in [
+        "gent: jm is at its bound",
+        "its chains are straight from stretch 5.61",
+    ] {
+        assert!(locked.contains(fact), "no `{fact}` in {locked}");
+    }
+}
+
 #[test]
 fn equivalent_tables_give_the_same_constants() {
     let constant = |name: &str, text: String, line: &str| {

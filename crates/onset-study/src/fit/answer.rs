@@ -50,6 +50,15 @@ pub struct LossAnswer {
     pub inside_of_data: bool,
 }
 
+/// State at which the chains of a law are straight.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LockAnswer {
+    /// Loading of the specimen.
+    pub mode: Mode,
+    /// Imposed stretch.
+    pub stretch: f64,
+}
+
 /// Fitted law with errors and limits.
 #[derive(Clone, Debug, Serialize)]
 pub struct LawAnswer {
@@ -85,6 +94,12 @@ pub struct LawAnswer {
     pub correlated: Vec<(String, String, f64)>,
     /// Number of other optima whose sum of squares is within 5 %.
     pub other_optima: usize,
+    /// Number of different measured conditions beyond the number of free constants; with 0, the error says nothing.
+    pub spare_points: usize,
+    /// Constants at their bounds, besides fixed ones.
+    pub at_bounds: Vec<String>,
+    /// First state in the range at which the chains of the law are straight.
+    pub locks: Option<LockAnswer>,
     /// Settings of the law.
     pub settings: Vec<String>,
     #[serde(skip)]
@@ -174,14 +189,14 @@ impl FitAnswer {
         let has_volume = tests.iter().any(|test| test.mode == Mode::Volumetric);
         if bulk.is_none() && !has_volume {
             notes.push(format!(
-                "no volumetric test: the bulk modulus is {} shear moduli; give it with --bulk",
+                "no volumetric test and no given bulk modulus: it is {} shear moduli",
                 super::BULK_RATIO
             ));
         }
         if !refused.is_empty() {
             let names: Vec<&str> = refused.iter().map(|(law, _)| law.as_str()).collect();
             notes.push(format!(
-                "not fitted: {}; --all gives the reasons",
+                "not fitted: {}; the full answer has the reasons",
                 names.join(", ")
             ));
         }
@@ -189,13 +204,15 @@ impl FitAnswer {
         let laws = fits
             .into_iter()
             .map(|fit| LawAnswer::new(fit, &tables.tests, &tests, bulk));
+        let laws: Vec<LawAnswer> = laws.collect::<Result<_, _>>()?;
+        notes.extend(remarks(&laws));
         Ok(Self {
             unit: tables.unit,
             weights: options.weights,
             range: options.range,
             stretches,
             criteria: options.criteria.clone(),
-            laws: laws.collect::<Result<_, _>>()?,
+            laws,
             refused,
             notes,
             tests,
@@ -316,6 +333,7 @@ impl FitAnswer {
             .map_or(String::new(), |unit| format!(" {unit}"));
         let best = self.best();
         let told = best.constants.iter().map(|own| {
+            let value = own.told();
             let deviation = own
                 .deviation
                 .map_or(String::new(), |own| format!(" ± {}", told_with(own, 2)));
@@ -324,7 +342,7 @@ impl FitAnswer {
             } else {
                 ""
             };
-            format!("{} {}{deviation}{unit}", own.name, told(own.value))
+            format!("{} {value}{deviation}{unit}", own.name)
         });
         told.collect::<Vec<_>>().join(", ")
     }
@@ -434,6 +452,74 @@ impl FitAnswer {
     }
 }
 
+/// Remarks on laws whose constants or errors say less than it seems.
+fn remarks(laws: &[LawAnswer]) -> Vec<String> {
+    let mut notes = Vec::new();
+    let all = |holds: &dyn Fn(&LawAnswer) -> bool| {
+        let own = laws.iter().filter(|own| holds(own));
+        own.map(|own| own.law.as_str())
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    let exact = all(&|own| own.spare_points == 0);
+    if !exact.is_empty() {
+        notes.push(format!(
+            "{exact}: the tests have as many points as there are constants, so that the error says nothing; add points, or choose laws with fewer constants"
+        ));
+    }
+    for own in laws {
+        if let [name] = own.at_bounds.as_slice() {
+            notes.push(format!("{}: {name} is at its bound", own.law));
+        } else if !own.at_bounds.is_empty() {
+            notes.push(format!(
+                "{}: {} are at their bounds",
+                own.law,
+                own.at_bounds.join(", ")
+            ));
+        }
+        if let Some(lock) = &own.locks {
+            notes.push(format!(
+                "{}: inside the range its chains are straight from stretch {} in {} tension on; {}",
+                own.law,
+                short(lock.stretch),
+                lock.mode.name(),
+                match own.fit.family.ends_at_locking() {
+                    true =>
+                        "beyond, it has no energy, and stability means that of the states before",
+                    false => "beyond, its series continues without a limit",
+                }
+            ));
+        }
+    }
+    notes
+}
+
+impl ConstantAnswer {
+    /// Value rounded to a hundredth of its deviation.
+    fn rounded(&self) -> f64 {
+        match self.deviation {
+            Some(deviation) if deviation > 0.0 => {
+                let digits = (self.value.abs() / deviation).log10().floor() + 3.0;
+                match digits {
+                    digits if digits <= 0.0 => 0.0,
+                    digits => {
+                        let digits = digits.min(17.0) as usize;
+                        format!("{:.*e}", digits - 1, self.value)
+                            .parse()
+                            .unwrap_or(self.value)
+                    }
+                }
+            }
+            _ => self.value,
+        }
+    }
+
+    /// Value in words, with at most six digits.
+    fn told(&self) -> String {
+        told(self.rounded())
+    }
+}
+
 /// Largest ratio of the errors of two laws that fit about as well.
 const SIMILAR: f64 = 1.25;
 
@@ -531,6 +617,11 @@ impl LawAnswer {
             is_global: fit.is_global(),
             correlated: result.uncertainty.correlated.clone(),
             other_optima: fit.others.len(),
+            spare_points: fit.spare,
+            at_bounds: result.at_bounds.clone(),
+            locks: result
+                .locked
+                .map(|(mode, stretch)| LockAnswer { mode, stretch }),
             settings,
             fit,
         })
@@ -635,7 +726,7 @@ impl fmt::Display for FitAnswer {
             let values = own
                 .constants
                 .iter()
-                .map(|own| format!("{} = {}", own.name, own.value));
+                .map(|own| format!("{} = {}", own.name, own.rounded()));
             writeln!(
                 formatter,
                 "{}: {}",

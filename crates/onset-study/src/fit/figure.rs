@@ -11,12 +11,44 @@ const CELLS: usize = 90;
 /// Ratio of the largest stretch of a curve to the largest measured stretch.
 const EXTENT_RATIO: f64 = 1.1;
 
+/// Strokes of a hatching along a diagonal of a panel, and points of a stroke.
+const STROKES: usize = 40;
+const STROKE_POINTS: usize = 240;
+
+/// Diagonal strokes where parts of the width and of the height of a panel belong to a set. `at` are the coordinates.
+fn hatching(at: impl Fn(f64, f64) -> (f64, f64), holds: impl Fn(f64, f64) -> bool) -> Line {
+    let mut points = Vec::new();
+    for stroke in 0..STROKES {
+        let sum = 2.0 * (stroke as f64 + 0.5) / STROKES as f64;
+        let (from, to) = ((sum - 1.0).max(0.0), sum.min(1.0));
+        let place = |n: usize| {
+            let u = from + (to - from) * n as f64 / STROKE_POINTS as f64;
+            (u, sum - u)
+        };
+        let is_inside = |n: usize| {
+            let (u, v) = place(n);
+            n <= STROKE_POINTS && holds(u, v)
+        };
+        let mut n = 0;
+        while n <= STROKE_POINTS {
+            let count = (n..).take_while(|own| is_inside(*own)).count();
+            if count > 1 {
+                let ends = [n, n + count - 1].map(place);
+                points.extend(ends.map(|(u, v)| at(u, v)));
+                points.push((f64::NAN, f64::NAN));
+            }
+            n += count + 1;
+        }
+    }
+    Line::new(points).width(0.6)
+}
+
 impl FitAnswer {
     /// Draws the law with the smallest error.
     pub fn figure(&self) -> Figure {
         let best = self.best();
         let mut figure = Figure::new(format!("{} fitted to {}", best.law, crate::number::counted(self.tests.len(), "test")))
-            .caption("Circles: measured. Lines: fitted; dotted where the law has lost a criterion. Plane: largest stretch and inverse of the smallest one at constant volume.")
+            .caption("Circles: measured. Lines: fitted. Dotted and hatched: a criterion is lost, in grey without the demand. Plane: largest stretch and inverse of the smallest one at constant volume.")
             .columns(2);
         for test in self
             .data
@@ -51,12 +83,10 @@ impl FitAnswer {
             Mode::SimpleShear => "amount of shear γ (−)",
             _ => "stretch λ (−)",
         };
-        let mut panel = Panel::new(
-            &test.name,
-            Axis::linear(label, (low, high)),
-            Axis::linear(format!("nominal stress{unit}"), (0.0, 0.0))
-                .covering(stresses.chain([0.0])),
-        );
+        let vertical = Axis::linear(format!("nominal stress{unit}"), (0.0, 0.0))
+            .covering(stresses.chain([0.0]));
+        let (bottom, top) = vertical.range;
+        let mut panel = Panel::new(&test.name, Axis::linear(label, (low, high)), vertical);
         let needs_both = !best.needs_no_demand;
         let mut drawn = vec![(fit.result(), "fitted", palette::BLUE, 2.0)];
         if needs_both {
@@ -81,6 +111,12 @@ impl FitAnswer {
             let line = Line::new(held).color(color).width(width).named(name);
             panel = panel.with(line);
             if lost.iter().any(|own| own.0.is_finite()) {
+                let at = |u: f64, v: f64| (low + (high - low) * u, bottom + (top - bottom) * v);
+                let is_lost = |u: f64, _| {
+                    let n = (u * CURVE as f64).round() as usize;
+                    lost.get(n).is_some_and(|own| own.0.is_finite())
+                };
+                panel = panel.with(hatching(at, is_lost).color(color));
                 let line = Line::new(lost)
                     .color(palette::VERMILION)
                     .width(width)
@@ -153,6 +189,13 @@ impl FitAnswer {
             ),
             ("lost", crate::figure::Color::hex(0xd9895f)),
         ];
+        let hatched = [(1, palette::GREY), (3, palette::VERMILION)].map(|(class, color)| {
+            let is_own = |u: f64, v: f64| {
+                let cell = |t: f64| ((t * CELLS as f64) as usize).min(CELLS - 1);
+                classes[cell(v) * CELLS + cell(u)] == class
+            };
+            hatching(|u, v| (high.powf(u), end.powf(v)), is_own).color(color)
+        });
         let regions = Regions {
             x: (1.0, high),
             y: (1.0, end),
@@ -167,6 +210,9 @@ impl FitAnswer {
             axis("1/λ₃ (−)", end),
         )
         .with(regions);
+        for lines in hatched {
+            panel = panel.with(lines);
+        }
         for (test, color) in self.data.iter().zip(palette::SERIES) {
             if test.mode == Mode::Volumetric {
                 continue;

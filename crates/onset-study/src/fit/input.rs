@@ -1,4 +1,4 @@
-//! Test data: tables in CSV with a header, in decks of Abaqus, and arrays.
+//! Test data: tables in CSV with a header, in decks of Abaqus and Ansys, and arrays.
 //!
 //! Data that contradict themselves or a header are refused, because the fit of a misread table would be as good as any other fit.
 
@@ -87,6 +87,8 @@ pub struct Reading {
     pub area: Option<f64>,
     /// Smallest and largest stretch of the points to use; `None` for all points.
     pub range: Option<[f64; 2]>,
+    /// Material whose tests are read from decks with several materials.
+    pub material: Option<String>,
 }
 
 /// Tests with remarks on their tables.
@@ -128,6 +130,7 @@ impl Tests {
         let mut all = Self::default();
         let mut units: Vec<(String, Option<String>)> = Vec::new();
         let mut used_area = false;
+        let mut used_material = false;
         for own in sources {
             let (path, text) = match own {
                 Source::File(path, _) => {
@@ -150,11 +153,19 @@ impl Tests {
                     Source::Arrays(_) => "point",
                 },
                 text: &text,
+                columns: is_deck(&text).then_some(ABAQUS),
                 reading,
             };
             let found = match own {
                 Source::Arrays(arrays) => vec![(table.arrays(arrays)?, None)],
-                Source::File(..) if is_deck(&text) => table.deck()?,
+                Source::File(..) if is_deck(&text) => {
+                    used_material = true;
+                    table.of_material(table.deck()?)?
+                }
+                Source::File(..) if is_ansys(&text) => {
+                    used_material = true;
+                    table.of_material(table.ansys()?)?
+                }
                 Source::File(_, mode) => {
                     vec![table.csv(*mode, &mut all.notes, &mut used_area)?]
                 }
@@ -174,7 +185,7 @@ impl Tests {
                             test.mode.name(),
                             counted(distinct.len(), "strain"),
                             match reading.range {
-                                Some(_) => " in the range of --range",
+                                Some(_) => " in the range that is used",
                                 None => " other than the reference configuration",
                             },
                         ),
@@ -184,6 +195,20 @@ impl Tests {
                         },
                     ));
                 }
+                let is_same = |own: &&Test| own.mode == test.mode && own.points == test.points;
+                if let Some(other) = all.tests.iter().find(is_same) {
+                    return Err(table.refused(
+                        format!(
+                            "the {} test has the same points as {}",
+                            test.mode.name(),
+                            match all.tests.iter().filter(|own| own.mode == test.mode).count() {
+                                1 => format!("the {} test before it", other.name),
+                                _ => format!("one of the {} tests before it", other.name),
+                            }
+                        ),
+                        "give each test once; it would count twice",
+                    ));
+                }
                 all.notes.extend(table.volume(&test));
                 units.push((test.name.clone(), unit.or_else(|| reading.unit.clone())));
                 all.tests.push(test);
@@ -191,7 +216,18 @@ impl Tests {
         }
         if reading.area.is_some() && !used_area {
             all.notes
-                .push("--area is not used: no table has a column of forces".to_owned());
+                .push("the area is not used: no table has a column of forces".to_owned());
+        }
+        if reading.material.is_some() && !used_material {
+            let text = "the name of the material is not used: no file is a deck";
+            all.notes.push(text.to_owned());
+        }
+        if all.tests.iter().all(|test| test.mode == Mode::Volumetric) && !all.tests.is_empty() {
+            return Err(TableError::Tests {
+                message: "volumetric tests alone determine no constant besides the bulk modulus"
+                    .to_owned(),
+                hint: "add a uniaxial, equibiaxial, planar or simple shear test".to_owned(),
+            });
         }
         all.convert(&units)?;
         all.compare()?;
@@ -325,6 +361,28 @@ fn is_deck(text: &str) -> bool {
     })
 }
 
+/// Returns true if a text has commands of Ansys that add experimental data.
+fn is_ansys(text: &str) -> bool {
+    text.lines().any(|line| experiment(line).is_some())
+}
+
+/// Arguments of a command `TBFT,EADD,material,loading,name,extension,folder`, without the first two.
+fn experiment(line: &str) -> Option<Vec<&str>> {
+    let command = line.split('!').next().unwrap_or_default();
+    let mut words = command.split(',').map(|own| own.trim().trim_matches('\''));
+    let is_command = ["TBFT", "EADD"].iter().all(|name| {
+        let word = words.next();
+        word.is_some_and(|own| own.eq_ignore_ascii_case(name))
+    });
+    is_command.then(|| words.collect())
+}
+
+/// Points with their lines.
+type Rows = Vec<(usize, Point)>;
+
+/// Test of a deck, with the material to which it belongs.
+type OfMaterial = (Option<String>, Test);
+
 /// Loading that a text names.
 fn mode_in(text: &str) -> Option<Mode> {
     let plain: String = text
@@ -414,11 +472,18 @@ fn split(header: &str) -> (String, Option<String>) {
     (plain.trim_matches('_').to_owned(), unit)
 }
 
+/// Columns of programs whose tables have no header.
+const ABAQUS: &str = "data lines of Abaqus hold nominal stress and nominal strain";
+const ANSYS: &str =
+    "files of Ansys hold nominal strain and nominal stress, or volume ratio and pressure";
+
 /// Text of a file, or arrays with an empty text.
 struct Table<'a> {
     path: &'a Path,
     row: &'static str,
     text: &'a str,
+    /// Columns of a table without a header.
+    columns: Option<&'static str>,
     reading: &'a Reading,
 }
 
@@ -836,8 +901,43 @@ impl Table<'_> {
         })
     }
 
-    fn is_deck(&self) -> bool {
-        is_deck(self.text)
+    /// Tests of the chosen material, or of the only one.
+    fn of_material(
+        &self,
+        tests: Vec<OfMaterial>,
+    ) -> Result<Vec<(Test, Option<String>)>, TableError> {
+        let mut names: Vec<&str> = Vec::new();
+        for (name, _) in &tests {
+            let name = name.as_deref().unwrap_or("(without a name)");
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        let has_name = |name: &Option<String>, wanted: &str| {
+            name.as_ref()
+                .is_some_and(|own| own.eq_ignore_ascii_case(wanted))
+        };
+        let wanted = self.reading.material.as_deref();
+        let message = match wanted {
+            None if names.len() > 1 => {
+                format!(
+                    "it has tests of {} materials: {}",
+                    names.len(),
+                    names.join(", ")
+                )
+            }
+            Some(wanted) if !tests.iter().any(|(name, _)| has_name(name, wanted)) => format!(
+                "it has no tests of the material `{wanted}`, but of {}",
+                names.join(", ")
+            ),
+            _ => {
+                let own = tests
+                    .into_iter()
+                    .filter(|(name, _)| wanted.is_none_or(|wanted| has_name(name, wanted)));
+                return Ok(own.map(|(_, test)| (test, None)).collect());
+            }
+        };
+        Err(self.refused(message, "choose one of them with --material"))
     }
 
     /// Note where lateral stretches contradict a constant volume, or have the sign of the strain.
@@ -872,22 +972,19 @@ impl Table<'_> {
         lateral: Option<f64>,
         column: Column,
     ) -> Result<(), TableError> {
-        let (what, percents) = match (mode, self.is_deck()) {
+        let (what, percents) = match (mode, self.columns) {
             (Mode::SimpleShear, _) => (
                 "amount of shear",
-                "if they are percentages, name the column gamma [%]",
+                "if they are percentages, name the column gamma [%]".to_owned(),
             ),
             (Mode::Volumetric, _) => (
                 "volume ratio",
-                "a volume ratio is the deformed over the undeformed volume, near 1",
+                "a volume ratio is the deformed over the undeformed volume, near 1".to_owned(),
             ),
-            (_, true) => (
+            (_, Some(columns)) => ("stretch", format!("{columns}, not percentages")),
+            (_, None) => (
                 "stretch",
-                "data lines of Abaqus hold nominal stress and nominal strain, not percentages",
-            ),
-            (_, false) => (
-                "stretch",
-                "if the strains are percentages, name the column strain [%]",
+                "if the strains are percentages, name the column strain [%]".to_owned(),
             ),
         };
         if mode == Mode::SimpleShear {
@@ -915,8 +1012,8 @@ impl Table<'_> {
                     told(own)
                 ),
                 match column {
-                    Column::Array => STRETCHES,
-                    Column::Stretch => "if the column holds strains, name it strain",
+                    Column::Array => STRETCHES.to_owned(),
+                    Column::Stretch => "if the column holds strains, name it strain".to_owned(),
                     _ => percents,
                 },
             ));
@@ -929,7 +1026,7 @@ impl Table<'_> {
                     told(stretch)
                 ),
                 match column {
-                    Column::Array => STRETCHES,
+                    Column::Array => STRETCHES.to_owned(),
                     _ => percents,
                 },
             ));
@@ -1031,10 +1128,10 @@ impl Table<'_> {
                     "the strains begin with {}, without any below 1",
                     told(strain(point))
                 ),
-                match (self.is_deck(), mode) {
-                    (true, _) => "data lines of Abaqus hold nominal stress and nominal strain, not percentages or stretches",
-                    (_, Mode::SimpleShear) => "if they are percentages, name the column gamma [%]; otherwise add points of small strains",
-                    _ => "name a column of percentages strain [%] and a column of stretches stretch; otherwise give stretches",
+                match (self.columns, mode) {
+                    (Some(columns), _) => format!("{columns}, not percentages or stretches"),
+                    (_, Mode::SimpleShear) => "if they are percentages, name the column gamma [%]; otherwise add points of small strains".to_owned(),
+                    _ => "if they are percentages, name the column strain [%], and if they are stretches, stretch; otherwise give stretches".to_owned(),
                 },
             ));
         }
@@ -1086,17 +1183,26 @@ impl Table<'_> {
     }
 
     /// Test data of a deck of Abaqus: nominal stress, nominal strain and lateral strain; pressure and volume ratio.
-    fn deck(&self) -> Result<Vec<(Test, Option<String>)>, TableError> {
-        let mut found: Vec<(Mode, Vec<(usize, Point)>)> = Vec::new();
+    fn deck(&self) -> Result<Vec<OfMaterial>, TableError> {
+        let mut found: Vec<(Option<String>, Mode, Rows)> = Vec::new();
         let mut is_open = false;
+        let mut material = None;
         for (n, text) in self.text.lines().enumerate() {
             let (line, text) = (n + 1, text.trim());
             if text.is_empty() || text.starts_with("**") {
                 continue;
             }
             if text.starts_with('*') {
-                let keyword = text.split(',').next().unwrap_or_default();
+                let (keyword, options) = text.split_once(',').unwrap_or((text, ""));
                 let plain: String = keyword.chars().filter(|own| !own.is_whitespace()).collect();
+                if plain.eq_ignore_ascii_case("*MATERIAL") {
+                    let name = options.split(',').find_map(|own| {
+                        let (key, name) = own.split_once('=')?;
+                        let name = name.trim().trim_matches('"').to_owned();
+                        key.trim().eq_ignore_ascii_case("NAME").then_some(name)
+                    });
+                    material = name;
+                }
                 let mode = match plain.to_ascii_uppercase().as_str() {
                     "*UNIAXIALTESTDATA" => Some(Mode::Uniaxial),
                     "*BIAXIALTESTDATA" => Some(Mode::Equibiaxial),
@@ -1106,10 +1212,10 @@ impl Table<'_> {
                     _ => None,
                 };
                 is_open = mode.is_some();
-                found.extend(mode.map(|mode| (mode, Vec::new())));
+                found.extend(mode.map(|mode| (material.clone(), mode, Vec::new())));
                 continue;
             }
-            let Some((mode, rows)) = found.last_mut().filter(|_| is_open) else {
+            let Some((_, mode, rows)) = found.last_mut().filter(|_| is_open) else {
                 continue;
             };
             let cells = text.split(',').map(str::trim).filter(|own| !own.is_empty());
@@ -1144,10 +1250,108 @@ impl Table<'_> {
                 },
             ));
         }
+        let tests = found
+            .into_iter()
+            .map(|(material, mode, rows)| Ok((material, self.test(mode, rows, Column::Strain)?)));
+        tests.collect()
+    }
+
+    /// Experimental data of Ansys: files that `TBFT,EADD` names, with nominal strain and nominal stress, or volume ratio and pressure.
+    fn ansys(&self) -> Result<Vec<OfMaterial>, TableError> {
         let mut tests = Vec::new();
-        for (mode, rows) in found {
-            tests.push((self.test(mode, rows, Column::Strain)?, None));
+        for (n, line) in self.text.lines().enumerate() {
+            let Some(words) = experiment(line) else {
+                continue;
+            };
+            let word = |place: usize, default: &str| -> String {
+                let own = words.get(place).copied().filter(|own| !own.is_empty());
+                own.unwrap_or(default).to_owned()
+            };
+            let mode = match word(1, "UNIA").to_ascii_uppercase().as_str() {
+                "UNIA" => Mode::Uniaxial,
+                "BIAX" => Mode::Equibiaxial,
+                "SHEA" => Mode::Planar,
+                "SSHE" => Mode::SimpleShear,
+                "VOLU" => Mode::Volumetric,
+                other => {
+                    return Err(self.line(
+                        n + 1,
+                        format!("the loading `{}` is not known", brief(other)),
+                        "expected UNIA, BIAX, SHEA, SSHE or VOLU",
+                    ));
+                }
+            };
+            let mut name = word(2, "");
+            if let Some(extension) = words.get(3).filter(|own| !own.is_empty()) {
+                name = format!("{name}.{}", extension.trim_start_matches('.'));
+            }
+            if name.is_empty() {
+                return Err(self.line(
+                    n + 1,
+                    "the command names no file",
+                    "expected TBFT,EADD,material,UNIA,file",
+                ));
+            }
+            // Decks written on Windows have backslashes.
+            let local = |text: &str| text.replace('\\', "/");
+            let folder = self.path.parent().unwrap_or(Path::new(""));
+            let path = folder.join(local(&word(4, ""))).join(local(&name));
+            let text = input::text(&path, MOST_TEXT).map_err(|error| {
+                self.line(
+                    n + 1,
+                    format!("the file {} cannot be read: {error}", path.display()),
+                    "the file is looked for in the folder of the deck",
+                )
+            })?;
+            let own = Table {
+                path: &path,
+                row: "line",
+                text: &text,
+                columns: Some(ANSYS),
+                reading: self.reading,
+            };
+            tests.push((Some(word(0, "1")), own.experiment(mode)?));
         }
         Ok(tests)
+    }
+
+    /// Rows of a file of experimental data of Ansys.
+    fn experiment(&self, mode: Mode) -> Result<Test, TableError> {
+        let mut rows = Vec::new();
+        for (n, text) in self.text.lines().enumerate() {
+            let text = text.split('!').next().unwrap_or_default().trim();
+            if text.is_empty() {
+                continue;
+            }
+            let cells = text
+                .split([',', ';', ' ', '\t'])
+                .filter(|own| !own.is_empty());
+            let values: Option<Vec<f64>> = cells
+                .map(|own| own.parse::<f64>().ok().filter(|own| own.is_finite()))
+                .collect();
+            let Some([strain, stress]) = values.and_then(|own| <[f64; 2]>::try_from(own).ok())
+            else {
+                return Err(self.line(
+                    n + 1,
+                    format!(
+                        "`{}` where a strain and a stress were expected",
+                        brief(text)
+                    ),
+                    ANSYS,
+                ));
+            };
+            let stretch = match mode {
+                Mode::SimpleShear | Mode::Volumetric => strain,
+                _ => 1.0 + strain,
+            };
+            self.check_stretch(n + 1, mode, stretch, None, Column::Strain)?;
+            let point = Point {
+                stretch,
+                lateral: None,
+                stress,
+            };
+            rows.push((n + 1, point));
+        }
+        self.test(mode, rows, Column::Strain)
     }
 }
