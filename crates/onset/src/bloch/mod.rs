@@ -37,6 +37,7 @@ pub(crate) use spectrum::Judgment;
 pub use spectrum::{Mode, SpectrumSummary, Stability};
 pub use system::{BlochBlocks, BlochSum, Mass, WaveSystem};
 pub use transferred::TransferredWaves;
+pub(crate) use transferred::ZERO_FREQUENCY_NOISE_FACTOR;
 
 use crate::algebra::Complex;
 use nalgebra::SVector;
