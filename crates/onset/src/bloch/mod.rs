@@ -36,6 +36,7 @@ pub(crate) use search::{is_well, settled, settled_along};
 pub(crate) use spectrum::Judgment;
 pub use spectrum::{Mode, SpectrumSummary, Stability};
 pub use system::{BlochBlocks, BlochSum, Mass, WaveSystem};
+pub(crate) use transferred::ZERO_FREQUENCY_NOISE_FACTOR;
 pub use transferred::{TransferredWaves, VelocityFilter};
 
 use crate::algebra::Complex;

@@ -4,18 +4,19 @@
 //! that does not depend on the search:
 //!
 //! 1. The long-wave limit comes before all waves that are as soft.
-//! 2. Halves of reciprocal vectors come before other wave vectors, and short wave vectors before long ones.
+//! 2. Halves of reciprocal vectors come before other wave vectors, and short wave vectors before long ones, also on a line or surface of zero-energy
+//!    modes.
 //! 3. Among wave vectors of equal length, the first in the order of Cartesian components is taken, with the largest component first.
 //! 4. Among equal frequencies at this wave vector, the mode with the largest share along the wave is taken.
 
 use super::{Mode, SpectrumSummary, ZoneSearch, growth_rate};
 use crate::algebra::{Complex, Each, MAXIMUM_ITERATIONS, eigenvalues, normalized};
 use crate::continuum::{ACOUSTIC_ROUNDING, Stiffness};
-use crate::lattice::{BrillouinZone, Reduced};
+use crate::lattice::Equivalence;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 /// Rounding error of measures, relative to them, and of squared frequencies, relative to the largest.
-const MEASURE_ROUNDING: f64 = 1e-9;
+pub(super) const MEASURE_ROUNDING: f64 = 1e-9;
 /// Accuracy of wave vectors and measures found by a search, relative to a reciprocal vector and to the measure.
 const SEARCH_ACCURACY: f64 = 1e-6;
 /// Largest wave number, as a fraction of a reciprocal vector, of a wave that can represent the long-wave limit.
@@ -34,6 +35,8 @@ pub(crate) struct StateWave<'a, const D: usize> {
     pub(crate) size: usize,
     /// Map from reference wave vectors to wave vectors of the deformed lattice.
     pub(crate) to_spatial: SMatrix<f64, D, D>,
+    /// Shortest wave of the line or surface of zero-energy modes through a wave vector.
+    pub(crate) shortest: &'a dyn Fn(&SVector<f64, D>) -> SVector<f64, D>,
 }
 
 /// Measure that is equal for all candidates.
@@ -67,10 +70,13 @@ impl<const D: usize> ZoneSearch<D> {
                 (false, false) => finite(mode, Measure::Lowest),
             }
         };
+        let softest = (found.softest.scaled, &found.softest.wave_vector);
+        let is_limit = !found.softest.is_long_wave
+            && self.is_limit(softest, found.long_wave.scaled, found.tolerance);
         let lowest = finite(found.lowest, Measure::Lowest);
         let long_wave = self.representative_of_long(waves, found.long_wave);
         SpectrumSummary {
-            softest: match self.is_limit(&found) {
+            softest: match is_limit {
                 true => long_wave,
                 false => shown(found.softest),
             },
@@ -84,21 +90,21 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// Returns true if the softest wave equals the long-wave limit up to rounding, or, if it is long, up to the accuracy of the search.
-    fn is_limit(&self, found: &SpectrumSummary<D>) -> bool {
-        let (softest, limit) = (&found.softest, found.long_wave.scaled);
-        let is_long =
-            self.reference().fractional(&softest.wave_vector).amax() < LIMIT_WAVE_FRACTION;
+    /// Returns true if a wave is as soft as the long-wave limit up to rounding, or, if it is long, up to the accuracy of the search.
+    pub(super) fn is_limit(
+        &self,
+        (softest, k): (f64, &SVector<f64, D>),
+        limit: f64,
+        tolerance: f64,
+    ) -> bool {
+        let is_long = self.reference().fractional(k).amax() < LIMIT_WAVE_FRACTION;
         let accuracy = if is_long {
             SEARCH_ACCURACY
         } else {
             MEASURE_ROUNDING
         };
-        let apart = (softest.scaled - limit).abs();
         // Without a limit both sides would be infinite.
-        !softest.is_long_wave
-            && limit.is_finite()
-            && apart <= accuracy * limit.abs() + found.tolerance
+        limit.is_finite() && (softest - limit).abs() <= accuracy * limit.abs() + tolerance
     }
 
     fn representative(
@@ -112,7 +118,6 @@ impl<const D: usize> ZoneSearch<D> {
         if !self.is_periodic() || waves.size > IMAGED_CELL_SIZE {
             return mode;
         }
-        let zone = BrillouinZone::new(*self.reference());
         let value = |k: &SVector<f64, D>| {
             let all = (waves.omega_squared)(k);
             let lowest = all.iter().map(|own| own.re).fold(f64::INFINITY, f64::min);
@@ -131,20 +136,31 @@ impl<const D: usize> ZoneSearch<D> {
             }
             Measure::Growth => (MEASURE_ROUNDING * fastest.sqrt()).min(SEARCH_ACCURACY * own.abs()),
         };
-        let is_equal = |k: &SVector<f64, D>| value(k) <= own + rounding;
-        let halves = self.reference().alternating().map(|k| zone.folded(&k));
-        let halves: Vec<SVector<f64, D>> = halves.filter(is_equal).collect();
-        let equal = match halves.is_empty() {
-            false => halves,
-            true => {
-                let images = self.reference().holohedry().into_iter();
-                let images = images.map(|map| zone.folded(&(map * mode.wave_vector)));
-                // The wave itself and its images with the same measure.
-                std::iter::once(zone.folded(&mode.wave_vector))
-                    .chain(images.filter(is_equal))
-                    .collect()
-            }
+        let k = match measure == Measure::Scaled && own.abs() <= tolerance {
+            true => (waves.shortest)(&mode.wave_vector),
+            false => mode.wave_vector,
         };
+        let k = self.chosen(&k, |k| value(k) <= own + rounding);
+        self.shown_at(waves, k, mode, measure, fastest)
+    }
+
+    /// Wave vector that represents all wave vectors with an equal measure.
+    pub(super) fn chosen(
+        &self,
+        found: &SVector<f64, D>,
+        is_equal: impl Fn(&SVector<f64, D>) -> bool,
+    ) -> SVector<f64, D> {
+        let Equivalence {
+            zone, halves, maps, ..
+        } = self.equivalence();
+        let halves = halves.iter().filter(|k| is_equal(k));
+        let mut equal: Vec<SVector<f64, D>> = halves.copied().collect();
+        if equal.is_empty() {
+            // The wave itself and its images with the same measure.
+            let images = maps.iter().map(|map| zone.folded(&(map * found)));
+            equal.push(zone.folded(found));
+            equal.extend(images.filter(|k| is_equal(k)));
+        }
         let size = self.reference().reciprocal().column(0).norm();
         let candidates = equal.iter().flat_map(|k| {
             let shortest = zone.as_short(k);
@@ -156,14 +172,35 @@ impl<const D: usize> ZoneSearch<D> {
                 false => best,
             }
         });
-        let k =
-            first
-                .unwrap_or(mode.wave_vector)
-                .map(|x| match x.abs() > MEASURE_ROUNDING * size {
-                    true => x,
-                    false => 0.0,
-                });
-        self.shown_at(waves, k, mode, measure, fastest)
+        let is_rounding = |x: f64| x.abs() <= MEASURE_ROUNDING * size;
+        let first = first.unwrap_or(*found);
+        first.map(|x| if is_rounding(x) { 0.0 } else { x })
+    }
+
+    /// Direction that represents all directions of long waves with an equal measure.
+    pub(super) fn chosen_direction(
+        &self,
+        found: &SVector<f64, D>,
+        is_equal: impl Fn(&SVector<f64, D>) -> bool,
+    ) -> SVector<f64, D> {
+        let Equivalence {
+            maps, directions, ..
+        } = self.equivalence();
+        let along = directions.iter().filter(|n| is_equal(n));
+        let mut equal: Vec<SVector<f64, D>> = along.copied().collect();
+        if equal.is_empty() {
+            let images = maps.iter().map(|map| (map * found).normalize());
+            equal.extend(images.filter(|n| is_equal(n)));
+        }
+        let both = equal.into_iter().flat_map(|n| [n, -n]);
+        let first = both.reduce(
+            |best, other| match is_before(&other, &best, SEARCH_ACCURACY) {
+                true => other,
+                false => best,
+            },
+        );
+        let first = first.unwrap_or(*found);
+        first.map(|x| if x.abs() > MEASURE_ROUNDING { x } else { 0.0 })
     }
 
     /// Mode at an equivalent wave vector.
@@ -221,30 +258,7 @@ impl<const D: usize> ZoneSearch<D> {
         let own = value(&mode.wave_vector);
         let size = stiffness.maximum_eigenvalue() / self.speed_squared();
         let is_equal = |n: &SVector<f64, D>| value(n) <= own + MEASURE_ROUNDING * size;
-        let maps = self.reference().holohedry();
-        let images = |n: SVector<f64, D>| {
-            let of = maps.iter().map(move |map| (map * n).normalize());
-            of.filter(is_equal).collect::<Vec<_>>()
-        };
-        let own = self.reference().vectors();
-        let short = Reduced::canonical(own).map_or(*own, |reduced| reduced.vectors);
-        let along: Vec<_> = short
-            .column_iter()
-            .flat_map(|a| images(a.into_owned()))
-            .collect();
-        let equal = match along.is_empty() {
-            false => along,
-            true => images(mode.wave_vector),
-        };
-        let both = equal.into_iter().flat_map(|n| [n, -n]);
-        let first = both.reduce(
-            |best, other| match is_before(&other, &best, SEARCH_ACCURACY) {
-                true => other,
-                false => best,
-            },
-        );
-        let n = first.unwrap_or(mode.wave_vector);
-        let n = n.map(|x| if x.abs() > MEASURE_ROUNDING { x } else { 0.0 });
+        let n = self.chosen_direction(&mode.wave_vector, is_equal);
         let matrix = tensor(&n);
         let matrix = DMatrix::from_fn(D, D, |i, j| matrix[(i, j)]);
         let along = waves.to_spatial * n;

@@ -6,7 +6,7 @@ use crate::lattice::Particle;
 use nalgebra::SVector;
 
 /// Values of `omega^2` below this multiple of their rounding count as zero.
-const ZERO_FREQUENCY_NOISE_FACTOR: f64 = 64.0;
+pub(crate) const ZERO_FREQUENCY_NOISE_FACTOR: f64 = 64.0;
 /// Amplification factors below this count as zero. A solution that vanishes within a step has no rate.
 const SMALLEST_FACTOR: f64 = 1e-12;
 /// Growth relative to the frequency that exceeds the rounding of `ln(z)`.

@@ -255,12 +255,16 @@ const OUTWARD: i32 = 22;
 /// rank-one convex. Its tolerance refers to the jump reported. Interval arithmetic proves the gain at the limit if the law provides enclosures
 /// ([`JumpSearch::proves`]). If the best jump leads to the edge of the reach, its largest stretch, the limit depends on the reach.
 pub fn follow_jumps(path: &LoadingPath<'_>, elliptic: &Track, reach: f64, tension: bool) -> Track {
+    let mut search = JumpSearch::new(path.material(), reach);
+    if path.is_incompressible() {
+        search = search.incompressible();
+    }
+    if path.is_isotropic() {
+        search = search.isotropic();
+    }
     let jumps = Jumps {
         path,
-        search: match path.is_incompressible() {
-            true => JumpSearch::new(path.material(), reach).incompressible(),
-            false => JumpSearch::new(path.material(), reach),
-        },
+        search,
         wave: elliptic.witness().and_then(|witness| match witness {
             Witness::Wave {
                 direction,
@@ -367,16 +371,7 @@ impl Jumps<'_, '_> {
                     }
                 }
             }
-            for _ in 0..60 {
-                let middle = 0.5 * (before + behind);
-                if (behind - before).abs() <= RESOLUTION || middle == before || middle == behind {
-                    break;
-                }
-                match self.followed(middle, &jump) {
-                    Some(found) => (behind, jump) = (middle, found),
-                    None => before = middle,
-                }
-            }
+            (before, behind, jump) = self.bracketed(before, (behind, jump));
             let Some(other) = Some(before)
                 .filter(|s| *s != 0.0)
                 .and_then(|s| self.gaining(s))
@@ -394,6 +389,29 @@ impl Jumps<'_, '_> {
                 ..event(true, place, place, jump.witness(verified))
             }],
         }
+    }
+
+    /// Brackets the break-even point of a jump between a place without a gain and one where the jump gains energy: the ends of the bracket, and the
+    /// jump at its outer end.
+    fn bracketed(&self, before: f64, (behind, jump): (f64, Jump)) -> (f64, f64, Jump) {
+        let loss = |jump: &Jump| jump.excess + jump.rounding;
+        let mut last = (behind, jump);
+        let mut value = |s: f64| {
+            let state = self.path.at(s)?;
+            let found = self.search.descend(&state.response, &last.1);
+            // Where no jump gains energy the loss may be unknown.
+            let Some(gaining) = found.filter(Jump::gains) else {
+                let lost = found.map_or(-loss(&jump), |found| loss(&found));
+                return Some(lost.max(f64::MIN_POSITIVE));
+            };
+            last = (s, gaining);
+            Some(loss(&gaining))
+        };
+        let at_start = value(before).filter(|loss| *loss > 0.0);
+        let start = (before, at_start.unwrap_or(-loss(&jump)));
+        let end = (behind, loss(&jump));
+        let (low, _) = bracket_zero(&mut value, start, end, RESOLUTION);
+        (low, last.0, last.1)
     }
 
     /// Shift of the limit, in `ln lambda`, caused by rounding of the gain: the rounding divided by the slope of the gain along the path.

@@ -73,6 +73,7 @@ pub struct JumpSearch<'a> {
     material: &'a dyn Hyperelastic,
     reach: f64,
     incompressible: bool,
+    isotropic: bool,
 }
 
 /// Smaller amplitudes, relative to the stretch, count as infinitesimal: their excess equals the excess of a wave.
@@ -87,6 +88,8 @@ const EDGE_JUMPS_PER_NORMAL: usize = 2;
 const AXES_ROTATION: [f64; 3] = [0.11, -0.17, 0.13];
 /// Largest number of iterations of a descent.
 const DESCENT_ITERATIONS: usize = 80;
+/// Predicted decrease of a positive excess, relative to it, below which a descent ends.
+const SETTLED: f64 = 1e-4;
 /// Largest number of times that a descent continues along the reach and leaves it.
 const ROUNDS: usize = 3;
 /// Fraction of a jump to the reach at which a shorter jump is tried.
@@ -111,6 +114,8 @@ const AXES: [[f64; 3]; 13] = [
     [1.0, -1.0, 1.0],
     [-1.0, 1.0, 1.0],
 ];
+/// Principal axes whose direction a reflection reverses.
+const REFLECTIONS: [usize; 3] = [0, 1, 2];
 /// Amplitudes of the starts, relative to the stretch along the polarization.
 const AMPLITUDES: [f64; 8] = [-3.0, -0.85, -0.5, -0.25, 0.3, 0.8, 2.0, 5.0];
 /// Amplitudes of the starts along a wave whose speed vanishes.
@@ -123,7 +128,32 @@ impl<'a> JumpSearch<'a> {
             material,
             reach,
             incompressible: false,
+            isotropic: false,
         }
+    }
+
+    /// Declares the law isotropic: of jumps that reflections in the principal axes map to each other, one is tried.
+    pub fn isotropic(mut self) -> Self {
+        self.isotropic = true;
+        self
+    }
+
+    /// Normals and polarizations of the starts in the principal frame.
+    fn pairs(&self) -> Vec<(Vector3<f64>, Vector3<f64>)> {
+        let pairs = AXES.into_iter().flat_map(|n| AXES.map(|g| (n, g)));
+        let mut kept: Vec<(Vector3<f64>, Vector3<f64>)> = Vec::new();
+        for (n, g) in pairs {
+            let [n, g] = [n, g].map(Vector3::from);
+            let jump = g * n.transpose();
+            let is_image = |flip: &Matrix3<f64>| {
+                let image = flip * jump * flip;
+                kept.iter().any(|(n, g)| g * n.transpose() == image)
+            };
+            if !(self.isotropic && REFLECTIONS.map(reflection).iter().any(is_image)) {
+                kept.push((n, g));
+            }
+        }
+        kept
     }
 
     /// Restricts the search to volume-preserving jumps, `a . F^-T N = 0`.
@@ -167,12 +197,9 @@ impl<'a> JumpSearch<'a> {
     /// ends in jumps as short as the distance to it.
     pub(super) fn longest(&self, state: &Response) -> Option<Jump> {
         let (left, right) = principal_axes(&state.deformation);
-        let pairs = AXES.into_iter().flat_map(|n| AXES.map(|g| (n, g)));
+        let pairs = self.pairs().into_iter();
         let pairs: Vec<(Vector3<f64>, Vector3<f64>)> = pairs
-            .map(|(n, g)| {
-                let [n, g] = [right * Vector3::from(n), left * Vector3::from(g)];
-                (n.normalize(), g.normalize())
-            })
+            .map(|(n, g)| ((right * n).normalize(), (left * g).normalize()))
             .collect();
         (0..HALVINGS).find_map(|halvings| {
             let size = 0.5_f64.powi(halvings);
@@ -191,26 +218,22 @@ impl<'a> JumpSearch<'a> {
     fn starts(&self, state: &Response) -> Vec<(f64, Vector6<f64>)> {
         let f = state.deformation.matrix();
         let (left, right) = principal_axes(&state.deformation);
-        let mut starts = Vec::with_capacity(AXES.len() * AXES.len());
-        for normal in AXES {
-            let n = (right * Vector3::from(normal)).normalize();
-            for axis in AXES {
-                let g = (left * Vector3::from(axis)).normalize();
-                let scale = stretch_along(f, &g);
-                let of_size = |size: f64| {
-                    let free = g * (size * scale);
-                    let a = self.admitted(state, free, &n);
-                    if a.norm() < 0.1 * size.abs() * scale {
-                        return None;
-                    }
-                    let start = joined(&free, &n);
-                    Some((self.energy_of(state, &a, &n)?.0, start))
-                };
-                let tried = AMPLITUDES.into_iter().filter_map(of_size);
-                starts.extend(tried.min_by(|a, b| a.0.total_cmp(&b.0)));
-            }
-        }
-        starts
+        let lowest = |(n, g): (Vector3<f64>, Vector3<f64>)| {
+            let [n, g] = [right * n, left * g].map(|axis| axis.normalize());
+            let scale = stretch_along(f, &g);
+            let of_size = |size: f64| {
+                let free = g * (size * scale);
+                let a = self.admitted(state, free, &n);
+                if a.norm() < 0.1 * size.abs() * scale {
+                    return None;
+                }
+                let start = joined(&free, &n);
+                Some((self.energy_of(state, &a, &n)?.0, start))
+            };
+            let tried = AMPLITUDES.into_iter().filter_map(of_size);
+            tried.min_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        self.pairs().into_iter().filter_map(lowest).collect()
     }
 
     /// Returns starts that lead to the reach: for every normal of [`JumpSearch::starts`] the lowest few polarizations. All axes are turned slightly,
@@ -513,6 +536,12 @@ impl<'a> JumpSearch<'a> {
     }
 }
 
+/// Reflection that reverses one axis.
+fn reflection(axis: usize) -> Matrix3<f64> {
+    let sign = |i: usize| if i == axis { -1.0 } else { 1.0 };
+    Matrix3::from_diagonal(&Vector3::from_fn(|i, _| sign(i)))
+}
+
 /// Joins amplitude and normal to one vector.
 fn joined(a: &Vector3<f64>, n: &Vector3<f64>) -> Vector6<f64> {
     Vector6::new(a[0], a[1], a[2], n[0], n[1], n[2])
@@ -543,6 +572,10 @@ fn downhill(
             inverse = steepest(&gradient);
             step = -(inverse * gradient);
             fresh = true;
+        }
+        // A jump that costs energy need not be known more accurately.
+        if !fresh && value > 0.0 && -step.dot(&gradient) <= SETTLED * value {
+            break;
         }
         let Some((length, next)) = shorter(&function, &x, value, &step, &gradient) else {
             if fresh {

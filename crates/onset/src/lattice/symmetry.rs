@@ -2,7 +2,7 @@
 
 use super::numbering::{coordinates, index};
 use super::reduction::combinations;
-use super::{BravaisLattice, Fractional, Reduced, inverse_of};
+use super::{BravaisLattice, BrillouinZone, Fractional, Reduced, inverse_of};
 use crate::algebra::{Each, array_of, sort_by_value};
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
@@ -150,6 +150,42 @@ impl<const D: usize> BravaisLattice<D> {
             images.into_iter().map(|image| image * inverse).collect();
         sort_by_value(&mut maps, |map| (map - identity).norm());
         maps
+    }
+}
+
+/// Wave vectors of a lattice that symmetries make equivalent, for the choice of the wave that is shown.
+#[derive(Clone, Debug)]
+pub(crate) struct Equivalence<const D: usize> {
+    pub(crate) zone: BrillouinZone<D>,
+    /// Halves of reciprocal vectors, in the zone; 1/length.
+    pub(crate) halves: Vec<SVector<f64, D>>,
+    /// Holohedry of the lattice, one of each pair of opposite maps.
+    pub(crate) maps: Vec<SMatrix<f64, D, D>>,
+    /// Images of the short primitive vectors under these maps, as unit vectors.
+    pub(crate) directions: Vec<SVector<f64, D>>,
+}
+
+impl<const D: usize> Equivalence<D> {
+    pub(crate) fn of(lattice: &BravaisLattice<D>) -> Self {
+        let zone = BrillouinZone::new(*lattice);
+        let mut maps: Vec<SMatrix<f64, D, D>> = Vec::new();
+        for map in lattice.holohedry() {
+            if maps.iter().all(|other| (other + map).amax() > EQUAL) {
+                maps.push(map);
+            }
+        }
+        let own = lattice.vectors();
+        let short = Reduced::canonical(own).map_or(*own, |reduced| reduced.vectors);
+        let images = |a: SVector<f64, D>| maps.iter().map(move |map| (map * a).normalize());
+        Self {
+            halves: lattice.alternating().map(|k| zone.folded(&k)).collect(),
+            directions: short
+                .column_iter()
+                .flat_map(|a| images(a.into_owned()))
+                .collect(),
+            zone,
+            maps,
+        }
     }
 }
 

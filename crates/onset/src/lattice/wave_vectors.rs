@@ -2,7 +2,7 @@
 
 use super::mirror::{Mirror, MirrorWaves};
 use super::numbering::{coordinates, opposite};
-use super::symmetry::{Symmetry, Wedge};
+use super::symmetry::{Equivalence, Symmetry, Wedge};
 use super::{BravaisLattice, BrillouinZone, Fractional};
 use crate::algebra::{Complex, hermitian_eigen};
 use nalgebra::{DMatrix, SMatrix, SVector, SVectorView};
@@ -263,6 +263,7 @@ pub struct WaveGrids<const D: usize> {
     mirrors: Vec<Mirror>,
     mirrored: Mutex<MirroredGrids>,
     symmetries: OnceLock<Vec<Symmetry<D>>>,
+    equivalence: OnceLock<Equivalence<D>>,
     /// Wedges by resolution and by the indices of the symmetries as bits.
     wedges: Mutex<BTreeMap<(usize, u64), Arc<Wedge>>>,
 }
@@ -289,6 +290,7 @@ impl<const D: usize> WaveGrids<D> {
             mirrors,
             mirrored: Mutex::new(BTreeMap::new()),
             symmetries: OnceLock::new(),
+            equivalence: OnceLock::new(),
             wedges: Mutex::new(BTreeMap::new()),
         }
     }
@@ -296,6 +298,12 @@ impl<const D: usize> WaveGrids<D> {
     /// Symmetries of the lattice.
     pub(crate) fn symmetries(&self) -> &[Symmetry<D>] {
         self.symmetries.get_or_init(|| Symmetry::all(&self.lattice))
+    }
+
+    /// Wave vectors that the symmetries make equivalent.
+    pub(crate) fn equivalence(&self) -> &Equivalence<D> {
+        self.equivalence
+            .get_or_init(|| Equivalence::of(&self.lattice))
     }
 
     /// Orbits of the points of a grid under the symmetries whose bits are set.

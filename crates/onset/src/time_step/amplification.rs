@@ -2,7 +2,7 @@
 
 use super::{Integrator, runge_kutta};
 use crate::algebra::{Complex, any_eigenvalues};
-use crate::bloch::{WaveSystem, ZoneSearch};
+use crate::bloch::{WaveSystem, ZERO_FREQUENCY_NOISE_FACTOR, ZoneSearch};
 use nalgebra::{DMatrix, SVector};
 
 /// Distance outside the unit circle that an eigenvalue can have by rounding.
@@ -15,8 +15,9 @@ const UNDAMPED_TOLERANCE: f64 = 1e-10;
 const STEPS_TO_BOUND: usize = 24;
 const STEP_GROWTH: f64 = 1.05;
 const MAX_RAY_LENGTH: f64 = 1e4;
-/// Halvings of the interval that contains the loss of stability.
+/// Halvings of the interval that contains the loss of stability, and the number of halvings until a first stable step must be found.
 const HALVINGS: usize = 28;
+const MAX_STEP_HALVINGS: usize = 40;
 
 /// Matrices of one wave: `dv/dt = -K u - C v`, `du/dt = T v`, divided by the masses.
 #[derive(Clone, Debug)]
@@ -160,16 +161,20 @@ impl DampedWave {
         integrator: Integrator,
         k: &SVector<f64, D>,
     ) -> Self {
+        // Waves without energy neither oscillate nor limit a step by the rounding of their frequencies.
+        let noise = ZERO_FREQUENCY_NOISE_FACTOR * system.noise();
         let undamped = system.omega_squared(k);
         let turned = |omega: Complex| omega * Complex::new(0.0, -1.0);
         let mut rates: Vec<Complex> = system.frequencies(k).into_iter().map(turned).collect();
         let largest = rates.iter().map(|rate| rate.norm()).fold(0.0, f64::max);
         for rate in &mut rates {
-            if rate.re.abs() <= UNDAMPED_TOLERANCE * largest {
+            if rate.norm_sqr() <= noise || rate.norm() <= UNDAMPED_TOLERANCE * largest {
+                *rate = Complex::new(0.0, 0.0);
+            } else if rate.re.abs() <= UNDAMPED_TOLERANCE * largest {
                 rate.re = 0.0;
             }
         }
-        let oscillating = undamped.iter().filter(|z| z.re > 0.0).map(|z| z.norm());
+        let oscillating = undamped.iter().filter(|z| z.re > noise).map(|z| z.norm());
         let decaying = rates.iter().filter(|rate| rate.re < 0.0);
         let fastest = match oscillating.fold(0.0, f64::max) {
             0.0 => decaying.map(|rate| rate.norm()).fold(0.0, f64::max),
@@ -254,12 +259,16 @@ impl DampedWave {
         }) else {
             return f64::INFINITY;
         };
-        for _ in 0..HALVINGS {
+        // The limit of a strongly damped wave can be far below the undamped one: the halvings that make it accurate begin at a stable step.
+        let (mut accurate, mut tried) = (0, 0);
+        while accurate < HALVINGS && tried < HALVINGS + MAX_STEP_HALVINGS {
             let middle = 0.5 * (low + high);
             match stable(middle) {
                 true => low = middle,
                 false => high = middle,
             }
+            tried += 1;
+            accurate += usize::from(low > 0.0);
         }
         low
     }

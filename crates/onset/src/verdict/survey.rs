@@ -252,11 +252,13 @@ impl<const D: usize> StateWaves<D> {
 
     /// Replaces the extreme waves by the representatives of all waves with equal measures.
     ///
-    /// `to_spatial` maps reference wave vectors to the deformed lattice.
+    /// `to_spatial` maps reference wave vectors to the deformed lattice. `shortest` returns the shortest wave of the line or surface of zero-energy
+    /// modes through a wave vector.
     fn represented(
         &self,
         found: SpectrumSummary<D>,
         to_spatial: SMatrix<f64, D, D>,
+        shortest: &dyn Fn(&SVector<f64, D>) -> SVector<f64, D>,
     ) -> SpectrumSummary<D> {
         let long_waves = || match self {
             Self::Direct(waves) => waves.matrix.long_wave_stiffness(),
@@ -271,6 +273,7 @@ impl<const D: usize> StateWaves<D> {
                 Self::System(waves) => waves.0.size(),
             },
             to_spatial,
+            shortest,
         };
         self.search().represented(&waves, found)
     }
@@ -356,7 +359,7 @@ impl<'a, const D: usize> Survey<'a, D> {
 
     /// Prepares the survey for many states, in about 0.05 s.
     ///
-    /// For Lagrangian kernels in the plane, [`Survey::states`] then takes about two microseconds per state. Other discretizations need no preparation
+    /// For Lagrangian kernels in the plane, [`Survey::states`] then takes some microseconds per state. Other discretizations need no preparation
     /// and are returned unchanged.
     ///
     /// ```
@@ -433,7 +436,21 @@ impl<'a, const D: usize> Survey<'a, D> {
     /// [`MethodError`] when discretization or material cannot be evaluated there.
     pub fn spectrum(&self, f: &DeformationGradient) -> Result<SpectrumSummary<D>, MethodError> {
         let waves = self.waves(f)?;
-        Ok(waves.represented(waves.spectrum()?, self.to_spatial(f)))
+        Ok(self.represented(&waves, waves.spectrum()?, f))
+    }
+
+    /// Replaces the extreme waves of a state by the representatives of all waves with equal measures.
+    fn represented(
+        &self,
+        waves: &StateWaves<D>,
+        found: SpectrumSummary<D>,
+        f: &DeformationGradient,
+    ) -> SpectrumSummary<D> {
+        let shortest = |k: &SVector<f64, D>| match (waves, self.strains()) {
+            (StateWaves::System(_), Ok(strains)) => strains.rows.shortest_zero_mode(k),
+            _ => *k,
+        };
+        waves.represented(found, self.to_spatial(f), &shortest)
     }
 
     /// Map from reference wave vectors to the deformed lattice, `F^-T`; the identity if the wave vectors already belong to the deformed lattice.
@@ -512,7 +529,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         let material = MaterialAssessment::<D>::new(self.material, f)?;
         let waves = self.waves(f)?;
         let spectrum = waves.bounded_spectrum()?;
-        let spectrum = waves.represented(spectrum, self.to_spatial(f));
+        let spectrum = self.represented(&waves, spectrum, f);
         let norms = self.gradient_norms(f, Some(&spectrum.softest))?;
         let zero_energy = match spectrum.is_stable() {
             true => self.zero_energy_wave(norms.as_deref(), &waves, &spectrum)?,
@@ -675,7 +692,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         let acoustic = Local::new(self.material, f)?.stiffness().minimum();
         let waves = self.waves(f)?;
         let spectrum = waves.extremes(acoustic.only_flutters())?;
-        let spectrum = waves.represented(spectrum, self.to_spatial(f));
+        let spectrum = self.represented(&waves, spectrum, f);
         self.surveyed(f, acoustic, &spectrum)
     }
 

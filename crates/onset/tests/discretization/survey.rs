@@ -2,8 +2,11 @@
 
 use crate::choices::{Case, case, config, planar_state};
 use nalgebra::Vector2;
+use onset::approximation::Approximation;
 use onset::bloch::dynamical_matrix;
 use onset::kinematics::DeformationGradient;
+use onset::lattice::LatticeKind;
+use onset::material::ModifiedMooneyRivlin;
 use onset::method::{Frame, KernelMethodChoices, Method};
 use onset::verdict::{Survey, assess};
 use proptest::prelude::*;
@@ -92,6 +95,47 @@ fn smallest_on_grid(case: &Case, survey: &Survey<'_, 2>, resolution: usize) -> f
         }
     }
     smallest
+}
+
+#[test]
+fn a_survey_of_many_states_shows_the_same_of_equally_soft_waves_as_a_single_state() {
+    let mut finite = 0;
+    for lattice in [LatticeKind::Square, LatticeKind::Hexagonal] {
+        for approximation in [Approximation::Shepard, Approximation::Mls] {
+            let method = Method::<2>::new(KernelMethodChoices {
+                frame: Frame::Lagrangian,
+                lattice,
+                approximation,
+                ..KernelMethodChoices::default()
+            });
+            let (method, material) = (method.expect("a method"), ModifiedMooneyRivlin::default());
+            let survey = Survey::new(&method, &material).expect("finite");
+            let many = survey.clone().for_many_states().expect("finite");
+            let size = method.lattice().reciprocal().column(0).norm();
+            for stretches in [
+                [1.0, 1.0],
+                [1.3, 1.3],
+                [0.7, 0.7],
+                [1.4, 0.8],
+                [0.6, 1.1],
+                [2.0, 1.0],
+            ] {
+                let state = DeformationGradient::from_stretches([stretches[0], stretches[1], 1.0]);
+                let state = state.expect("positive");
+                let softest = survey.assess(&state).expect("finite").spectrum.softest;
+                let own = many.state(&state).expect("finite");
+                let what =
+                    format!("{lattice:?} {approximation:?} {stretches:?}: {own:?} {softest:?}");
+                assert_eq!(own.is_long_wave, softest.is_long_wave, "{what}");
+                let apart = (own.wave_vector - softest.wave_vector).norm();
+                // At the end of a descent a wave vector is known to the root of rounding.
+                let scale = if own.is_long_wave { 1.0 } else { size };
+                assert!(apart < 1e-5 * scale, "{what}");
+                finite += usize::from(!own.is_long_wave);
+            }
+        }
+    }
+    assert!(finite > 3, "{finite}");
 }
 
 proptest! {

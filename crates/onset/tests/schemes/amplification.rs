@@ -163,6 +163,19 @@ fn only_stable_waves_bound_the_step() {
 }
 
 #[test]
+fn waves_without_energy_and_strong_damping_leave_the_step_of_the_other_waves() {
+    let k = SVector::from([1.0, 2.0]);
+    // A squared frequency that is rounding, beside an oscillation whose limit in forward Euler is c / omega^2.
+    let system = held([1e-17, 20.0], [1e-10, 1e-3]);
+    let step = critical_time_step_at(&system, Integrator::ForwardEuler, &k);
+    assert!((step - 5e-5).abs() < 1e-10, "{step}");
+    // Without stiffness a step of kick-drift-kick multiplies the velocity by (1 - c dt/2)^2, up to c dt = 4.
+    let system = held([1e-12; 2], [1e4; 2]);
+    let step = critical_time_step_at(&system, Integrator::KickDriftKick, &k);
+    assert!((step - 4e-4).abs() < 1e-8, "{step}");
+}
+
+#[test]
 fn the_shortest_wave_determines_the_step_of_a_damped_chain() {
     let system = chain(0.3, 0.0);
     let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 1.0);

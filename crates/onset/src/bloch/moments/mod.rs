@@ -21,12 +21,13 @@ mod valley;
 
 use super::branches::Taylor;
 use super::dynamical_matrix::Expansion;
+use super::representative::MEASURE_ROUNDING;
 use super::search::Objective;
 use super::{DynamicalMatrix, ZERO_ENERGY, ZoneSearch, moment_matrix};
 use crate::algebra::{Complex, Each, array_of, moderate_unit};
 use crate::continuum::direction;
 use crate::kinematics::DeformationGradient;
-use crate::lattice::{BravaisLattice, WaveGrid};
+use crate::lattice::{BravaisLattice, WaveGrid, inverse_of};
 use crate::material::PlaneTangent;
 use crate::method::{Background, Frame, Method, MethodError};
 use candidates::Candidates;
@@ -271,13 +272,8 @@ impl<const D: usize> GradientMoments<D> {
         for n in 0..rows.len() {
             let tolerance = 16.0 * magnitude(&rows[n]) * self.long_noise / c2;
             let (limit, turn) = long_waves[n];
-            let is_long_wave = finite[n].0 >= limit || finite[n].0.is_nan();
-            let (value, wave_vector) = if is_long_wave {
-                let map = self.search.long_wave_map();
-                (limit, (map * half_turned(turn)).normalize())
-            } else {
-                (finite[n].0, self.folded(finite[n].1))
-            };
+            let (value, wave_vector, is_long_wave) =
+                self.chosen(&rows[n], finite[n], (limit, turn), tolerance * c2);
             let scaled_minimum = value / c2;
             if scaled_minimum < -tolerance {
                 growing.push(n);
@@ -312,13 +308,48 @@ impl<const D: usize> GradientMoments<D> {
         extremes
     }
 
-    /// Returns the equivalent wave vector in the zone.
-    fn folded(&self, k: SVector<f64, D>) -> SVector<f64, D> {
-        if self.search.is_in_zone(&k) {
-            k
-        } else {
-            self.search.folded(&k)
+    /// Softest wave among the bottom of the zone and the long-wave limit, by the rule that chooses among waves of equal measures: its measure times
+    /// `c^2`, its wave vector or direction, and whether it is the limit.
+    fn chosen(
+        &self,
+        row: &Coefficients,
+        (value, k): Bottom<D>,
+        (limit, turn): (f64, [f64; 2]),
+        tolerance: f64,
+    ) -> (f64, SVector<f64, D>, bool) {
+        let search = &self.search;
+        let is_limit = || search.is_limit((value, &k), limit, tolerance);
+        if value >= limit || value.is_nan() || is_limit() {
+            let map = search.long_wave_map();
+            let found = (map * half_turned(turn)).normalize();
+            let equal = limit + MEASURE_ROUNDING * magnitude(row) * self.long_size();
+            let is_equal = |n: &SVector<f64, D>| self.of_direction(row, n) <= equal;
+            return (limit, search.chosen_direction(&found, is_equal), true);
         }
+        let equal = value + MEASURE_ROUNDING * value.abs() + tolerance;
+        let is_equal = |k: &SVector<f64, D>| self.exact(row, Objective::Scaled, k) <= equal;
+        (value, search.chosen(&k, is_equal), false)
+    }
+
+    /// Size of the moments of long waves.
+    fn long_size(&self) -> f64 {
+        self.long.iter().map(|h| h[0].abs()).sum()
+    }
+
+    /// Long-wave limit of the scaled measure along a direction, times `c^2`.
+    fn of_direction(&self, row: &Coefficients, n: &SVector<f64, D>) -> f64 {
+        // With `m = G^1/2 n`, the cosine and sine of the doubled angle of `m`.
+        let Some(m) = inverse_of(self.search.long_wave_map()).map(|map| map * n) else {
+            return f64::INFINITY;
+        };
+        let square = m[0] * m[0] + m[1] * m[1];
+        let turn = [
+            (m[0] * m[0] - m[1] * m[1]) / square,
+            2.0 * m[0] * m[1] / square,
+        ];
+        let h = self.long.each(|h| h[0] + h[1] * turn[0] + h[2] * turn[1]);
+        let [mean, half, mixed] = parts(row, h);
+        mean - (half * half + mixed * mixed).sqrt()
     }
 
     /// Replaces a bottom in a valley of weakly controlled modes by the lowest bottom found there.

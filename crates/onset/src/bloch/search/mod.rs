@@ -29,7 +29,7 @@ use crate::algebra::{Complex, Deviator, Each, array_of, eigenvalues, eigenvector
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{
-    BravaisLattice, BrillouinZone, WaveGrid, WaveGrids, grid_coordinates, inverse_of,
+    BravaisLattice, BrillouinZone, Equivalence, WaveGrid, WaveGrids, grid_coordinates, inverse_of,
 };
 use crate::method::Method;
 use grid::{Grid, complex_growth};
@@ -209,6 +209,11 @@ impl<const D: usize> ZoneSearch<D> {
 
     pub(in crate::bloch) fn reference(&self) -> &BravaisLattice<D> {
         self.grids.lattice()
+    }
+
+    /// Wave vectors that symmetries of the reference lattice make equivalent.
+    pub(in crate::bloch) fn equivalence(&self) -> &Equivalence<D> {
+        self.grids.equivalence()
     }
 
     fn zone(&self) -> &BrillouinZone<D> {
@@ -734,11 +739,6 @@ impl<const D: usize> ZoneSearch<D> {
     /// Number of times that a reference wave vector fits into the searched zone; infinite for zero.
     pub fn reach(&self, k: &SVector<f64, D>) -> f64 {
         self.zone().reach(&(self.from_reference * k))
-    }
-
-    /// Returns true if a reference wave vector lies in the searched zone.
-    pub(in crate::bloch) fn is_in_zone(&self, k: &SVector<f64, D>) -> bool {
-        self.zone().contains(&(self.from_reference * k), 1e-12)
     }
 
     fn value(&self, matrix: &DynamicalMatrix<D>, objective: Objective, sample: &Sample<D>) -> f64 {
