@@ -105,6 +105,12 @@ impl<T: Number, const D: usize> Taylor<T, D> {
 }
 
 impl<const D: usize> Taylor<Complex, D> {
+    /// Real part of the squared half difference of two branches: negative for a complex pair, and smooth where real branches cross.
+    pub(super) fn squared_half_difference(&self, other: &Self) -> Taylor<f64, D> {
+        let half = self.zip(other, |x, y| (x - y) * 0.5);
+        half.times(&half).map(|square| square.re)
+    }
+
     /// Square root with a positive real part. The derivatives are not finite where it vanishes.
     fn root(&self) -> Self {
         let root = self.value.sqrt();

@@ -1,6 +1,6 @@
 //! One crystal has one answer: primitive cells, supercells, other origins, other bases, and mirrored and rotated descriptions of the same particles.
 
-use crate::hunt::hunted;
+use crate::hunt::seeds;
 use crate::methods::state;
 use crate::random::Random;
 use nalgebra::{Rotation2, SMatrix, SVector};
@@ -24,6 +24,9 @@ const DIFFERENCE: f64 = 1e-6;
 const APART: f64 = 1e-4;
 /// Laws without directions of their own.
 const ISOTROPIC: &[&str] = &["modified-mooney-rivlin", "blatz-ko", "neo-hooke", "hencky"];
+
+/// Pockets of complex `omega^2` so small that a search can miss them in one of two descriptions.
+const MENDED: &[u64] = &[127, 21_595, 22_189];
 
 /// Particles by primitive vectors (columns) and lattice coordinates, the first at the origin; lengths in spacings.
 #[derive(Clone, Debug)]
@@ -363,10 +366,10 @@ fn checked<const D: usize>(random: &mut Random) -> Option<(String, Vec<String>)>
 
 #[test]
 fn every_description_of_a_crystal_has_the_same_answer() {
-    let (seed, cases) = hunted(24);
+    let seeds = seeds(24, MENDED);
     let (mut wrong, mut compared) = (Vec::new(), 0);
-    for case in 0..cases as u64 {
-        let mut random = Random::new(seed + case);
+    for seed in &seeds {
+        let mut random = Random::new(*seed);
         let found = match random.one_of(&[1, 2, 2, 2, 2, 3]) {
             1 => checked::<1>(&mut random),
             2 => checked::<2>(&mut random),
@@ -377,19 +380,16 @@ fn every_description_of_a_crystal_has_the_same_answer() {
         };
         compared += 1;
         if !differences.is_empty() {
-            let text = format!(
-                "seed {}: {}\n    {name}",
-                seed + case,
-                differences.join("; ")
-            );
+            let text = format!("seed {seed}: {}\n    {name}", differences.join("; "));
             eprintln!("{text}");
             wrong.push(text);
         }
     }
     eprintln!("{compared} pairs compared, {} differ", wrong.len());
     assert!(
-        compared >= cases / 3,
-        "{compared} of {cases} have an answer"
+        compared >= seeds.len() / 3,
+        "{compared} of {} have an answer",
+        seeds.len()
     );
     assert!(
         wrong.is_empty(),

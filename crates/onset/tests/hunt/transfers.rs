@@ -1,6 +1,6 @@
 //! Growth and critical time steps of material points in discrete time, compared with a dense search and with the matrix of a whole time step.
 
-use crate::hunt::hunted;
+use crate::hunt::seeds;
 use crate::methods::{material, state};
 use crate::random::Random;
 use nalgebra::{Complex, DMatrix, SMatrix, SVector, Schur};
@@ -18,13 +18,16 @@ use std::f64::consts::TAU;
 const GROWTH: f64 = 1e-8;
 /// Relative difference that counts.
 const DIFFERENCE: f64 = 1e-5;
+/// Growth in a time step of a wave without energy, from the rounding error of its squared frequency: the root of this error.
+const ROUNDING: f64 = 2e-7;
+/// Waves that grow in narrow sectors of long waves, or in small pockets.
+const MENDED: &[u64] = &[202, 249, 1760, 2449];
 
 #[test]
 fn no_random_transfer_grows_faster_or_needs_shorter_steps_than_the_search_reports() {
-    let (seed, cases) = hunted(10);
     let (mut growing, mut answers, mut wrong) = (0, 0, 0);
-    for case in 0..cases as u64 {
-        let mut random = Random::new(seed + case);
+    for seed in seeds(10, MENDED) {
+        let mut random = Random::new(seed);
         let answer = match random.happens(0.25) {
             true => checked::<1>(&mut random),
             false => checked::<2>(&mut random),
@@ -36,7 +39,7 @@ fn no_random_transfer_grows_faster_or_needs_shorter_steps_than_the_search_report
         growing += usize::from(grows);
         wrong += complaints.len();
         for complaint in complaints {
-            eprintln!("seed {}: {complaint}\n    {name}", seed + case);
+            eprintln!("seed {seed}: {complaint}\n    {name}");
         }
     }
     eprintln!("{answers} answers, {growing} growing, {wrong} complaints");
@@ -100,7 +103,7 @@ fn checked<const D: usize>(random: &mut Random) -> Option<(String, bool, Vec<Str
         ));
     }
     let (dense, at) = dense(&waves, &growth);
-    if dense > told * (1.0 + DIFFERENCE) + GROWTH {
+    if dense > told.hypot(ROUNDING) * (1.0 + DIFFERENCE) + GROWTH {
         complain(format!("grows by {dense} at {at:?}, told {told} at {k:?}"));
     }
     let (inverse, at) = self::dense(&waves, &|k| 1.0 / waves.critical_time_step_at(k));

@@ -7,7 +7,8 @@
 //!    with exact derivatives.
 //! 2. Boxes around grid points in which some branch can fall lower, judging by its slope, are halved repeatedly; lower values found there are
 //!    followed too.
-//! 3. If the forces do not derive from an energy, pockets of complex `omega^2` are predicted from the derivatives at grid points (`bloch::pocket`).
+//! 3. If the forces do not derive from an energy, pockets of complex `omega^2` are predicted from the derivatives at grid points (`bloch::pocket`), and
+//!    descents of the squared difference of neighboring branches end in pockets of any size.
 //! 4. On request, branch and bound computes a lower bound (`bloch::bound`).
 //!
 //! Only the bound is guaranteed. The extremes themselves are sampled values. Constants without a stated derivation are heuristic; the tests `hunt`
@@ -20,7 +21,7 @@ use crate::bloch::bound::{BUDGET, Covered, GAP, Measure, Question, WIDEST_GAP, c
 use crate::bloch::branches::Taylor;
 use crate::bloch::pocket::{HALVED_STEP_POINTS, Pockets};
 use crate::bloch::search::{
-    Flutter, LONG_WAVE_FRACTION, RELAXED_RAY_STEPS, is_well, neighbors, settled,
+    Flutter, LONG_WAVE_FRACTION, RELAXED_RAY_STEPS, is_well, neighbors, settled, settled_along,
 };
 use crate::bloch::short_range::ShortRange;
 use crate::bloch::{Judgment, Mode, SpectrumSummary, Stability, ZoneSearch, growth_rate};
@@ -67,6 +68,10 @@ const HALF_STEP_CHANGE: f64 = 0.6;
 const DAMPED_GRID_POINTS: usize = 12;
 /// Wells followed to their bottoms with damping.
 const DAMPED_WELLS: usize = 4;
+/// Sizes of rings around `k = 0` on which crossings of branches are sought, in units of the largest shell of long waves.
+const RING_SIZES: [f64; 8] = [1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 0.06];
+/// Ratios of short to long steps in a narrow valley.
+const VALLEY_WIDTHS: [f64; 3] = [0.1, 1e-2, 1e-3];
 /// Half the side of the cube of points around `k = 0`, in grid steps: the largest shell of long waves.
 const SHELL_STEPS: usize = 4;
 
@@ -729,6 +734,90 @@ impl<'a, const D: usize> Sweep<'a, D> {
         pockets.around(half(&self.waves).into_iter())
     }
 
+    /// Wave vectors at which two neighboring branches are a complex pair, found by descents of the square of their difference.
+    ///
+    /// Around a crossing the square is smooth, while the growth rate is defined only within a pocket. A descent from a grid point beside a crossing
+    /// follows the crossing to the place where the branches attract each other most, however small the pocket is there.
+    fn meetings(&self) -> Vec<SVector<f64, D>> {
+        if self.effort.is_large || self.system.is_hermitian() {
+            return Vec::new();
+        }
+        let wave_vectors = half(&self.waves);
+        let rings = self.rings();
+        let ring_spectra: Vec<Spectra> = rings
+            .iter()
+            .map(|ring| self.sampled().spectra(ring))
+            .collect();
+        let mut starts: Vec<(f64, usize, Candidate<D>)> = Vec::new();
+        for upper in 1..self.system.size() {
+            let square = |k: &SVector<f64, D>, spectrum: &[Complex]| {
+                let apart = (spectrum[upper] - spectrum[upper - 1]) * 0.5;
+                if self.is_long(k) {
+                    f64::INFINITY
+                } else {
+                    (apart * apart).re
+                }
+            };
+            let of = |(k, spectrum): (&SVector<f64, D>, &[Complex])| {
+                let mut squares = UNKNOWN;
+                squares[0] = square(k, spectrum);
+                squares
+            };
+            let squares: Vec<Branches> = wave_vectors
+                .iter()
+                .zip(self.spectra().iter())
+                .map(of)
+                .collect();
+            let wells = self.wells(&squares).into_iter();
+            starts.extend(wells.map(|(square, relief, index)| {
+                (square / relief, upper, (square, wave_vectors[index]))
+            }));
+            let along: Vec<Vec<f64>> = rings
+                .iter()
+                .zip(&ring_spectra)
+                .map(|(ring, spectra)| {
+                    let both = ring.iter().zip(spectra.iter());
+                    both.map(|(k, spectrum)| square(k, spectrum)).collect()
+                })
+                .collect();
+            for (n, three) in along.windows(3).enumerate() {
+                for (place, own) in three[1].iter().enumerate() {
+                    let beside = [three[0][place], three[2][place]];
+                    if own.is_finite() && beside.iter().all(|other| own <= other) {
+                        let start = (*own, rings[n + 1][place]);
+                        starts.push((own / beside[0], upper, start));
+                    }
+                }
+            }
+        }
+        // Squares that are small relative to their neighbors lie near a crossing.
+        sort_by_value(&mut starts, |start| start.0);
+        starts.truncate(self.effort.pockets);
+        let met = |(_, upper, start): (f64, usize, Candidate<D>)| {
+            let square = |k: &SVector<f64, D>| self.squared_difference(upper, k);
+            let ((square, k), _) = self.search.newton(&square, start, 0.0);
+            (square < 0.0).then_some(k)
+        };
+        starts.into_iter().filter_map(met).collect()
+    }
+
+    /// Wave vectors on cubes around `k = 0`, largest first, with the same directions on each. Acoustic and soft optical branches of a cell cross on rings
+    /// that the grid does not resolve.
+    fn rings(&self) -> Vec<Vec<SVector<f64, D>>> {
+        let step = self.search.reference().reciprocal() / self.waves.resolution() as f64;
+        let ring = |size: f64| shell::<D>().map(|place| step * (place * size)).collect();
+        RING_SIZES.map(ring).to_vec()
+    }
+
+    /// Squared half difference of a branch and the one below, by increasing real part, with its derivatives; `None` for long waves.
+    fn squared_difference(&self, upper: usize, k: &SVector<f64, D>) -> Option<Taylor<f64, D>> {
+        if self.is_long(k) {
+            return None;
+        }
+        let branch = |number| self.sampled().branch(k, &|value| value.re, number);
+        Some(branch(upper)?.squared_half_difference(&branch(upper - 1)?))
+    }
+
     fn sampled(&self) -> &dyn Sampled<D> {
         &**self.form.get_or_init(|| self.system.sampled())
     }
@@ -880,7 +969,13 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let step = 1.0 / self.waves.resolution() as f64;
         let opening = self.search.long_flutter(&self.stiffness, step);
         let fastest = least(-deepest(&ends).min(sampled.0));
-        for k in self.pockets(fastest).into_iter().chain(opening) {
+        // Pockets that descents alone find are small, so that waves in them grow slowly.
+        let meetings = match fastest > 0.0 {
+            true => Vec::new(),
+            false => self.meetings(),
+        };
+        let pockets = self.pockets(fastest).into_iter().chain(meetings);
+        for k in pockets.chain(opening) {
             let value = self.value(Objective::Growth, &k);
             if value < 0.0 {
                 let deepest = deepest(&ends);
@@ -1023,39 +1118,95 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let mut ends = self.bottoms(objective, f64::INFINITY);
         let deepest =
             |ends: &[Candidate<D>]| ends.iter().map(|end| end.0).fold(f64::INFINITY, f64::min);
+        let is_damped = self.system.damping().is_some();
         if !self.system.is_hermitian() {
-            for k in self.pockets(0.0) {
+            let meetings = if is_damped {
+                Vec::new()
+            } else {
+                self.meetings()
+            };
+            for k in self.pockets(0.0).into_iter().chain(meetings) {
                 let start = (self.value(objective, &k), k);
-                if start.0 < deepest(&ends) {
+                if self.may_beat(start.0, deepest(&ends)) {
                     ends.push(self.followed(objective, 0, start, f64::INFINITY, &[]));
                 }
             }
         }
         // For long damped waves two amplification factors of a time step coincide to rounding and do not limit the step.
-        if self.system.damping().is_some() {
+        if is_damped {
             return least_of_all(ends);
         }
         // Shells around `k = 0`, one octave apart: the minimum of a function that vanishes with `k` can lie at any distance from `k = 0`.
         let step = self.search.reference().reciprocal() / self.waves.resolution() as f64;
-        let shells: Vec<(f64, Candidate<D>)> =
+        let places = self.shell();
+        let shells: Vec<(f64, Vec<Candidate<D>>)> =
             std::iter::successors(Some(1.0), |size| Some(0.5 * size))
                 .map(|size| {
-                    let starts = shell::<D>().map(|place| {
+                    let start = |place: &SVector<f64, D>| {
                         let k = step * (place * size);
                         (self.value(objective, &k), k)
-                    });
-                    let least = starts.min_by(|a, b| a.0.total_cmp(&b.0));
-                    (size, least.unwrap_or((f64::INFINITY, SVector::zeros())))
+                    };
+                    (size, places.iter().map(start).collect::<Vec<_>>())
                 })
-                .take_while(|(_, least)| least.0.is_finite())
+                .take_while(|(_, starts)| starts.iter().any(|start| start.0.is_finite()))
                 .collect();
-        let value = |n: usize| shells.get(n).map_or(f64::INFINITY, |shell| shell.1.0);
-        for (n, (size, start)) in shells.iter().enumerate() {
-            if start.0 <= value(n.wrapping_sub(1)) && start.0 <= value(n + 1) {
-                ends.push(self.settled(objective, *start, &(step * *size)));
+        let is_beside =
+            |a: &SVector<f64, D>, b: &SVector<f64, D>| (a - b).amax().min((a + b).amax()) <= 1.0;
+        for (n, (size, starts)) in shells.iter().enumerate() {
+            for (number, start) in starts.iter().enumerate() {
+                let beside = starts.iter().zip(&places);
+                let beside = beside.filter(|(_, place)| is_beside(place, &places[number]));
+                let shells = [shells.get(n + 1), shells.get(n.wrapping_sub(1))];
+                let along = shells.into_iter().flatten().map(|(_, own)| &own[number]);
+                let mut others = beside.map(|(other, _)| other).chain(along);
+                if others.all(|other| start.0 <= other.0) && self.may_beat(start.0, deepest(&ends))
+                {
+                    ends.push(self.settled(objective, *start, &(step * *size)));
+                }
             }
         }
-        least_of_all(ends)
+        self.along_valley(least_of_all(ends))
+    }
+
+    /// Returns true if a descent from a value may end below the deepest end: a growth rate can rise considerably on the way.
+    fn may_beat(&self, value: f64, deepest: f64) -> bool {
+        value < deepest.max(FOLLOWED_GROWTH_RATIO * deepest)
+    }
+
+    /// Minimum of the function near the end of a descent, by descents with long steps along the ray from `k = 0` and short steps across it, and the
+    /// reverse: a pocket of growing waves can be a narrow sector, or a narrow part of a ring.
+    fn along_valley(&self, mut best: Candidate<D>) -> Candidate<D> {
+        let length = best.1.norm();
+        if length == 0.0 || !best.0.is_finite() {
+            return best;
+        }
+        let step = self.search.reference().reciprocal().column(0).norm();
+        let size = length.min(step / self.waves.resolution() as f64);
+        let at = |all: &[SVector<f64, D>]| -> Vec<f64> {
+            let branches = self.branches_at(Objective::Function, all).into_iter();
+            branches.map(|own| own[0]).collect()
+        };
+        for width in VALLEY_WIDTHS {
+            for [along, across] in [[1.0, width], [width, 1.0]] {
+                let mut steps = orthonormal(&best.1).each(|axis| axis * (size * across));
+                steps[0] *= along / across;
+                best = settled_along(&at, best, &steps);
+            }
+        }
+        best
+    }
+
+    /// Points on the surface of a cube around zero, in grid steps, one of each pair of opposite points, and points along the directions of the softest
+    /// and the fastest fluttering long waves: waves that grow can fill a narrow sector.
+    fn shell(&self) -> Vec<SVector<f64, D>> {
+        let softest = self.search.long_wave_mode(&self.stiffness).wave_vector;
+        let fluttering = self.search.long_flutter(&self.stiffness, 1.0);
+        let along = std::iter::once(softest).chain(fluttering.into_iter().take(1));
+        let along = along.map(|k| self.search.reference().fractional(&k));
+        let along = along.map(|place| place * (SHELL_STEPS as f64 / place.amax()));
+        shell()
+            .chain(along.filter(|place| place.amax().is_finite()))
+            .collect()
     }
 
     /// Starts of descents along a ray, given one grid step along it. In large cells only the lowest of them.
@@ -1412,6 +1563,21 @@ fn shell<const D: usize>() -> impl Iterator<Item = SVector<f64, D>> {
     let places = (0..side.pow(D as u32) / 2).map(move |n| grid_coordinates::<D>(n, side));
     let centered = places.map(|place| SVector::from(place.each(|c| c as f64 - SHELL_STEPS as f64)));
     centered.filter(|place| place.amax() == SHELL_STEPS as f64)
+}
+
+/// Orthonormal vectors, the first of them along a given vector.
+fn orthonormal<const D: usize>(along: &SVector<f64, D>) -> [SVector<f64, D>; D] {
+    let mut found: [SVector<f64, D>; D] = array_of(|_| SVector::zeros());
+    found[0] = along.normalize();
+    // The axes except the one nearest to the vector are independent of it.
+    let order = |a: &usize, b: &usize| along[*a].abs().total_cmp(&along[*b].abs());
+    let nearest = (0..D).max_by(order);
+    for (n, axis) in (0..D).filter(|axis| Some(*axis) != nearest).enumerate() {
+        let unit = SVector::<f64, D>::from_fn(|i, _| f64::from(u8::from(i == axis)));
+        let known = found[..=n].iter().map(|own| own * own.dot(&unit));
+        found[n + 1] = (unit - known.sum::<SVector<f64, D>>()).normalize();
+    }
+    found
 }
 
 /// Half of the wave vectors of a grid; `-k` has the complex conjugate spectrum.
