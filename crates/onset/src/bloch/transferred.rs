@@ -40,9 +40,9 @@ pub enum VelocityFilter {
 
 /// Coefficients of a [`VelocityFilter`] at a wave vector.
 struct Filtered {
-    /// `1 - T - R`.
+    /// Fraction `1 - T - R` of the velocity that a step removes.
     damped: f64,
-    /// `R`.
+    /// Fraction `R` of its velocity that a point keeps.
     own: f64,
     /// Inverse mass of the nodes over the inverse lumped mass.
     mobility: f64,
@@ -72,7 +72,7 @@ impl VelocityFilter {
     }
 }
 
-/// Sum `1 + x + ... + x^(n-1)`.
+/// Sum of the geometric series `1 + x + ... + x^(n-1)`.
 fn geometric(x: f64, n: u32) -> f64 {
     (0..n).fold(0.0, |sum, _| 1.0 + x * sum)
 }

@@ -88,8 +88,8 @@ const EDGE_JUMPS_PER_NORMAL: usize = 2;
 const AXES_ROTATION: [f64; 3] = [0.11, -0.17, 0.13];
 /// Largest number of iterations of a descent.
 const DESCENT_ITERATIONS: usize = 80;
-/// Predicted decrease of a positive excess, relative to it, below which a descent ends.
-const SETTLED: f64 = 1e-4;
+/// Smallest relative decrease of a positive excess for which a descent continues.
+const DESCENT_DECREASE: f64 = 1e-4;
 /// Largest number of times that a descent continues along the reach and leaves it.
 const ROUNDS: usize = 3;
 /// Fraction of a jump to the reach at which a shorter jump is tried.
@@ -574,7 +574,7 @@ fn downhill(
             fresh = true;
         }
         // A jump that costs energy need not be known more accurately.
-        if !fresh && value > 0.0 && -step.dot(&gradient) <= SETTLED * value {
+        if !fresh && value > 0.0 && -step.dot(&gradient) <= DESCENT_DECREASE * value {
             break;
         }
         let Some((length, next)) = shorter(&function, &x, value, &step, &gradient) else {

@@ -170,7 +170,10 @@ impl<const D: usize> Equivalence<D> {
         let zone = BrillouinZone::new(*lattice);
         let mut maps: Vec<SMatrix<f64, D, D>> = Vec::new();
         for map in lattice.holohedry() {
-            if maps.iter().all(|other| (other + map).amax() > LENGTH_TOLERANCE) {
+            if maps
+                .iter()
+                .all(|other| (other + map).amax() > LENGTH_TOLERANCE)
+            {
                 maps.push(map);
             }
         }

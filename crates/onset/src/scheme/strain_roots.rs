@@ -19,7 +19,7 @@ const INWARD_STEPS: [f64; 2] = [0.2, 1e-6];
 /// Largest number of these steps.
 const MAXIMUM_INWARD_STEPS: usize = 400;
 /// Relative difference of wave numbers above rounding.
-const SHORTER: f64 = 1e-13;
+const WAVE_NUMBER_TOLERANCE: f64 = 1e-13;
 /// Largest number of Newton steps. Double roots converge slowest: each step halves the distance.
 const MAXIMUM_NEWTON_STEPS: usize = 60;
 
@@ -117,7 +117,7 @@ impl<const D: usize> StrainRows<D> {
             if length == 0.0 || step < INWARD_STEPS[1] {
                 break;
             }
-            // From a shorter wave vector Newton's method leads back to the line, beside the start. Where the wave number is largest it leads to the
+            // From a shorter wave vector Newton's method leads back to the line, near the start. Where the wave number is largest it leads to the
             // start, and only steps to the sides lead to shorter waves.
             let axes = (0..2 * D).map(|n| {
                 let sign = if n % 2 == 0 { step } else { -step };
@@ -126,7 +126,7 @@ impl<const D: usize> StrainRows<D> {
             });
             let steps = std::iter::once(shortest * -step).chain(axes);
             let mut tried = steps.filter_map(|way| self.polished(&(shortest + way), step * length));
-            match tried.find(|next| next.norm() < length * (1.0 - SHORTER)) {
+            match tried.find(|next| next.norm() < length * (1.0 - WAVE_NUMBER_TOLERANCE)) {
                 Some(next) => shortest = next,
                 None => step *= 0.5,
             }

@@ -259,7 +259,7 @@ impl DampedWave {
         }) else {
             return f64::INFINITY;
         };
-        // The limit of a strongly damped wave can be far below the undamped one: the halvings that make it accurate begin at a stable step.
+        // The limit of a strongly damped wave can be far below the undamped one: the halvings for its accuracy begin at a stable step.
         let (mut accurate, mut tried) = (0, 0);
         while accurate < HALVINGS && tried < HALVINGS + MAX_STEP_HALVINGS {
             let middle = 0.5 * (low + high);

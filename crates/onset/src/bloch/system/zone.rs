@@ -68,7 +68,7 @@ const HALF_STEP_CHANGE: f64 = 0.6;
 const DAMPED_GRID_POINTS: usize = 12;
 /// Wells followed to their bottoms with damping.
 const DAMPED_WELLS: usize = 4;
-/// Sizes of rings around `k = 0` on which crossings of branches are sought, in units of the largest shell of long waves.
+/// Sizes of rings around `k = 0` for the search for crossings of branches, in units of the largest shell of long waves.
 const RING_SIZES: [f64; 8] = [1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 0.06];
 /// Ratios of short to long steps in a narrow valley.
 const VALLEY_WIDTHS: [f64; 3] = [0.1, 1e-2, 1e-3];
@@ -736,8 +736,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
 
     /// Wave vectors at which two neighboring branches are a complex pair, found by descents of the square of their difference.
     ///
-    /// Around a crossing the square is smooth, while the growth rate is defined only within a pocket. A descent from a grid point beside a crossing
-    /// follows the crossing to the place where the branches attract each other most, however small the pocket is there.
+    /// Around a crossing the square is smooth, while the growth rate is defined only within a pocket. A descent from a grid point near a crossing
+    /// follows the crossing to the strongest attraction of the branches, which can be a very small pocket.
     fn meetings(&self) -> Vec<SVector<f64, D>> {
         if self.effort.is_large || self.system.is_hermitian() {
             return Vec::new();
@@ -1173,8 +1173,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
         value < deepest.max(FOLLOWED_GROWTH_RATIO * deepest)
     }
 
-    /// Minimum of the function near the end of a descent, by descents with long steps along the ray from `k = 0` and short steps across it, and the
-    /// reverse: a pocket of growing waves can be a narrow sector, or a narrow part of a ring.
+    /// Minimum of the function near the end of a descent. Descents take long steps along the ray from `k = 0` and short steps across it, and the
+    /// reverse, because a pocket of growing waves can be a narrow sector, or a narrow part of a ring.
     fn along_valley(&self, mut best: Candidate<D>) -> Candidate<D> {
         let length = best.1.norm();
         if length == 0.0 || !best.0.is_finite() {
@@ -1196,8 +1196,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
         best
     }
 
-    /// Points on the surface of a cube around zero, in grid steps, one of each pair of opposite points, and points along the directions of the softest
-    /// and the fastest fluttering long waves: waves that grow can fill a narrow sector.
+    /// Points on the surface of a cube around zero, in grid steps, one of each pair of opposite points. Waves that grow can fill a narrow sector, so that
+    /// points along the directions of the softest and the fastest fluttering long waves are added.
     fn shell(&self) -> Vec<SVector<f64, D>> {
         let softest = self.search.long_wave_mode(&self.stiffness).wave_vector;
         let fluttering = self.search.long_flutter(&self.stiffness, 1.0);

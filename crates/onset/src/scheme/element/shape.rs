@@ -58,8 +58,8 @@ impl ElementShape {
         }
     }
 
-    /// Points of full integration: the centroid of a simplex, Gauss's rule of two points along each axis of a multilinear element and of three along
-    /// each axis of a serendipity element, and a rule of the second degree for quadratic simplices. `None` if the element has no volume.
+    /// Points of full integration: the centroid of a simplex, or a rule of the second degree for quadratic simplices. Gauss's rule has two points along
+    /// each axis of a multilinear element and three along each axis of a serendipity element. `None` if the element has no volume.
     pub(super) fn samples<const D: usize>(
         self,
         nodes: &[SVector<f64, D>],
