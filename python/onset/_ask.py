@@ -674,7 +674,7 @@ def fit(
 
     The constants ``c`` minimize ``sum_i (P(lambda_i, c) - P_i)^2 / s_i^2`` over the points of all tests, as in Ogden, Saccomandi and Sgura, Comput. Mech. 34
     (2004) 484. ``P`` is the nominal stress of the incompressible specimen, ``(w_1 - w_3) / lambda_1`` with ``w_i = dW/d ln(lambda_i)`` and the free face 3, or
-    that of a foam with free lateral faces. The scale ``s_i`` is the measured stress or 1. The criteria are satisfied in the whole range of stretches:
+    the stress of a foam with free lateral faces. The scale ``s_i`` is the measured stress or 1. The criteria are satisfied in the whole range of stretches:
     ``d^2 W / d ln(lambda_i) d ln(lambda_j)`` is positive definite on increments that keep the volume (Drucker), and ``m . Q(N) m > 0`` for all waves
     with the normal ``N`` and the amplitude ``m`` that keep the volume (strong ellipticity).
 

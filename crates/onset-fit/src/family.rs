@@ -75,7 +75,7 @@ pub(crate) struct Term {
 pub(crate) const SHAPES: usize = 2;
 
 impl Term {
-    /// Sums of the stretches of which the energy is a function.
+    /// Sums over the stretches that are the arguments of the energy.
     fn sums<R: Enclosed>(&self, [shape, _]: [R; SHAPES]) -> [Sum<R>; 2] {
         match self.part {
             Part::Powers(..) | Part::Gent | Part::ArrudaBoyce | Part::Fung => {
@@ -125,8 +125,8 @@ impl Term {
         value * self.factor
     }
 
-    /// Whether the energy is, at all states at constant volume, convex as a criterion demands: in the logarithms of the stretches for Drucker's inequality, and along
-    /// all lines `F + t m N` that keep the volume for strong ellipticity. `None` if that is not known, and true if it is strictly convex.
+    /// Returns true if the energy is strictly convex at all states of constant volume: in the logarithms of the stretches for Drucker's inequality, and along
+    /// all lines `F + t m N` of constant volume for strong ellipticity. `None` if the theorem does not decide.
     ///
     /// Both `tr C` and `tr C^-1` are convex in either sense, and increasing convex functions of convex functions are convex. On those lines the
     /// cofactor of `F` is linear in `t`, so that `sum lambda^alpha` is convex if `|alpha| >= 1`, as in Ball, Arch. Rational Mech. Anal. 63 (1977) 337.

@@ -142,7 +142,7 @@ pub struct Fitted {
     pub worst: Option<Worst>,
     /// Standard deviations and correlations of the constants.
     pub uncertainty: Uncertainty,
-    /// Names of the constants that are at their bounds, besides fixed ones.
+    /// Names of the free constants that are at their bounds.
     pub at_bounds: Vec<String>,
     /// Loading and stretch, the smallest one in the range, at which the chains of the law are straight.
     pub locked: Option<(Mode, f64)>,
@@ -474,7 +474,7 @@ impl Search<'_> {
             .solve(&constants)?;
             let law = self.numbers(&found.constants);
             let least = LEAST_MARGIN_SHARE * self.options.margin;
-            // Many demands at once cost a linear law little, and save rounds.
+            // A linear law fits with many constraints at little cost, which saves rounds.
             let mut worst = match self.family.is_linear() {
                 true => low_states(&law, &self.patches, least),
                 false => worst_states(&law, &self.patches),

@@ -54,7 +54,7 @@ pub(crate) enum Perturbation {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moduli<R> {
     squares: [R; 3],
-    /// Kirchhoff stresses.
+    /// Principal Kirchhoff stresses `t_i`.
     stress: [R; 3],
     /// Diagonal part `d` of the second derivatives.
     diagonal: [R; 3],

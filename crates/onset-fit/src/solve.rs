@@ -277,7 +277,7 @@ impl Problem<'_> {
     }
 }
 
-/// Quadratic programs of one step, conditions that are added to each, and the part of the unit by which others may be violated.
+/// Largest number of quadratic programs in one step, number of conditions added to each, and admitted violation of the others, as a fraction of the unit.
 const MOST_PROGRAMS: usize = 100;
 const ADDED_CONDITIONS: usize = 12;
 const CONDITION_TOLERANCE: f64 = 1e-12;
@@ -306,7 +306,7 @@ fn nearest(
     let unit = target.norm().max(needed).max(1e-300);
     let target = target / unit;
     bounds.iter_mut().for_each(|own| *own /= unit);
-    // Only a few of many conditions are active: violated ones are added until all hold.
+    // Only a few of many conditions are active. Violated conditions are added until all hold.
     let mut active: Vec<usize> = Vec::new();
     let mut point = target.clone();
     for _ in 0..MOST_PROGRAMS {

@@ -1,4 +1,4 @@
-//! Symmetric functions of the stretches of which energies are functions, with derivatives without cancellation.
+//! Symmetric functions of the stretches, the arguments of energies, with derivatives without cancellation.
 //!
 //! With `h = ln lambda` and `e = exp(2 h)` all are sums `s = f(h_1) + f(h_2) + f(h_3)`. The moduli of a law need the slopes `a = f'`, the curvatures `f''` and the
 //! quotients `(a_i - a_j)/(e_i - e_j)`, which are 0/0 where two stretches are equal. They have closed forms: for a sum of powers, with `t = h_i - h_j`,
@@ -78,7 +78,7 @@ pub(crate) enum Sum<R> {
 /// Second derivatives of a sum.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Curvatures<R> {
-    /// Curvatures `f''`.
+    /// Curvatures `f''` at the three stretches.
     pub own: [R; 3],
     /// Quotients `(a_i - a_j)/(e_i - e_j)`, by the third index.
     pub quotients: [R; 3],
@@ -101,7 +101,7 @@ impl<R: Real> Curvatures<R> {
 }
 
 impl<R: Enclosed> Sum<R> {
-    /// Value, and slopes.
+    /// Returns the value of the sum and its slopes `f'`.
     pub fn slopes(&self, state: &State<R>) -> (R, [R; 3]) {
         let State { logs, squares } = state;
         let total = |[a, b, c]: [R; 3]| a + b + c;
@@ -208,7 +208,7 @@ fn sine_quotient<R: Enclosed>(x: R) -> R {
         .fold(rest, |sum, n| sum * square / factor(n) + 1.0)
 }
 
-/// Ratio `sinh(q t)/sinh(t)`.
+/// Ratio `sinh(q t)/sinh(t)` of hyperbolic sines.
 fn ratio_of_sines<R: Enclosed>(q: R, t: R) -> R {
     if !is_beyond(t, 1.0) {
         return q * sine_quotient(q * t) / sine_quotient(t);

@@ -441,7 +441,7 @@ fn a_stable_law_is_proved_and_an_unstable_one_has_no_constants() -> Outcome {
 
 #[test]
 fn steep_laws_are_proved_in_wide_ranges() -> Outcome {
-    // Laws with exponents, one of which is below 1, and polynomials whose demands are active at the limit of the range.
+    // Laws with exponents, also below 1, and polynomials whose constraints are active at the limit of the range.
     for (data_of, law) in [
         ("treloar", "ogden-2"),
         ("treloar", "polynomial-2"),
@@ -463,7 +463,7 @@ fn steep_laws_are_proved_in_wide_ranges() -> Outcome {
     Ok(())
 }
 
-/// Fit with fixed constants, of which nothing is left to fit but `mu1`.
+/// Fit of `mu1` alone, with all other constants fixed.
 fn of_constants(law: &str, constants: &[(&str, f64)]) -> Result<Fit, Box<dyn Error>> {
     let options = Options {
         range: Some(Range::Box(0.25, 4.0)),

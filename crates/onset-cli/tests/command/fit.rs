@@ -698,7 +698,7 @@ fn fits_that_say_nothing_are_not_silent() {
         "",
     );
     assert!(
-        unwrapped(&exact.stdout).contains("as many points as there are constants"),
+        unwrapped(&exact.stdout).contains("the number of points equals the number of constants"),
         "{}",
         exact.stdout
     );

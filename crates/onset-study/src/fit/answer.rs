@@ -55,7 +55,7 @@ pub struct LossAnswer {
 pub struct LockAnswer {
     /// Loading of the specimen.
     pub mode: Mode,
-    /// Imposed stretch.
+    /// Stretch that the test imposes.
     pub stretch: f64,
 }
 
@@ -96,7 +96,7 @@ pub struct LawAnswer {
     pub other_optima: usize,
     /// Number of different measured conditions beyond the number of free constants; with 0, the error says nothing.
     pub spare_points: usize,
-    /// Constants at their bounds, besides fixed ones.
+    /// Names of the free constants at their bounds.
     pub at_bounds: Vec<String>,
     /// First state in the range at which the chains of the law are straight.
     pub locks: Option<LockAnswer>,
@@ -464,7 +464,7 @@ fn remarks(laws: &[LawAnswer]) -> Vec<String> {
     let exact = all(&|own| own.spare_points == 0);
     if !exact.is_empty() {
         notes.push(format!(
-            "{exact}: the tests have as many points as there are constants, so that the error says nothing; add points, or choose laws with fewer constants"
+            "{exact}: the number of points equals the number of constants, so that the error does not measure the fit; add points, or choose laws with fewer constants"
         ));
     }
     for own in laws {
@@ -484,8 +484,7 @@ fn remarks(laws: &[LawAnswer]) -> Vec<String> {
                 short(lock.stretch),
                 lock.mode.name(),
                 match own.fit.family.ends_at_locking() {
-                    true =>
-                        "beyond, it has no energy, and stability means that of the states before",
+                    true => "no energy exists beyond, and only the states before are called stable",
                     false => "beyond, its series continues without a limit",
                 }
             ));

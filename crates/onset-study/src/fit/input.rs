@@ -224,8 +224,7 @@ impl Tests {
         }
         if all.tests.iter().all(|test| test.mode == Mode::Volumetric) && !all.tests.is_empty() {
             return Err(TableError::Tests {
-                message: "volumetric tests alone determine no constant besides the bulk modulus"
-                    .to_owned(),
+                message: "volumetric tests alone determine only the bulk modulus".to_owned(),
                 hint: "add a uniaxial, equibiaxial, planar or simple shear test".to_owned(),
             });
         }
@@ -380,7 +379,7 @@ fn experiment(line: &str) -> Option<Vec<&str>> {
 /// Points with their lines.
 type Rows = Vec<(usize, Point)>;
 
-/// Test of a deck, with the material to which it belongs.
+/// Test of a deck, with the name of its material.
 type OfMaterial = (Option<String>, Test);
 
 /// Loading that a text names.
@@ -1300,7 +1299,7 @@ impl Table<'_> {
                 self.line(
                     n + 1,
                     format!("the file {} cannot be read: {error}", path.display()),
-                    "the file is looked for in the folder of the deck",
+                    "put the file into the folder of the deck, or correct its name",
                 )
             })?;
             let own = Table {

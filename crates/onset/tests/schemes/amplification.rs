@@ -165,7 +165,7 @@ fn only_stable_waves_bound_the_step() {
 #[test]
 fn waves_without_energy_and_strong_damping_leave_the_step_of_the_other_waves() {
     let k = SVector::from([1.0, 2.0]);
-    // A squared frequency that is rounding, beside an oscillation whose limit in forward Euler is c / omega^2.
+    // A squared frequency that is rounding, and an oscillation whose limit in forward Euler is c / omega^2.
     let system = held([1e-17, 20.0], [1e-10, 1e-3]);
     let step = critical_time_step_at(&system, Integrator::ForwardEuler, &k);
     assert!((step - 5e-5).abs() < 1e-10, "{step}");

@@ -591,7 +591,7 @@ fn invalid_meshes_are_rejected() {
     assert!(ElementMesh::Bricks.mesh::<3>(-1.0).is_err());
 }
 
-/// Waves at rest with a law of given constants.
+/// Waves in the reference configuration with a law of given constants.
 fn at_rest_with<const D: usize>(
     mesh: ElementMesh,
     formulation: Formulation,
@@ -824,7 +824,7 @@ fn lumped_masses_of_quadratic_elements_have_the_shares_of_textbooks() {
 
 #[test]
 fn row_sums_of_quadratic_elements_that_are_not_positive_are_refused() {
-    // Corners of quadrilaterals have -1/12 of each of four elements, corners of triangles have none.
+    // Corners of quadrilaterals have -1/12 of each of four elements, corners of triangles have zero mass.
     let refused = |mesh| match quadratic::<2>(mesh, ElementMass::Lumped) {
         Err(MethodError::Mesh(MeshError::Massless { site: 0, share })) => share,
         other => panic!("{other:?}"),

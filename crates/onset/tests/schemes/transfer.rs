@@ -483,7 +483,7 @@ impl<const D: usize> Mode<D> {
     ) -> Self {
         let (omega_squared, mode) = waves.system().modes(&k).swap_remove(branch);
         let factor = waves.factors(&k, dt)[branch][0];
-        // With w = (z - 1) u / dt after the forces and s = w + dt omega^2 u before: z v_p = flip v_p + N (w - flip s), and with XPIC
+        // w = (z - 1) u / dt after the forces, s = w + dt omega^2 u before. Then z v_p = flip v_p + N (w - flip s). With XPIC
         // z v_p = N (w - s + (1 - L^k)/(1 - L) s).
         let after = (factor - 1.0) / dt;
         let before = after + omega_squared * dt;
@@ -835,7 +835,7 @@ fn xpic_of_high_order_is_flip_without_the_velocities_that_the_grid_does_not_reso
     let step = 0.6 * flip.critical_time_step();
     for n in 0..25 {
         let k = SVector::from([f64::from(n % 5), f64::from(n / 5)]) * (TAU / 0.8 / 9.0);
-        // Waves that the points hardly see need more terms.
+        // Waves with small velocities at the points need more terms.
         let left = own.lost(&k).powi(100);
         let [own, flip] = [&own, &flip].map(|waves| waves.factors(&k, step).concat());
         for (a, b) in own.iter().zip(flip) {
@@ -905,7 +905,7 @@ const REFERENCE_STEPS: [(u32, f64, f64); 7] = [
 ];
 
 #[test]
-fn the_largest_step_of_fmpm_falls_with_the_order_to_that_of_the_consistent_mass_matrix() {
+fn the_largest_step_of_fmpm_falls_with_the_order_to_the_step_of_the_consistent_mass_matrix() {
     // Minimum over 200,000 wave vectors of the closed form, which agrees with the eigenvalues of the matrix of a step of a patch of eight cells in NumPy
     // to 1e-13.
     let spline = GridFunctions::QuadraticSpline;
@@ -922,7 +922,7 @@ fn the_largest_step_of_fmpm_falls_with_the_order_to_that_of_the_consistent_mass_
 
 #[test]
 fn the_largest_step_of_fmpm_has_no_limit_above_zero_where_a_wave_vanishes_at_the_points() {
-    // One point at the center does not see the wave of the length 2 h move, but strain: omega = 2 c/h, and the inverse mass is k times the lumped one.
+    // The wave of length 2 h strains a point at the center without moving it: omega = 2 c/h, and the inverse mass is k times the lumped one.
     for order in [1, 2, 4, 8, 50] {
         for functions in [GridFunctions::Linear, GridFunctions::QuadraticSpline] {
             let found = largest_step_of_a_chain(1, functions, Transfer::FullMass { order });
