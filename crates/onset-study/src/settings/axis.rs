@@ -189,7 +189,8 @@ mod tests {
         names.retain(|name| !name.starts_with("material."));
         let others = "stretch-1 stretch-2 stretch-3 shear rotation discretization.aspect discretization.perturbation \
                       discretization.spacing discretization.density discretization.support \
-                      discretization.stress-point-weight discretization.penalty discretization.viscosity \
+                      discretization.stress-point-weight discretization.penalty \
+                      discretization.shear-coefficient discretization.viscosity \
                       discretization.artificial-stress discretization.artificial-stress-exponent \
                       discretization.velocity-smoothing discretization.hourglass-stiffness \
                       discretization.hourglass-viscosity discretization.modification discretization.horizon \

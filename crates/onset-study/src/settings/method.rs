@@ -361,7 +361,10 @@ const CONFORMING: Cases = &[&[is(METHOD, &["conforming"])]];
 const PERIDYNAMICS: Cases = &[&[is(METHOD, &["peridynamics"])]];
 const BONDS: Cases = &[&[is("discretization.bonds", &["bond-based"])]];
 const CORRESPONDENCE: Cases = &[&[is("discretization.bonds", &["correspondence"])]];
-const CONTROL: Cases = &[&[is_not("discretization.control", &["none"])]];
+const CONTROL: Cases = &[&[is(
+    "discretization.control",
+    &["penalty", "hourglass", "stiffness-tensor"],
+)]];
 const POINTS: Cases = &[&[is(METHOD, &["material-points"])]];
 const SEVERAL_POINTS: Cases = &[&[is_not("discretization.points-per-side", &["1"])]];
 const NODES: Cases = &[&[is(
