@@ -40,6 +40,7 @@ use onset_study::output::{Files, Output, OutputError, text};
 use onset_study::reproduce;
 use onset_study::settings::{
     MaterialSettings, Program, SettingError, Settings, Study, Trust, did_you_mean, law_of,
+    preset_names,
 };
 use std::fmt::Display;
 use std::io::ErrorKind;
@@ -415,6 +416,13 @@ impl SetArguments {
     fn all(&self) -> Result<Vec<String>, Failure> {
         let mut assignments = with_energy(&self.assignments, self.energy.as_deref())?;
         if let Some(preset) = &self.preset {
+            if !preset_names().any(|name| name == preset) {
+                let known: Vec<&str> = preset_names().collect();
+                return Err(Failure::input(format!(
+                    "--as {preset}: unknown code\n  hint: expected {} (onset list presets)",
+                    known.join(", ")
+                )));
+            }
             let key = "discretization.method";
             if let Some(assignment) = another(&assignments, key, preset) {
                 return Err(Failure::input(format!(

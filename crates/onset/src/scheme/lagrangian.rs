@@ -62,6 +62,14 @@ impl<const D: usize> LagrangianPoint<D> {
         self.along.as_deref().unwrap_or(&self.gradients)
     }
 
+    /// Other particle on which a point with two forces acts; `None` if the forces follow the gradients.
+    pub(super) fn far_end(&self) -> Option<&Particle<D>> {
+        let along = self.along.as_ref()?;
+        let others = self.particles.iter().zip(along).skip(1);
+        let mut loaded = others.filter(|(_, along)| along.norm_squared() > 0.0);
+        loaded.next().map(|(particle, _)| particle)
+    }
+
     /// Reference volume of the point; length^D.
     pub fn volume(&self) -> f64 {
         self.volume

@@ -51,6 +51,11 @@ pub(crate) const PRESETS: &[Preset] = &[
     taichi_mpm88::PRESET,
 ];
 
+/// Names of all presets, in the order of lists.
+pub fn preset_names() -> impl Iterator<Item = &'static str> {
+    PRESETS.iter().map(|preset| preset.name)
+}
+
 #[cfg(test)]
 mod tests {
     use super::{METHOD, PRESETS};

@@ -10,7 +10,7 @@ use crate::material::{Hyperelastic, MaterialError};
 use crate::method::MethodError;
 use crate::real::Real;
 use crate::scheme::lagrangian::{LagrangianPoint, Stressed};
-use crate::scheme::{Interaction, Motion};
+use crate::scheme::{Interaction, Motion, StrainOperator};
 use nalgebra::{SMatrix, SVector};
 use std::collections::BTreeMap;
 
@@ -115,6 +115,30 @@ pub(super) fn between_families<const D: usize>(
         }
     }
     points
+}
+
+/// Strains of bonds as far as their stresses act: the strain of each bond, times `1 - exp(i k.X_IJ)` for a wave.
+///
+/// The force of a bond acts on its ends with opposite signs. It adds nothing to the force on a wave that displaces both ends equally, although the wave may
+/// strain the bond. The product is the strain of the bond minus the strain of the bond moved by `X_IJ`. It exists in this form if both ends are equivalent
+/// particles; otherwise the strain alone is taken.
+pub(super) fn acting_strains<const D: usize>(points: &[LagrangianPoint<D>]) -> StrainOperator<D> {
+    let mut strain = StrainOperator::new();
+    for point in points {
+        let mut seen: BTreeMap<Particle<D>, SVector<f64, D>> = BTreeMap::new();
+        let far_end = point.far_end();
+        let shift = far_end.filter(|end| end.site == point.particles()[0].site);
+        for (particle, gradient) in point.particles().iter().zip(point.gradients()) {
+            *seen.entry(*particle).or_insert_with(SVector::zeros) += gradient;
+            if let Some(end) = shift {
+                let moved = particle.moved(&end.cell);
+                *seen.entry(moved).or_insert_with(SVector::zeros) -= gradient;
+            }
+        }
+        let (particles, gradients): (Vec<_>, Vec<_>) = seen.into_iter().unzip();
+        strain.add_strain(&particles, gradients);
+    }
+    strain
 }
 
 /// Vectors of forces on the particle itself and on its neighbors, which add up to zero.

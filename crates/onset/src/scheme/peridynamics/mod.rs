@@ -481,6 +481,13 @@ impl<const D: usize> Discretization<D> for Peridynamics<D> {
     }
 
     fn strain(&self) -> Result<StrainOperator<D>, MethodError> {
+        let is_pairwise = self.choices.model
+            == BondModel::BondAssociated {
+                form: BondForm::One,
+            };
+        if is_pairwise {
+            return Ok(correspondence::acting_strains(&self.points));
+        }
         let mut strain = strains(&self.points);
         match self.choices.model {
             BondModel::BondBased { .. } | BondModel::Ordinary => {
