@@ -138,7 +138,7 @@ pub struct Fitted {
     pub misfits: Vec<Misfit>,
     /// First losses of the criteria in tension up to stretch 10; for incompressible response.
     pub limits: Vec<Limit>,
-    /// Lowest state of the criteria in the range; `None` without a range.
+    /// State of the range at which a stability criterion has its smallest value; `None` without a range.
     pub worst: Option<Worst>,
     /// Standard deviations and correlations of the constants.
     pub uncertainty: Uncertainty,

@@ -142,7 +142,10 @@ pub enum UmatError {
         state: Box<Matrix3<f64>>,
     },
     /// State that cannot be decomposed into stretch and rotation.
-    #[error("increment {increment} has no logarithmic strain{}", at_state(state))]
+    #[error(
+        "the logarithmic strain of increment {increment} cannot be computed{}\n  hint: check the deformation gradient, or set material.increments to a larger number",
+        at_state(state)
+    )]
     Increment {
         /// Number of the increment, from 1.
         increment: u32,

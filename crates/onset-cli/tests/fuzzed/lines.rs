@@ -470,7 +470,7 @@ impl Source {
             .filter(|(own, ..)| own == section)
             .collect();
         for (n, (_, name, value)) in own.iter().enumerate() {
-            // A key occurs once, except by mistake.
+            // TOML admits each key once; sometimes a duplicate is written to test its rejection.
             let is_again = own[..n].iter().any(|(_, other, _)| other == name);
             if is_again && !self.chance(2) {
                 continue;

@@ -36,8 +36,8 @@ pub struct DiscreteTimeAnswer {
     /// Whether the user set the step.
     #[serde(skip)]
     is_step_set: bool,
-    /// Complex rate `s` of the fastest wave with a length of eight cells along the first axis; 1/time. The real part is minus the damping. `null`
-    /// without a time step.
+    /// Complex rate `s` of the wave of wavelength eight grid cells along axis 1 on the highest branch (longitudinal in most materials), the less damped of its
+    /// two solutions; 1/time. The damping is `-Re s`. `null` without a time step.
     pub longitudinal_wave: Option<ComplexNumber>,
 }
 

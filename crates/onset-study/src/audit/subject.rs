@@ -93,7 +93,7 @@ impl Subject<'_> {
 }
 
 impl Subject<'_> {
-    /// Last increment on the way to a state; the whole deformation for a law without history.
+    /// Relative deformation gradient `F F_(n-1)^-1` of the last increment of the path to `f`; `f` itself for a law without history.
     ///
     /// # Errors
     /// [`MaterialError`] when no path leads to the state.

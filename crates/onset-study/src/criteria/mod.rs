@@ -93,7 +93,7 @@ fn told(notes: &[String]) -> String {
     lines.collect()
 }
 
-/// Material law of the answer.
+/// Law under study as reported: name, parameters with units, symmetry, small-strain moduli and remarks.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LawAnswer {
     /// Name of the law as in `onset list materials`.

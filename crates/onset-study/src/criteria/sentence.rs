@@ -238,7 +238,7 @@ pub(super) fn witness(witness: &Witness) -> String {
             let sure = if *verified {
                 "gain verified in intervals"
             } else {
-                "gain to rounding, not verified in intervals"
+                "lowers the energy in floating point; not verified in interval arithmetic"
             };
             format!(
                 "a = {}, N = {} ({sure}{edge})",

@@ -552,7 +552,7 @@ impl LawAnswer {
         let mut misfits = result.misfits.clone();
         for (n, test) in data.iter().enumerate() {
             if kappa.is_some() && test.mode == Mode::Volumetric {
-                // The bulk modulus alone gives the volumetric response, with or without a demand.
+                // The volumetric response depends on the bulk modulus only, with or without the stability constraint.
                 let own = volumetric_misfit(test, &settings)?;
                 misfits[n] = own.clone();
                 fit.free.misfits[n] = own;
@@ -738,7 +738,7 @@ impl fmt::Display for FitAnswer {
             };
             writeln!(
                 formatter,
-                "  sum of squares {}, {optimum}; without the demand {}",
+                "  sum of squares {}, {optimum}; without the stability constraint {}",
                 told(own.loss),
                 told(own.free_loss)
             )?;

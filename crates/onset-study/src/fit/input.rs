@@ -711,7 +711,7 @@ impl Table<'_> {
                 UNITS,
             ));
         }
-        // Columns that say the same in another way.
+        // Redundant columns: the stretch given a second time as strain or true strain.
         let twins: Vec<(Column, usize, Option<String>)> = columns
             .iter()
             .enumerate()

@@ -143,7 +143,8 @@ pub struct Record {
     pub growth_rate: f64,
     /// Critical time step of central differences; time.
     pub critical_time_step: f64,
-    /// Signed dimensionless measures, smooth almost everywhere, whose zeros are the boundaries between verdicts.
+    /// Signed dimensionless measures whose zeros are the boundaries between verdicts: the smallest acoustic eigenvalue divided by the reference stiffness, the
+    /// scaled minimum, and its long-wave limit. NaN if not evaluated.
     pub measures: [f64; 3],
     /// Proved facts about the state.
     pub proof: Proof,

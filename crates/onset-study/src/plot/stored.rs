@@ -63,7 +63,7 @@ impl StoredMap {
                 .material
                 .fingerprint_is(store.attributes().get(LIBRARY));
         }
-        // The layout is checked before anything of its size is read.
+        // The layout is checked first, because it determines how much memory the fields need.
         store.check(&stored_layout(&study, store.attributes()))?;
         Ok(Self {
             store,

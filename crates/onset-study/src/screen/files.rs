@@ -27,7 +27,7 @@ impl<'r> ScreenFiles<'r> {
         "modes.vtu",
     ];
 
-    /// Writes into a folder, with fields of at most `most` frames.
+    /// Begins the output of a screened run. Fields are written for at most `most` frames, evenly spaced.
     ///
     /// # Errors
     /// [`ScreenError::Output`] if the folder cannot be written.

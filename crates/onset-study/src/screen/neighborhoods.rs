@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn alternating_particles_have_about_their_amplitude() {
+    fn the_short_wave_measure_of_alternating_particles_is_about_their_amplitude() {
         let reference = lattice(15);
         let near = Neighborhoods::new(&reference, 2, 2.01);
         let x: Vec<[f64; 3]> = reference

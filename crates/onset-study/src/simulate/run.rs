@@ -340,7 +340,7 @@ fn begun(course: &Course, place: Option<&Place>) -> Result<Progress, SimulateErr
     let bytes = input::bytes(&path, input::MOST_OUTPUT).map_err(|error| {
         wrong(
             format!("cannot read the checkpoint: {error}"),
-            "leave --resume out to begin",
+            "start afresh with --overwrite, or choose another folder",
         )
     })?;
     Progress::of_bytes(&path, &bytes, &course.mark, &course.start)

@@ -36,7 +36,7 @@ pub struct Kink {
     pub largest_stress: f64,
     /// Jump of the mean Cauchy stress. Units of stress.
     pub mean_stress: f64,
-    /// Jump of the second derivative of the energy by `J` at constant shape. Units of stress.
+    /// Jump of the second derivative of the energy with respect to `J` at constant isochoric deformation. Units of stress.
     pub bulk_tangent: f64,
     /// Parameters `ln lambda` of the states on the two sides.
     pub(super) sides: [f64; 2],

@@ -203,7 +203,7 @@ impl PlaneStress {
                     condensed,
                 });
             }
-            // The condition also fails for NaN.
+            // A step that is not a number means that the iteration has diverged.
             let admitted = (CONTRACTION * last).min(LARGEST_FIRST_STEP);
             if step.is_nan() || step > admitted {
                 return Err(Unsettled::Lost);

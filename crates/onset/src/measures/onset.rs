@@ -178,7 +178,7 @@ fn first(
     probe: impl Fn(f64) -> Result<Probe, MethodError>,
 ) -> Result<StretchOnset, MethodError> {
     let stretch = |n: usize| 1.0 + (end - 1.0) * n as f64 / SAMPLING_STEPS as f64;
-    // The reference state is marginal if modes have no energy. A state near it is evaluated instead.
+    // With zero-energy modes the reference state is marginal; a state close to it is evaluated instead.
     let beside = 1.0 + 1e-6 * (end - 1.0);
     let mut before = (beside, probe(beside)?);
     match before.1.0 {

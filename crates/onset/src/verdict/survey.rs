@@ -242,7 +242,7 @@ impl<const D: usize> StateWaves<D> {
         })
     }
 
-    /// Search over the zone of the wave vectors.
+    /// Returns the search over the Brillouin zone.
     pub fn search(&self) -> &ZoneSearch<D> {
         match self {
             Self::Direct(waves) => &waves.search,

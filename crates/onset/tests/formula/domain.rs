@@ -227,7 +227,7 @@ fn nothing_is_proved_at_a_kink_and_a_laminate_there_has_less_energy() {
         // Layers on both sides of the kink.
         let energy = |shift: f64| law.energy(&state([2.0 + shift, 0.5, 1.0]));
         assert!(energy(1e-3) + energy(-1e-3) < 2.0 * energy(0.0), "{part}");
-        // Near the kink the law is unremarkable.
+        // Away from the kink the proof succeeds.
         let beside = state([2.0, 0.51, 1.0]);
         let proof = certify_3d(&law, &beside, 1e-6).expect("a scale");
         assert!(proof.certainty.is_decided(), "{part}: {proof:?}");

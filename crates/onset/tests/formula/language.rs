@@ -203,7 +203,7 @@ fn unreserved_names_are_parameters() {
 }
 
 #[test]
-fn a_formula_reports_the_symmetry_it_may_lack() {
+fn a_formula_reports_whether_it_is_isotropic_and_uses_components() {
     for (text, components, isotropic) in [
         ("I1 + I2bar*J", false, true),
         ("I1 + I4", false, false),

@@ -589,7 +589,7 @@ fn points_lines_and_the_whole_zone_are_distinguished() {
     let zeros: Vec<_> = bricks.modes.iter().filter(|m| m.is_zero()).collect();
     assert_eq!(zeros.len(), 1, "{zeros:?}");
     assert_eq!((zeros[0].extent, zeros[0].nullity), (Extent::Line, 3));
-    // The shortest is the middle of an edge.
+    // The reported wave vector, the shortest on these lines, is the midpoint of an edge of the zone.
     let mut place = zeros[0].wave_vector.map(|k| k.abs() / TAU);
     place.as_mut_slice().sort_by(f64::total_cmp);
     assert!(

@@ -112,7 +112,7 @@ fn assert_elements<const D: usize>(mesh: Mesh<D>) {
 }
 
 #[test]
-fn elements_of_every_kind_pass_the_battery_and_have_the_long_waves_of_the_material() {
+fn elements_of_every_kind_pass_the_scheme_checks_and_reproduce_the_long_wave_limit() {
     for mesh in ElementMesh::ALL {
         match mesh.dimension() {
             1 => assert_elements::<1>(mesh.mesh(SPACING).expect("a mesh")),

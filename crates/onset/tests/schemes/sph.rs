@@ -418,7 +418,7 @@ fn alternating_particles_obey_swegles_criterion() {
                 );
             }
         }
-        // Galerkin integration has no force of the stress of a particle on itself, which is half of the force.
+        // In Galerkin integration the stress of a particle exerts no force on that particle; in SPH this term is half of the force.
         let choices = KernelChoices {
             density: 1.3,
             kernel,

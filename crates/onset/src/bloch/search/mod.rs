@@ -736,7 +736,7 @@ impl<const D: usize> ZoneSearch<D> {
         self.to_reference * self.zone().folded(&(self.from_reference * k))
     }
 
-    /// Number of times that a reference wave vector fits into the searched zone; infinite for zero.
+    /// Largest `t` for which `t k` lies in the searched zone; infinite for `k = 0`.
     pub fn reach(&self, k: &SVector<f64, D>) -> f64 {
         self.zone().reach(&(self.from_reference * k))
     }
