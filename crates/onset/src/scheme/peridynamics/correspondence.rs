@@ -117,10 +117,10 @@ pub(super) fn between_families<const D: usize>(
     points
 }
 
-/// Strains of bonds as far as their stresses act: the strain of each bond, times `1 - exp(i k.X_IJ)` for a wave.
+/// Strains of bonds with stresses that act: the strain of each bond, times `1 - exp(i k.X_IJ)` for a wave.
 ///
-/// The force of a bond acts on its ends with opposite signs. It adds nothing to the force on a wave that displaces both ends equally, although the wave may
-/// strain the bond. The product is the strain of the bond minus the strain of the bond moved by `X_IJ`. It exists in this form if both ends are equivalent
+/// The force of a bond acts on its ends with opposite signs. The forces on a wave that displaces both ends equally cancel, although the wave may
+/// strain the bond. The product is the strain of the bond minus the strain of the bond moved by `X_IJ`. This form requires that both ends are equivalent
 /// particles; otherwise the strain alone is taken.
 pub(super) fn acting_strains<const D: usize>(points: &[LagrangianPoint<D>]) -> StrainOperator<D> {
     let mut strain = StrainOperator::new();
