@@ -443,7 +443,7 @@ pub enum Command {
     /// Fit laws of rubber and foam to test data, stable in the range where they are used
     ///
     /// Reads tables of tests (CSV with a header, test data in decks of Abaqus) and finds the constants with the least squared errors for which the law
-    /// is stable at all states of a range. The answer ranks the laws. It gives the cost of the demand for stability, and the states at which
+    /// is stable at all states of a range. The answer ranks the laws. It gives the cost of the stability constraint, and the states at which
     /// the best fit without it would become unstable.
     #[command(after_help = FIT_EXAMPLES)]
     Fit(Box<FitArguments>),

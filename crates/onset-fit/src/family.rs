@@ -1,7 +1,7 @@
 //! Laws that can be fitted: energies as functions of the squares of the principal stretches and of the constants.
 //!
-//! The library of laws has its constants as numbers. Here they are variables, so that derivatives by them are exact. Each energy is a sum of terms,
-//! each a modulus times a function of at most two further constants; a test compares each family with the law of the library.
+//! The library of laws has its constants as numbers. Here they are variables, so that derivatives with respect to them are exact. Each energy is a sum
+//! of terms, each a modulus times a function of at most two further constants; a test compares each family with the law of the library.
 
 use crate::moduli::{Criterion, Moduli};
 use crate::sums::{Enclosed, State, Sum};
@@ -441,9 +441,9 @@ impl Family {
         shapes
     }
 
-    /// Derivatives of the energy by the logarithms of the principal stretches, at these logarithms.
+    /// Derivatives of the energy with respect to the logarithms of the principal stretches, at these logarithms.
     ///
-    /// Laws at constant volume are functions of all stretches that agree with the law where the volume is kept.
+    /// Incompressible laws are extended to all stretches and equal the law at `J = 1`.
     pub(crate) fn moduli<R: Enclosed>(&self, constants: &[f64], logs: [R; 3]) -> Moduli<R> {
         let state = State::new(logs);
         let mut moduli = Moduli::zero(&state);
@@ -461,7 +461,7 @@ impl Family {
         moduli
     }
 
-    /// Moduli of a term for a unit modulus, with derivatives by its further constants.
+    /// Moduli of a term for a unit modulus, with derivatives with respect to its further constants.
     pub(crate) fn moduli_of(
         term: &Term,
         constants: &[f64],
@@ -506,7 +506,7 @@ impl Family {
         moduli.add(&energy, [&slopes[0].1, &slopes[1].1], &curvatures);
     }
 
-    /// Principal Kirchhoff stresses, the derivatives of the energy by the logarithms of the principal stretches.
+    /// Principal Kirchhoff stresses, the derivatives of the energy with respect to the logarithms of the principal stretches.
     pub(crate) fn stresses(&self, constants: &[f64], logs: [f64; 3]) -> [f64; 3] {
         let mut all = [0.0; 3];
         for term in &self.terms {
@@ -518,7 +518,7 @@ impl Family {
         all
     }
 
-    /// Principal Kirchhoff stresses of a term for a unit modulus, with derivatives by its further constants.
+    /// Principal Kirchhoff stresses of a term for a unit modulus, with derivatives with respect to its further constants.
     pub(crate) fn stresses_of<R: Enclosed>(
         term: &Term,
         shapes: [R; SHAPES],

@@ -115,7 +115,7 @@ pub enum FitError {
         /// Name of the law.
         law: String,
     },
-    /// No constants satisfy all demands.
+    /// No constants satisfy the stability constraint.
     #[error("no constants of {law} are stable at all states of the range")]
     NotStable {
         /// Name of the law.
@@ -148,15 +148,15 @@ pub struct Fitted {
     pub locked: Option<(Mode, f64)>,
 }
 
-/// Result of a fit.
+/// Best constants of a law, with and without the stability constraint.
 #[derive(Clone, Debug, Serialize)]
 pub struct Fit {
     /// Law that was fitted.
     #[serde(skip)]
     pub family: Family,
-    /// Best constants without a demand for stability.
+    /// Best constants without the stability constraint.
     pub free: Fitted,
-    /// Best constants that are stable in the range; `None` if they are the free ones, or if nothing was demanded.
+    /// Best constants that are stable in the range; `None` if they are the free constants, or without a range.
     pub stable: Option<Fitted>,
     /// Whether the stability of the result is proved; `None` without a range.
     pub proof: Option<Proof>,
@@ -169,7 +169,7 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// The stable constants, or the free ones where nothing was demanded or lost.
+    /// The stable constants, or the free constants if they are stable or there is no range.
     pub fn result(&self) -> &Fitted {
         self.stable.as_ref().unwrap_or(&self.free)
     }
@@ -194,7 +194,7 @@ const SIMILAR: f64 = 0.05;
 const BOUND_TOLERANCE: f64 = 1e-6;
 /// Optima whose constants differ by less than this part are one.
 const CONSTANT_TOLERANCE: f64 = 1e-3;
-/// Number of free optima at which a fit with demands begins.
+/// Number of free optima at which a fit with the stability constraint begins.
 const STARTS_WITH_DEMANDS: usize = 6;
 
 /// Fits a law to tests.
@@ -452,7 +452,7 @@ impl Search<'_> {
         }
     }
 
-    /// Solution that satisfies the demands at all states of the range: states are added until the demands hold everywhere.
+    /// Solution that satisfies the stability constraint in the whole range: states are added until it holds everywhere.
     fn demanded(
         &self,
         problem: &Problem<'_>,
@@ -461,7 +461,7 @@ impl Search<'_> {
     ) -> Option<Solution> {
         let mut constants = start.to_vec();
         if self.family.is_linear() {
-            // Demands at a coarse grid keep the first constants close to the stable optimum.
+            // Constraints at a coarse grid keep the first constants close to the stable optimum.
             let compressible = self.family.is_compressible();
             cuts.extend(fence(&self.patches, &self.options.criteria, compressible));
         }

@@ -135,7 +135,7 @@ impl<R: Real> Moduli<R> {
         self.cofactors = self.cofactors + (xx * yy - xy * xy) * area * area;
     }
 
-    /// Second derivative by the logarithms of two stretches.
+    /// Second derivative with respect to the logarithms of two stretches.
     fn logarithmic(&self, i: usize, j: usize) -> R {
         match i == j {
             true => self.products[i][i] + self.diagonal[i],

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-/// Result of a proof.
+/// Outcome of the proof that a law is stable at all states of a range.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum Proof {
@@ -33,7 +33,7 @@ pub enum Proof {
 
 /// Largest number of cells.
 const CELLS: usize = 20_000;
-/// Number with derivatives by the parameters of a patch.
+/// Number with derivatives with respect to the parameters of a patch.
 type Slope = Dual<2, Interval>;
 /// Largest number of parts of the triangle of directions, for a form and for all cells together.
 const MOST_PARTS: usize = 5_000;

@@ -268,11 +268,11 @@ impl Criterion {
     }
 }
 
-/// Grid points of the first demands along an edge of a patch, and directions in each principal plane.
+/// Grid points of the first constraints along an edge of a patch, and directions in each principal plane.
 const FENCE_POINTS: usize = 9;
 const FENCE_DIRECTIONS: usize = 6;
 
-/// Demands at a coarse grid of states and perturbations of a range.
+/// Constraints at a coarse grid of states and perturbations of a range.
 pub(crate) fn fence(patches: &[Patch], criteria: &[Criterion], compressible: bool) -> Vec<Cut> {
     let mut cuts = Vec::new();
     for patch in patches {

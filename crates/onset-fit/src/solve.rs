@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 use onset::real::Dual;
 use rayon::prelude::*;
 
-/// Demand that a form of the law is not below a margin: `q(state, perturbation) >= margin q(reference)`.
+/// Constraint that a form of the law is not below a margin: `q(state, perturbation) >= margin q(reference)`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cut {
     pub criterion: Criterion,
@@ -32,7 +32,7 @@ impl From<Worst> for Cut {
     }
 }
 
-/// Least-squares problem with demands.
+/// Least-squares problem with stability constraints.
 pub(crate) struct Problem<'a> {
     pub family: &'a Family,
     pub equations: &'a Equations,
@@ -53,20 +53,20 @@ pub(crate) struct Solution {
 const MOST_STEPS: usize = 200;
 /// A step that lowers the sum of squares by less than this part is the last one.
 const LEAST_GAIN: f64 = 1e-13;
-/// Largest sum of violated demands, relative to the constants.
+/// Largest sum of violated constraints, relative to the constants.
 const MOST_VIOLATED: f64 = 1e-6;
-/// Fewest demands for which another thread is worth while.
+/// Fewest constraints for which another thread is worth while.
 const DEMANDS_OF_A_THREAD: usize = 64;
-/// Weight of a violated demand, relative to the sum of squares at the start.
+/// Weight of a violated constraint, relative to the sum of squares at the start.
 const PENALTY: f64 = 10.0;
 
 impl Problem<'_> {
-    /// Values of the demands with their derivatives, scaled by the size of the gradient.
+    /// Values of the constraints with their derivatives, scaled by the size of the gradient.
     fn demands(&self, constants: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
         let terms = self.family.terms();
         let shear = |term| Family::moduli_of(term, constants, [0.0; 3]).shear_modulus();
         let shears: Vec<Dual<2>> = terms.iter().map(shear).collect();
-        // Value and derivatives of a demand.
+        // Value and derivatives of a constraint.
         let row = |cut: &Cut| {
             let mut value = 0.0;
             let mut slope = DVector::<f64>::zeros(constants.len());
@@ -91,7 +91,7 @@ impl Problem<'_> {
         (values, slopes)
     }
 
-    /// Solution from a first guess; `None` if no constants satisfy the demands, or the law is not defined at the guess.
+    /// Solution from a first guess; `None` if no constants satisfy the constraints, or the law is not defined at the guess.
     pub fn solve(&self, start: &[f64]) -> Option<Solution> {
         let mut constants = start.to_vec();
         self.confine(&mut constants);
@@ -241,7 +241,7 @@ impl Problem<'_> {
         if (0..columns).any(|n| upper[(n, n)].abs() < 1e-14) {
             return None;
         }
-        // Conditions on the scaled step: demands, and bounds of the constants.
+        // Conditions on the scaled step: constraints, and bounds of the constants.
         let mut conditions: Vec<(DVector<f64>, f64)> = Vec::new();
         for row in 0..values.len() {
             let slope = DVector::from_fn(columns, |j, _| slopes[(row, free[j])] / sizes[j]);

@@ -20,7 +20,7 @@ pub struct Point {
     pub stress: f64,
 }
 
-/// Test of a specimen.
+/// Measured points of a specimen in one loading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Test {
     /// Name of the test in answers.
@@ -137,7 +137,7 @@ impl Equations {
         squares.sum::<f64>().sqrt()
     }
 
-    /// Scaled errors of a law, and their derivatives by its constants.
+    /// Scaled errors of a law, and their derivatives with respect to its constants.
     pub fn errors(&self, family: &Family, constants: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
         let mut errors = DVector::zeros(self.all.len());
         let mut jacobian = DMatrix::zeros(self.all.len(), constants.len());

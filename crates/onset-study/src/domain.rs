@@ -9,7 +9,7 @@ use onset::cancel::Scope;
 use onset::verdict::Verdict;
 use rayon::prelude::*;
 
-/// Class of a state in a map.
+/// Verdict on a state as maps show it, with separate classes for flutter and undefined states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     /// Verdict on the state.

@@ -1,4 +1,4 @@
-//! Blocks of other programs in the place of a study, in every command.
+//! Blocks of other programs in place of a study, in every command.
 
 use crate::{Written, document, onset_line};
 

@@ -183,7 +183,7 @@ impl SpaceAnswer {
     }
 }
 
-/// The discretization at a state.
+/// Stability of the discretization at a state, with its fastest growing or softest mode.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DiscretizationAnswer {
     /// Whether no mode grows.

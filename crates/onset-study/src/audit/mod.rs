@@ -68,7 +68,7 @@ fn hint(error: &MaterialError) -> &'static str {
 /// Largest relative error that is accepted; differences are accurate to about 1e-10.
 pub const TOLERANCE: f64 = 1e-6;
 
-/// The result of an audit.
+/// Verdict on the consistency of a material, with the checks behind it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Audit {
     /// Material with its parameters.

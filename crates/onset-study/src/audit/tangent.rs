@@ -10,7 +10,7 @@ use nalgebra::{SymmetricEigen, Vector6};
 use onset_umat::VOIGT;
 use serde::Serialize;
 
-/// Identification of a tangent.
+/// Errors of a delivered tangent against each convention, and the conventions that it may follow.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TangentFinding {
     /// Convention that the tangent should follow.

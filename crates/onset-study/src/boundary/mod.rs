@@ -255,7 +255,7 @@ fn trace(
     trace_boundary_from(window, &fineness, &grid, probe)
 }
 
-/// Summary of the boundaries of a study.
+/// Traced boundaries of a study, with the fidelity of the discretization.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// Title of the study.

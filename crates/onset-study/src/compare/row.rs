@@ -15,7 +15,7 @@ pub const WAVELENGTHS: [f64; 3] = [4.0, 8.0, 16.0];
 /// Wavelength in the short table, in particle spacings.
 pub(super) const SHORT_WAVELENGTH: f64 = 8.0;
 
-/// Row of a method in a comparison.
+/// Method of a comparison with its settings and measures.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
     /// Name of the method.

@@ -98,7 +98,7 @@ fn in_time<T>(work: impl FnOnce() -> T) -> Option<T> {
     unless(move || Instant::now() >= end, work)
 }
 
-/// Server of the questions of a page.
+/// Server of the interactive page: answers questions, and keeps recent states and maps.
 pub struct Explorer {
     /// Libraries that the user allows.
     trust: Trust,

@@ -3,7 +3,7 @@
 use super::Question;
 use serde::{Deserialize, Serialize};
 
-/// Entry of the zoo.
+/// Published report of an instability, with the question that reproduces it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Entry {
     /// Title of the report.

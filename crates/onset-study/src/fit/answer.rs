@@ -76,15 +76,15 @@ pub struct LawAnswer {
     pub loss: f64,
     /// Errors of each test.
     pub tests: Vec<Misfit>,
-    /// Error of the best fit without a demand for stability.
+    /// Error of the best fit without the stability constraint.
     pub free_error: f64,
-    /// Sum of squares of the best fit without a demand for stability.
+    /// Sum of squares of the best fit without the stability constraint.
     pub free_loss: f64,
-    /// First losses of the best fit without a demand, in tension up to stretch 10.
+    /// First losses of the best fit without the stability constraint, in tension up to stretch 10.
     pub free_losses: Vec<LossAnswer>,
     /// Losses of the result between the same stretches, outside of the range.
     pub losses: Vec<LossAnswer>,
-    /// Whether the best fit without a demand is stable in the range.
+    /// Whether the best fit without the stability constraint is stable in the range.
     pub needs_no_demand: bool,
     /// Proof of the stability of the result.
     pub proof: Option<Proof>,
@@ -106,7 +106,7 @@ pub struct LawAnswer {
     pub(super) fit: Fit,
 }
 
-/// Answer of a fit.
+/// Fitted laws with the tests, the range of the stability constraint, and remarks.
 #[derive(Clone, Debug, Serialize)]
 pub struct FitAnswer {
     /// Tests with the extent of their data.
@@ -115,11 +115,11 @@ pub struct FitAnswer {
     pub unit: Option<String>,
     /// Weights of the points.
     pub weights: Weights,
-    /// Range in which stability was demanded.
+    /// Range of the stability constraint.
     pub range: Option<Range>,
     /// Limits of the principal stretches of the range.
     pub stretches: Option<[f64; 2]>,
-    /// Criteria that were demanded.
+    /// Criteria of the stability constraint.
     pub criteria: Vec<Criterion>,
     /// Fitted laws, that with the smallest error first.
     pub laws: Vec<LawAnswer>,
@@ -626,7 +626,7 @@ impl LawAnswer {
         })
     }
 
-    /// Cost of the demand for stability, in words.
+    /// Cost of the stability constraint, in words.
     fn demand(&self) -> String {
         if self.proof.is_none() {
             return match self.free_losses.first() {

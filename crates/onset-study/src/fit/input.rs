@@ -322,7 +322,7 @@ impl Tests {
 
 /// Shear modulus from the points with the smallest strains; `None` without such points.
 fn initial_modulus(test: &Test) -> Option<f64> {
-    // Exponents of the strain of neo-Hooke's law, P = mu (lambda - lambda^-n).
+    // Exponents of the strain of the neo-Hookean law, P = mu (lambda - lambda^-n).
     let exponent = match test.mode {
         Mode::Uniaxial => -2,
         Mode::Equibiaxial => -5,

@@ -74,7 +74,7 @@ pub fn weights(name: &str, floor: Option<f64>) -> Result<Weights, FittingError> 
     }
 }
 
-/// Criteria that are demanded, by their name.
+/// Criteria of the stability constraint, by their name.
 ///
 /// # Errors
 /// [`FittingError::Choice`] if there is no such criterion.
@@ -92,7 +92,7 @@ pub fn criteria(name: &str) -> Result<Vec<Criterion>, FittingError> {
 /// Two positive stretches in ascending order, as `0.5,3`.
 ///
 /// # Errors
-/// What was expected.
+/// A sentence on the expected form, for the argument parser.
 pub fn stretches_between(text: &str) -> Result<[f64; 2], String> {
     let numbers = text.split(',').map(|own| own.trim().parse::<f64>().ok());
     match numbers.collect::<Option<Vec<f64>>>().as_deref() {
@@ -101,10 +101,10 @@ pub fn stretches_between(text: &str) -> Result<[f64; 2], String> {
     }
 }
 
-/// Range of demanded stability by its text, for example `box=0.3,4`. The text `none` is `None`.
+/// Range of the stability constraint by its text, for example `box=0.3,4`. The text `none` is `None`.
 ///
 /// # Errors
-/// What was expected.
+/// A sentence on the expected form, for the argument parser.
 pub fn stable_range(text: &str) -> Result<Option<Range>, String> {
     let expected = "expected data, data=FACTOR, box=LOW,HIGH, loadings=LOW,HIGH or none, for example box=0.3,4";
     let within = |own: &str| {

@@ -30,7 +30,7 @@ const VERDICT: &str = "verdict";
 const NOT_LOADED: &str =
     "Boundaries are the edges of cells: the library of the material was not loaded.";
 
-/// Description of a plot.
+/// Stores, field and appearance of a plot.
 #[derive(Clone, Copy, Debug)]
 pub struct Plot<'a> {
     /// Folders of the stores.

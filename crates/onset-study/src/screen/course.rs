@@ -343,7 +343,7 @@ struct Follower<'p> {
     has_begun: bool,
     /// Frame nearest to the time of the modes.
     nearest: Option<Nearest>,
-    /// Integral of the growth rate by the time step.
+    /// Integral of the growth rate caused by the time step.
     by_step: f64,
 }
 
@@ -683,7 +683,7 @@ impl<'p> Follower<'p> {
         Actual::new(self.problem, asked, self.run, nearest, &deformations).map(Some)
     }
 
-    /// Adds the growth by the time step; returns the ratio of the step to the largest stable one of the body.
+    /// Adds the growth caused by the time step; returns the ratio of the step to the largest stable one of the body.
     fn step(&mut self, before: f64, interval: f64, squared: f64, extra: f64) -> Option<f64> {
         let (limit, mode) = self.limited.as_ref()?;
         let (stepping, step) = self.question.stepping()?;

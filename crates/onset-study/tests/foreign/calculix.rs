@@ -3,7 +3,7 @@
 use crate::{agrees, invariants, ogden, read, told};
 use onset_study::settings::Program::{Abaqus, Calculix};
 
-/// `D_i = (0.1/mu)^i` in the place of zeros, as the sources of CalculiX have it.
+/// `D_i = (0.1/mu)^i` in place of zeros, as the sources of CalculiX have it.
 #[test]
 fn zeros_become_compressibilities_that_depend_on_the_units() {
     let block = "*MATERIAL, NAME=EL\n*HYPERELASTIC, POLYNOMIAL, N=2\n0.2, 0.05, 0.01, -0.003, 0.002, 0.1, 0.0\n";

@@ -50,7 +50,7 @@ impl<const D: usize, const B: usize> Monomials<D, B> {
         }
     }
 
-    /// Monomials of `xi / length` with their derivatives by `xi`.
+    /// Monomials of `xi / length` with their derivatives with respect to `xi`.
     pub(super) fn at(&self, xi: &SVector<f64, D>, length: f64) -> BasisValue<D, B> {
         let unit = xi / length;
         let derived = |by: [u8; D], scale: f64| {

@@ -65,7 +65,7 @@ pub(super) struct Turned<const D: usize> {
     pub(super) values: Vec<Complex>,
     /// Product of the norms of the left and right eigenvectors.
     pub(super) condition: f64,
-    /// First derivatives by each component of the wave vector, then second derivatives by `a` and `b <= a`.
+    /// First derivatives with respect to each component of the wave vector, then second derivatives with respect to `a` and `b <= a`.
     pub(super) parts: Vec<DMatrix<Complex>>,
 }
 

@@ -114,7 +114,7 @@ fn geometric(x: f64, n: u32) -> f64 {
 /// })?;
 /// let rest = DeformationGradient::identity();
 /// let waves = points.transferred(&ModifiedMooneyRivlin::default(), &rest)?;
-/// // A point in the middle sees the two nodes beside it alike: T = cos(k h/2)^2.
+/// // A point in the middle averages its two nodes: T = cos(k h/2)^2.
 /// let lost = waves.map(|waves| waves.lost(&Vector1::new(1.0)));
 /// assert!(lost.is_some_and(|lost| (lost - 0.5_f64.sin().powi(2)).abs() < 1e-14));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -169,12 +169,12 @@ impl<const D: usize> TransferredWaves<D> {
         &self.system
     }
 
-    /// Inverse mass of the nodes in a wave, over the inverse of the lumped mass; dimensionless.
+    /// Ratio of the inverse mass of the nodes in a wave to the inverse of the lumped mass; dimensionless.
     pub fn mobility(&self, k: &SVector<f64, D>) -> f64 {
         self.filter(k).mobility
     }
 
-    /// Velocities of the points in a solution with the factor `z`, over the displacements of the nodes interpolated to the points; 1/time.
+    /// Ratio of the velocities of the points to the interpolated displacements of the nodes, for the amplification factor `z`; 1/time.
     ///
     /// With `w = (z - 1) u / dt` after the forces and `s = w + dt omega^2 u` before, both for lumped masses, `z v = flip v + w - flip s` for a blend,
     /// `z v = w + (q - 1) s` for XPIC and `z v = w` for FMPM.

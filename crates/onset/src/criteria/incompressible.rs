@@ -36,7 +36,7 @@ impl Loading {
         ]
     };
 
-    /// Isochoric state at `s = ln lambda` with its derivative by `s`; `None` if the loading changes the volume.
+    /// Isochoric state at `s = ln lambda` with its derivative with respect to `s`; `None` if the loading changes the volume.
     pub(super) fn isochoric(self, s: f64) -> Option<(Matrix3<f64>, Matrix3<f64>)> {
         use super::Lateral::{Free, Held, PlaneStrain, PlaneStress};
         let powers = match (self.mode, self.lateral) {

@@ -373,7 +373,7 @@ impl<'a> JumpSearch<'a> {
         (self.admitted(state, free, &n), n)
     }
 
-    /// Transforms a gradient by amplitude and normal to a gradient by the free variables.
+    /// Transforms a gradient with respect to amplitude and normal to a gradient with respect to the free variables.
     fn pulled_back(
         &self,
         state: &Response,
@@ -445,7 +445,8 @@ impl<'a> JumpSearch<'a> {
         }
     }
 
-    /// Length of a jump along `d (x) N` to the reach, with its derivatives by `d` and `N`; `None` if the state already has the largest stretch.
+    /// Length of a jump along `d (x) N` to the reach, with its derivatives with respect to `d` and `N`.
+    /// `None` if the state already has the largest stretch.
     ///
     /// `F + t d (x) N` has the largest stretch `R` at the smallest `t > 0` with `det(R^2 - (F + t d (x) N) (F + t d (x) N)^T) = 0`. With
     /// `M = (R^2 - F F^T)^-1`, `f = F N`, `p = d . M d`, `q = d . M f` and `r = f . M f` it is `t = 1 / (q + sqrt(p (1 + r)))`.

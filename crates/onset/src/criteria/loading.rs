@@ -234,7 +234,7 @@ impl Loading {
         &free[..own]
     }
 
-    /// Imposed part of `F` at `s = ln lambda`, with its derivative by `s`. Free directions have length 1.
+    /// Imposed part of `F` at `s = ln lambda`, with its derivative with respect to `s`. Free directions have length 1.
     pub(super) fn imposed(self, s: f64) -> (Matrix3<f64>, Matrix3<f64>) {
         let stretch = s.exp();
         let (mut f, mut rate) = (Matrix3::identity(), Matrix3::zeros());
@@ -485,7 +485,7 @@ impl<'a> LoadingPath<'a> {
     /// ```
     /// use onset::criteria::{Criterion, Loading, LoadingPath, Range, follow};
     /// use onset::material::Law;
-    /// // Biot (1963): in equibiaxial compression the surface of neo-Hooke's rubber wrinkles at lambda^3 = 0.2956.
+    /// // Biot (1963): in equibiaxial compression the surface of a neo-Hookean solid wrinkles at lambda^3 = 0.2956.
     /// let law = Law::named("neo-hooke").ok_or("no such law")?.build(&[])?;
     /// let path = LoadingPath::incompressible(&*law, Loading::INCOMPRESSIBLE[1], &Range::default())?;
     /// let limit = follow(&path, Criterion::Surface, false).and_then(|track| track.limit());
@@ -1161,7 +1161,7 @@ impl Linear {
         self
     }
 
-    /// Finite-difference derivative by `s`, one-sided toward the reference configuration, where the law has a state.
+    /// Finite-difference derivative with respect to `s`, one-sided toward the reference configuration, where the law has a state.
     fn imposed_difference(
         &self,
         material: &dyn Hyperelastic,

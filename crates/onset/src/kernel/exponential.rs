@@ -20,7 +20,7 @@ const ERROR_FUNCTION: f64 = 0.999_977_909_503_001_4;
 /// `(c0 + c1 t + c2 t^2) exp(-t)`, `t = 9 q^2`, minus its Taylor polynomial about `t = 9`.
 pub(super) struct Exponential {
     polynomial: [f64; 3],
-    /// Value and first two derivatives by `t` at `t = 9`, times `exp(9)`.
+    /// Value and first two derivatives with respect to `t` at `t = 9`, times `exp(9)`.
     at_rim: [f64; 3],
 }
 

@@ -93,7 +93,8 @@ pub(crate) fn jet_of_invariants<R: Real>(
     })
 }
 
-/// Conversion of derivatives by `c = F_iJ F_iJ` and `j = det F` within the plane to derivatives by `F_11`, `F_12`, `F_21`, `F_22`.
+/// Conversion of derivatives with respect to `c = F_iJ F_iJ` and `j = det F` within the plane to derivatives with respect to `F_11`, `F_12`, `F_21`,
+/// `F_22`.
 struct InPlane<'a, R> {
     f: &'a [R; 4],
     energy: &'a Jet<2, R>,

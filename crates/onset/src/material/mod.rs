@@ -188,7 +188,7 @@ pub trait StrainEnergy {
         true
     }
 
-    /// Energy with its first and second derivatives by `F_11`, `F_12`, `F_21`, `F_22`. A law may override it with a faster method.
+    /// Energy with its first and second derivatives with respect to `F_11`, `F_12`, `F_21`, `F_22`. A law may override it with a faster method.
     fn plane_jet<R: Real>(&self, f: &[[R; 3]; 3]) -> Jet<4, R>
     where
         Self: Sized,

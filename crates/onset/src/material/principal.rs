@@ -4,10 +4,10 @@
 //!
 //! `W(C + D) = W + sum_i g_i D_ii + 1/2 sum_ij h_ij D_ii D_jj + sum_(i<j) theta_ij D_ij^2 + ...`, `theta_ij = (g_i - g_j) / (e_i - e_j)`.
 //!
-//! If the stiffness against changes of volume is much larger than all others, the energy is differentiated by `y_0 = ln J` and two coordinates `y_1`,
-//! `y_2` of the shape, `h_i = ln lambda_i = y_0/3 + b_1i y_1 + b_2i y_2`. The stiffness against changes of volume, `d^2 W/dy_0^2`, is then a separate
-//! number. It may exceed all others by any factor, and its rounding does not affect volume-preserving strains. With `w_i = dW/dh_i`,
-//! `g_i = w_i / (2 e_i)` and
+//! If the stiffness against changes of volume is much larger than all others, the energy is differentiated with respect to `y_0 = ln J` and two
+//! coordinates `y_1`, `y_2` of the isochoric part, `h_i = ln lambda_i = y_0/3 + b_1i y_1 + b_2i y_2`. The stiffness against changes of volume,
+//! `d^2 W/dy_0^2`, is then a separate number. It may exceed all others by any factor, and its rounding does not affect volume-preserving
+//! strains. With `w_i = dW/dh_i`, `g_i = w_i / (2 e_i)` and
 //!
 //! `theta_ij = (w_i - w_j) / (e_i - e_j) (1/e_i + 1/e_j) / 4 - (w_i + w_j) / (4 e_i e_j)`.
 //!
@@ -88,14 +88,14 @@ pub fn energy_of_stretches<R: Real>(
     expansion.at(&c)
 }
 
-/// Derivatives of an isotropic energy by `C` at one state, in the principal axes.
+/// Derivatives of an isotropic energy with respect to `C` at one state, in the principal axes.
 struct Expansion {
     /// Principal axes `n_i` in column `i`.
     axes: [[f64; 3]; 3],
     /// Eigenvalues `e_i` of `C`.
     eigenvalues: [f64; 3],
     value: f64,
-    /// First derivatives `g_i` by the eigenvalues.
+    /// First derivatives `g_i` with respect to the eigenvalues.
     first: [f64; 3],
     /// Second derivatives `h_ij`, without the part [`Local::volumetric`] divided by `4 e_i e_j`.
     second: [[f64; 3]; 3],
@@ -204,10 +204,10 @@ fn nothing_known<R: Real>(c: &[[R; 3]; 3]) -> R {
 /// Energy in interval arithmetic.
 ///
 /// In axes close to the principal axes `C = D + E` with `D` diagonal and `E` small. The eigenvalues of `D + t E` lie in Gershgorin's discs, where
-/// overlapping discs are merged, and `w` with its derivatives is enclosed there. With a bound `M` of the second derivative of the energy by `C` for
-/// all eigenvalues in the discs, the first derivative differs from `diag(g_i)` by at most `M |E|`, and no component of the second derivative exceeds
-/// `M`. If the discs are further apart than `|E|`, the principal axes are known, and the second derivative follows from the eigenvalues in the discs
-/// up to the tilt of the axes. The result is `None` if a disc reaches zero, or if a part is undefined.
+/// overlapping discs are merged, and `w` with its derivatives is enclosed there. With a bound `M` of the second derivative of the energy with
+/// respect to `C` for all eigenvalues in the discs, the first derivative differs from `diag(g_i)` by at most `M |E|`, and no component of the second
+/// derivative exceeds `M`. If the discs are further apart than `|E|`, the principal axes are known, and the second derivative follows
+/// from the eigenvalues in the discs up to the tilt of the axes. The result is `None` if a disc reaches zero, or if a part is undefined.
 fn enclosed<R: Real>(
     energy: &impl PrincipalEnergy,
     c: &[[R; 3]; 3],
@@ -388,15 +388,15 @@ const BY_SHAPE: [[f64; 3]; 3] = {
     [[third, a, b], [third, -a, b], [third, 0.0, -2.0 * b]]
 };
 
-/// The volumetric stiffness is separated if it exceeds the shape stiffness by this ratio. Below it derivatives by each stretch keep more digits if
-/// the stretches differ much.
+/// The volumetric stiffness is separated if it exceeds the shape stiffness by this ratio. Below it derivatives with respect to each stretch keep more
+/// digits if the stretches differ much.
 const STIFF_RATIO: f64 = 1e6;
 
 /// Energy with its derivatives in one of two sets of variables.
 enum Local {
     /// Derivatives with respect to the logarithmic stretches `h_i`.
     Stretches(Jet<3>),
-    /// Derivatives by `y_0`, `y_1` and `y_2`.
+    /// Derivatives with respect to `y_0`, `y_1` and `y_2`.
     VolumeAndShape(Jet<3>),
 }
 

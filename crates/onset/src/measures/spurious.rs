@@ -53,7 +53,7 @@ pub struct SpuriousModes<const D: usize> {
     pub is_complete: bool,
     /// Lowest relative frequency in the zone, long waves included: 0 with zero-energy modes, 1 if no wave is slower than in the material.
     ///
-    /// `None` if the slowest waves of the material have no energy for comparison, as shear waves of fluids.
+    /// `None` if the slowest waves of the material have frequency zero, as shear waves of fluids.
     pub weakest: Option<f64>,
 }
 

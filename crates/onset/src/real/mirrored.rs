@@ -29,7 +29,7 @@ pub enum Mirrored<R = f64> {
     Constant(f64),
     /// Even function of `F_12` and `F_21`.
     Even(Even<R>),
-    /// Odd, with its derivatives by `F_12` and `F_21`.
+    /// Odd, with its derivatives with respect to `F_12` and `F_21`.
     Odd([R; 2]),
     /// Neither even nor odd, so that no derivatives are known.
     Neither,
@@ -42,9 +42,9 @@ pub struct Even<R = f64> {
     pub value: R,
     /// First derivatives with respect to `F_11` and `F_22`.
     pub gradient: [R; 2],
-    /// Second derivatives by `F_11`, `F_22`: `11`, `12`, `22`.
+    /// Second derivatives with respect to `F_11`, `F_22`: `11`, `12`, `22`.
     pub along: [R; 3],
-    /// Second derivatives by `F_12`, `F_21`: `11`, `12`, `22`.
+    /// Second derivatives with respect to `F_12`, `F_21`: `11`, `12`, `22`.
     pub across: [R; 3],
 }
 
@@ -166,7 +166,7 @@ impl<R: Real> Mirrored<R> {
         ]
     }
 
-    /// Returns all second derivatives by `F_11`, `F_12`, `F_21`, `F_22`; `None` unless the function is even.
+    /// Returns all second derivatives with respect to `F_11`, `F_12`, `F_21`, `F_22`; `None` unless the function is even.
     pub fn hessian(&self) -> Option<[[R; 4]; 4]> {
         let zero = R::constant(0.0);
         let Even { along, across, .. } = match self {

@@ -80,7 +80,7 @@ pub fn linearized<'i, I: Interaction<D> + 'i, const D: usize>(
     forced.waves(crystal, mass)
 }
 
-/// Adds minus the derivatives of the forces of an interaction, by displacements or by velocities.
+/// Adds minus the derivatives of the forces of an interaction with respect to displacements or velocities.
 pub(super) fn differentiated<I: Interaction<D> + ?Sized, const D: usize>(
     interaction: &I,
     by_velocity: bool,

@@ -302,7 +302,7 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         false
     }
 
-    /// Returns the kernel method whose force constants can be enclosed in intervals, so that results can be proved for its waves.
+    /// Returns the kernel method if interval arithmetic can enclose its force constants, so that results can be proved for its waves.
     fn enclosed(&self) -> Option<&Method<D>> {
         None
     }

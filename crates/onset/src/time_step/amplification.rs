@@ -161,7 +161,7 @@ impl DampedWave {
         integrator: Integrator,
         k: &SVector<f64, D>,
     ) -> Self {
-        // Waves without energy neither oscillate nor limit a step by the rounding of their frequencies.
+        // Zero-energy modes neither oscillate nor limit a step by the rounding of their frequencies.
         let noise = ZERO_FREQUENCY_NOISE_FACTOR * system.noise();
         let undamped = system.omega_squared(k);
         let turned = |omega: Complex| omega * Complex::new(0.0, -1.0);

@@ -169,7 +169,7 @@ pub struct WeakestMode<const D: usize> {
 }
 
 impl<const D: usize> WeakestMode<D> {
-    /// Frequency relative to the material's slowest wave, from 0 (no energy, or growing) to 1 (not slower).
+    /// Frequency relative to the material's slowest wave, from 0 (zero-energy or growing mode) to 1 (not slower).
     pub fn relative_frequency(&self) -> f64 {
         self.relative_frequency_squared.clamp(0.0, 1.0).sqrt()
     }

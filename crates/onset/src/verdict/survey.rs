@@ -803,8 +803,8 @@ impl<'a, const D: usize> Survey<'a, D> {
     }
 
     /// Returns the weakest wave of the reference configuration: the wave with the lowest frequency relative to the material's slowest wave with the same wave
-    /// vector, zero-energy modes included. `None` if the slowest waves of the material have no energy (shear waves of a fluid), or if the law is not
-    /// differentiable in the reference configuration.
+    /// vector, zero-energy modes included. `None` if the slowest waves of the material have frequency zero (shear waves of a fluid), or if the law is
+    /// not differentiable in the reference configuration.
     ///
     /// The weakest wave depends on method and law only; it is computed once for all states.
     pub fn weakest(&self) -> Option<WeakestMode<D>> {

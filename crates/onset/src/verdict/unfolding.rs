@@ -34,7 +34,8 @@ const DEGENERACY_TOLERANCES: [f64; 2] = [1e-12, 1e-9];
 const REMAINDER_LIMIT: f64 = 0.5;
 /// Relative and absolute tolerance of equal ratios of squared frequencies.
 const RATIO_TOLERANCES: [f64; 2] = [1e-6, 1e-12];
-/// Largest squared frequency of a material wave without energy, as a fraction of the squared frequency of the fastest wave with the same wave vector.
+/// Largest squared frequency of a material wave that counts as zero, relative to the squared frequency of the fastest wave with the same wave
+/// vector.
 const ZERO_ENERGY_FRACTION: f64 = 1e-12;
 /// Number of branches computed, and the largest squared frequency of further branches as a fraction of the largest of the material waves. For
 /// nonsymmetric matrices a single eigenvector is as expensive as all eigenvalues.
@@ -348,7 +349,7 @@ impl<'a, const D: usize> Unfolding<'a, D> {
         images
     }
 
-    /// Squared frequency of the slowest wave of the material; zero if the wave has no energy, as shear waves of fluids.
+    /// Squared frequency of the slowest wave of the material; zero for shear waves of fluids.
     fn material(&self, k: &SVector<f64, D>) -> f64 {
         let values = continuum(&self.stiffness, self.density, k);
         let is_resisted = values[0] > ZERO_ENERGY_FRACTION * values[D - 1];

@@ -22,8 +22,8 @@ fn blatz_ko_is_elliptic_in_boxes_whose_ends_have_the_ratio_2_plus_sqrt_3() {
     assert_close(widest.high / widest.low, ratio, 1e-10);
 }
 
-/// Neo-Hooke is elliptic while `mu + g(J)/(smallest stretch)^2 > 0`, `g = mu + lambda (1 - ln J)`. At the largest volume of a box all stretches are
-/// `h`. If one stretch is smaller, the volume is smaller and the factor larger: the worst value of `h^2 x` over the smallest stretch `x` limits the
+/// The neo-Hookean law is elliptic while `mu + g(J)/(smallest stretch)^2 > 0`, `g = mu + lambda (1 - ln J)`. At the largest volume of a box all
+/// stretches are `h`. If one stretch is smaller, the volume is smaller and the factor larger: the worst value of `h^2 x` over the smallest stretch `x` limits the
 /// box.
 #[test]
 fn the_elliptic_box_of_neo_hooke_agrees_with_the_closed_form() {
@@ -106,8 +106,9 @@ fn assert_safe(law: &dyn Hyperelastic, safe: &SafeBox, known: &[[f64; 3]]) {
     }
 }
 
-/// Neo-Hooke is elliptic for waves along the third axis while `mu + (mu + lambda (1 - ln J)) / lambda3^2 > 0`. For equal largest stretches `b` the
-/// worst third stretch is a zero of the derivative of `mu x^2 + mu + lambda (1 - ln(b^2 x))` by `x`: `x^2 = lambda / (2 mu)`, or `b` if it is larger.
+/// The law is elliptic for waves along the third axis while `mu + (mu + lambda (1 - ln J)) / lambda3^2 > 0`. For equal largest stretches `b` the
+/// worst third stretch is a zero of the derivative of `mu x^2 + mu + lambda (1 - ln(b^2 x))` with respect to `x`: `x^2 = lambda / (2 mu)`, or `b` if
+/// it is larger.
 #[test]
 fn the_widest_box_of_neo_hooke_ends_at_its_closed_form() {
     for lambda in [1.0, 3.0_f64] {

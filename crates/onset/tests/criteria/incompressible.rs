@@ -266,8 +266,8 @@ fn the_free_face_is_traction_free_at_constant_volume() {
     assert_eq!(refused.err(), Some(LoadingError::ChangesVolume));
 }
 
-/// The load `P = 3 mu ln(lambda) / lambda` of a bar of Hencky's rubber is largest at e, and under pressure rotations gain energy immediately. For any
-/// large bulk modulus every loading with free faces has the limits of the incompressible law, and equally many limits with `kappa = 1e9`.
+/// The load `P = 3 mu ln(lambda) / lambda` of a bar of a Hencky material is largest at the stretch e, and under pressure rotations gain energy immediately.
+/// For any large bulk modulus every loading with free faces has the limits of the incompressible law, and equally many limits with `kappa = 1e9`.
 #[test]
 fn a_huge_bulk_modulus_is_a_regular_limit() {
     let stiff =

@@ -61,7 +61,7 @@ fn nearly_incompressible_bars_approach_the_incompressible_ones() {
             let jacobian = state.response.deformation.jacobian();
             assert_close(jacobian, 1.0, tolerance);
         }
-        // Incompressible neo-Hooke is elliptic at all these states.
+        // The incompressible neo-Hookean law is elliptic at all these states.
         assert_eq!(limit(&bar, Criterion::StrongEllipticity, true), None);
         assert_eq!(limit(&bar, Criterion::Drucker, true), None);
     }

@@ -10,7 +10,7 @@ fn law(formula: &str) -> FormulaLaw {
     formula.with(&[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Energy and its first two derivatives by `F11` at `F = diag(x, 1, 1)`.
+/// Energy and its first two derivatives with respect to `F11` at `F = diag(x, 1, 1)`.
 fn derivatives(law: &FormulaLaw, x: f64) -> [f64; 3] {
     let f = DeformationGradient::from_stretches([x, 1.0, 1.0]).expect("a state");
     let response = law.response(&f).expect("finite");

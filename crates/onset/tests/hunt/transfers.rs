@@ -18,7 +18,7 @@ use std::f64::consts::TAU;
 const GROWTH: f64 = 1e-8;
 /// Relative difference that counts.
 const DIFFERENCE: f64 = 1e-5;
-/// Growth in a time step of a wave without energy, from the rounding error of its squared frequency: the root of this error.
+/// Growth in a time step of a zero-energy mode, from the rounding error of its squared frequency: the root of this error.
 const ROUNDING: f64 = 2e-7;
 /// Waves that grow in narrow sectors of long waves, or in small pockets.
 const MENDED: &[u64] = &[202, 249, 1760, 2449];

@@ -354,7 +354,7 @@ fn translations_of_disordered_cells_are_not_short_waves() {
     }
 }
 
-/// Shear waves of a fluid have no energy: no mode is compared with their rounding errors.
+/// Shear waves of a fluid have frequency zero: no mode is compared with their rounding errors.
 #[test]
 fn modes_are_not_compared_with_waves_of_zero_energy() {
     let choices = KernelMethodChoices::default();

@@ -32,7 +32,7 @@ fn laws() -> Vec<Box<dyn Hyperelastic>> {
     ]
 }
 
-/// Shear waves of a fluid have no energy; the strains of a discretization show its additional zero-energy modes.
+/// Shear waves of a fluid have frequency zero; the strains of a discretization show its additional zero-energy modes.
 #[test]
 fn a_fluid_is_not_stable_where_its_discretization_has_zero_energy_modes() {
     let tait = Law::named("tait").expect("a law of the library");
@@ -596,7 +596,7 @@ fn points_lines_and_the_whole_zone_are_distinguished() {
         (place - SVector::from([0.0, 0.5, 0.5])).amax() < 1e-9,
         "{place}"
     );
-    // Four points in a cell follow two velocities of a node: most motions of theirs move nothing, at every wave vector.
+    // The two velocities of a node cannot follow all motions of four points in a cell: most of these do not move the grid, at every wave vector.
     let choices = MaterialPointChoices {
         per_side: 2,
         formulation: onset::scheme::Formulation::Particles {

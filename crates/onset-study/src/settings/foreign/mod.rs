@@ -28,7 +28,7 @@ use std::str::FromStr;
 pub enum Program {
     /// Abaqus: `*HYPERELASTIC`, `*HYPERFOAM` and `*ANISOTROPIC HYPERELASTIC` with their data lines.
     Abaqus,
-    /// CalculiX: `*HYPERELASTIC` and `*HYPERFOAM` as in Abaqus, with its compressibilities in the place of zeros.
+    /// CalculiX: `*HYPERELASTIC` and `*HYPERFOAM` as in Abaqus, with its compressibilities in place of zeros.
     Calculix,
     /// ANSYS: `TB,HYPER` with `TBDATA`.
     Ansys,

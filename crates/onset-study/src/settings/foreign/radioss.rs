@@ -45,7 +45,7 @@ const POWERS: [(usize, usize); 9] = [
 /// Largest Poisson's ratio of a term of `LAW62`.
 const LARGEST_RATIO: f64 = 0.499;
 
-/// Poisson's ratio in the place of 0.
+/// Poisson's ratio used in place of 0.
 const POISSON: f64 = 0.495;
 
 /// Material with its data lines after the title.
@@ -271,7 +271,7 @@ fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     }
     let mut own = Vec::new();
     for (n, mu) in moduli.iter().enumerate() {
-        // Radioss takes 0.499 in the place of larger ratios, and the exponent 1 in the place of 0.
+        // Radioss takes 0.499 in place of larger ratios, and the exponent 1 in place of 0.
         let ratio = if has_ratios { ratios[n] } else { nu }.min(LARGEST_RATIO);
         let exponent = if exponents[n] == 0.0 {
             1.0

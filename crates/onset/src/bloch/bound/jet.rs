@@ -4,8 +4,8 @@ use crate::algebra::{Complex, Each};
 use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 use std::ops::{Add, Mul};
 
-/// Number of coefficients of a polynomial of third order in three variables. The order is: value, slopes, second derivatives by `a` and `b <= a`,
-/// third derivatives by `a`, `b <= a` and `c <= b`.
+/// Number of coefficients of a polynomial of third order in three variables. The order is: value, slopes, second derivatives with respect to `a` and
+/// `b <= a`, third derivatives with respect to `a`, `b <= a` and `c <= b`.
 const CUBIC_PARTS: usize = 20;
 
 /// Number of derivatives up to the fourth order in three variables, filled up to a multiple of a vector register.

@@ -266,7 +266,7 @@ impl Basis {
         }
     }
 
-    /// Splits displacements into free ones, without energy at `k = 0`, and others.
+    /// Splits displacements into free (zero-energy at `k = 0`) and other displacements.
     ///
     /// `None` if translations cost energy, or if free displacements cause forces on each other that are linear in the wave vector, so that the scaled
     /// measure has no limit.

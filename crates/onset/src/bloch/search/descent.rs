@@ -17,7 +17,7 @@ const NEWTON_STEPS: usize = 40;
 const VALLEY_CURVATURE_RATIO: f64 = 0.1;
 /// Intervals along an edge of a zone that is not periodic; minima along the edge are bracketed by them.
 const EDGE_INTERVALS: usize = 24;
-/// Tolerance of a minimum along an edge, in intervals.
+/// Tolerance of a minimum along an edge, as a fraction of an interval.
 const EDGE_TOLERANCE: f64 = 1e-6;
 /// Length of a converged Newton step, relative to the longest reciprocal vector.
 const STEP_TOLERANCE: f64 = 1e-9;

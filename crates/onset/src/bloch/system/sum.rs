@@ -196,7 +196,7 @@ impl<const D: usize> Table<D> {
 impl<const D: usize> Term<D> {
     /// Writes the phase and its derivatives with respect to the wave vector, up to the length of `room`.
     ///
-    /// The order is: phase, first derivatives, second derivatives by `a` and `b <= a`.
+    /// The order is: phase, first derivatives, second derivatives with respect to `a` and `b <= a`.
     fn derivatives(&self, phase: Complex, room: &mut [Complex]) {
         let first = (0..D).map(|a| phase * Complex::new(0.0, self.vector[a]));
         let second = (0..D)

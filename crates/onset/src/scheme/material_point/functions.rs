@@ -61,7 +61,7 @@ pub(super) struct Profile {
     gradients: GridGradients,
 }
 
-/// Value and derivatives of the function of a node at a place, by the lattice coordinates.
+/// Value and derivatives with respect to the lattice coordinates of the function of a node at a place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape<R, const D: usize> {
     pub(super) value: R,

@@ -158,7 +158,7 @@ impl Default for MaterialPointChoices {
 /// use nalgebra::Vector2;
 /// let points = MaterialPoints::<2>::new(MaterialPointChoices::default())?;
 /// let waves = points.waves(&ModifiedMooneyRivlin::default(), &DeformationGradient::identity())?;
-/// // One point in the middle does not see the nodes move against each other.
+/// // Alternating nodes do not strain a single point in the middle of the cell.
 /// let corner = Vector2::repeat(std::f64::consts::PI);
 /// assert!(waves.omega_squared(&corner)[1].norm() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -38,7 +38,7 @@ impl<'a, const D: usize> State<'a, D> {
         })
     }
 
-    /// Converts slopes by lattice coordinates to a gradient in the current configuration.
+    /// Converts slopes with respect to lattice coordinates to a gradient in the current configuration.
     pub(super) fn gradient<R: Real>(&self, slope: &[R; D]) -> [R; D] {
         let zero = R::constant(0.0);
         let along = |i: usize| (0..D).fold(zero, |sum, j| sum + slope[j] * self.to_grid[(j, i)]);

@@ -204,7 +204,7 @@ struct Sampled<const D: usize> {
     value: SVector<f64, D>,
     /// Gradient `sum_i w_i (x) grad N_ip` of the field.
     gradient: SMatrix<f64, D, D>,
-    /// Derivatives by lattice coordinates of the grid.
+    /// Derivatives with respect to lattice coordinates of the grid.
     slope: SMatrix<f64, D, D>,
     /// First moment `sum_i N_ip w_i (x) (x_i - x_p)`, in lattice coordinates.
     moment: SMatrix<f64, D, D>,

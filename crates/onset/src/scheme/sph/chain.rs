@@ -2,9 +2,9 @@
 //!
 //! A traction between a particle and a neighbor depends on the displacements of all particles around them, but only through a few numbers.
 //! These are the deformation gradient and density of the particle, the moment `K` of corrected forces, and the position and density of the neighbor.
-//! The traction is differentiated by these numbers once for each neighbor. Their derivatives with respect to the displacements are in closed form, in the
-//! homogeneous state.
-//! Direct differentiation by each displacement would cost a factor equal to the number of particles.
+//! The traction is differentiated with respect to these numbers once for each neighbor. Their derivatives with respect to the displacements are in
+//! closed form, in the homogeneous state.
+//! Direct differentiation with respect to each displacement would cost a factor equal to the number of particles.
 
 use super::stress::StressOf;
 use crate::algebra::array_of;
@@ -87,7 +87,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         vec![SVector::zeros(); self.stress.particles.len()]
     }
 
-    /// Adds the contribution of the vector between two particles, given the derivative by this vector.
+    /// Adds the contribution of the vector between two particles, given the derivative with respect to this vector.
     fn add_vector(&self, row: &mut Row<D>, [from, to]: [usize; 2], slope: &SVector<f64, D>) {
         for (n, share) in &self.shifts[to] {
             row[*n] += slope * *share;

@@ -13,7 +13,7 @@ use nalgebra::SVector;
 ///
 /// The stress `P` of the law has the part `zeta mu a F`, with `a = J^(-2/D)` and the shear modulus `mu` of the reference state. Its divergence is computed as a
 /// Laplacian of the positions over pairs. The remaining part `S = P - mu a (F + (zeta - 1) tr(F F^T)/D F^-T)` acts along uncorrected gradients.
-/// For neo-Hooke laws `S` is the published stress.
+/// For neo-Hookean laws `S` is the published stress.
 #[derive(Clone)]
 pub(super) struct PairwiseShear<'a, const D: usize> {
     point: &'a LagrangianPoint<D>,

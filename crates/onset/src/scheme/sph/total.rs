@@ -37,7 +37,7 @@ pub enum ShearForces {
     /// The part `zeta mu J^(-2/D) F` of the stress acts as a Laplacian of the current positions between pairs of particles, the remaining stress along
     /// uncorrected gradients. `mu` is the shear modulus of the reference state.
     ///
-    /// This is the essentially non-hourglass formulation of SPHinXsys (Wu and others 2023), published for neo-Hooke laws. The forces do not derive from an energy.
+    /// This is the essentially non-hourglass formulation of SPHinXsys (Wu and others 2023), published for neo-Hookean laws. The forces have no potential.
     Pairs {
         /// Coefficient `zeta`, 1.07 in the publication.
         coefficient: f64,
