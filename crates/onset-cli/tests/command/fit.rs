@@ -587,7 +587,7 @@ fn broken_decks_are_refused() {
         ),
         (
             deck(&["0., 1.", "0.1, 1.1", "0.6, 2."]),
-            ["line 4", "the strains begin with 1,", "nor stretches"],
+            ["line 4", "the strains begin with 1,", "or stretches"],
         ),
         (
             deck(&[]),
