@@ -45,7 +45,7 @@ fn the_smallest_spacing_and_density_follow_from_the_wave_speed() {
         ),
         "{text}"
     );
-    assert!(text.contains("It is 1 now"), "{text}");
+    assert!(text.contains("Its present value is 1"), "{text}");
 }
 
 #[test]
