@@ -405,7 +405,7 @@ fn hourglass_modes_have_no_frequency_and_times_outside_of_the_run_are_refused() 
     assert!(
         outside
             .to_string()
-            .contains("t = 3.5, but the frames are from t = 0 to 3"),
+            .contains("--actual is 3.5, but the frames are from t = 0 to 3"),
         "{outside}"
     );
 }
