@@ -219,7 +219,7 @@ fn assert_answered(all: &[Method], count: usize) {
 
 #[test]
 fn every_command_supports_every_method_in_1d() {
-    assert_answered(&methods(1, METHODS_1D), 16);
+    assert_answered(&methods(1, METHODS_1D), 18);
 }
 
 #[test]
@@ -237,7 +237,7 @@ fn every_command_supports_every_recent_method() {
 
 #[test]
 fn every_command_supports_every_method_in_3d() {
-    assert_answered(&methods(3, METHODS_3D), 11);
+    assert_answered(&methods(3, METHODS_3D), 12);
 }
 
 #[test]
