@@ -48,7 +48,7 @@ fn a_key_that_the_method_does_not_read_is_refused_by_every_command() {
         let answer = onset_line(&format!("{line} set support=2"));
         assert_eq!(answer.code, Some(2), "{line}: {}", answer.stderr);
         assert!(
-            answer.stderr.contains("about the law alone"),
+            answer.stderr.contains("this command uses only the law"),
             "{}",
             answer.stderr
         );
