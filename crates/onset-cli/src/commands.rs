@@ -412,21 +412,21 @@ fn with_energy(assignments: &[String], energy: Option<&str>) -> Result<Vec<Strin
 }
 
 impl SetArguments {
-    /// All assignments, those implied by `--as` and `--energy` included; an error if `--set` contradicts them.
+    /// All assignments, those implied by `--preset` and `--energy` included; an error if `--set` contradicts them.
     fn all(&self) -> Result<Vec<String>, Failure> {
         let mut assignments = with_energy(&self.assignments, self.energy.as_deref())?;
         if let Some(preset) = &self.preset {
             if !preset_names().any(|name| name == preset) {
                 let known: Vec<&str> = preset_names().collect();
                 return Err(Failure::input(format!(
-                    "--as {preset}: unknown code\n  hint: expected {} (onset list presets)",
+                    "--preset {preset}: unknown code\n  hint: expected {} (onset list presets)",
                     known.join(", ")
                 )));
             }
             let key = "discretization.method";
             if let Some(assignment) = another(&assignments, key, preset) {
                 return Err(Failure::input(format!(
-                    "--as and --set {assignment} name two methods: --as sets {key}={preset}\n  hint: leave out one of them"
+                    "--preset and --set {assignment} name two methods: --preset sets {key}={preset}\n  hint: leave out one of them"
                 )));
             }
             assignments.insert(0, format!("{key}={preset}"));

@@ -753,7 +753,7 @@ pub fn topics() -> Vec<Topic> {
         .collect()
 }
 
-/// Methods of particle codes, as option `--as` names them.
+/// Methods of particle codes, as option `--preset` names them.
 fn presets() -> Topic {
     static PRESET_LINES: LazyLock<Vec<(&Preset, String, String)>> = LazyLock::new(|| {
         let told = |own: &'static Preset| {
