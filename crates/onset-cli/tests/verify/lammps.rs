@@ -115,26 +115,6 @@ pub const ROWS: &[Row<'static>] = &[
         line: "--code lammps-peri --wave-vector 3.141592653589793,0,0 --branch 1 --time-step 0.05 --steps 160 --set PERI",
         tolerance: 1e-8,
     },
-    Row {
-        title: "`peri/lps`, F = 1, (2 pi/5, 0, 0) along",
-        line: "--code lammps-peri-lps --wave-vector 1.2566370614359172,0,0 --branch 3 --time-step 0.05 --steps 160 --set PERI --set material.poisson=0.4",
-        tolerance: 1e-8,
-    },
-    Row {
-        title: "`peri/lps`, F = 1, (2 pi/5, 0, 0) across",
-        line: "--code lammps-peri-lps --wave-vector 1.2566370614359172,0,0 --branch 1 --time-step 0.05 --steps 160 --set PERI --set material.poisson=0.4",
-        tolerance: 1e-8,
-    },
-    Row {
-        title: "`peri/lps`, F = 1, (pi, 0, 0) along",
-        line: "--code lammps-peri-lps --wave-vector 3.141592653589793,0,0 --branch 3 --time-step 0.05 --steps 160 --set PERI --set material.poisson=0.4",
-        tolerance: 1e-8,
-    },
-    Row {
-        title: "`peri/lps`, F = 1, (pi, pi, pi)",
-        line: "--code lammps-peri-lps --wave-vector 3.141592653589793,3.141592653589793,3.141592653589793 --branch 1 --time-step 0.05 --steps 160 --set PERI --set material.poisson=0.4",
-        tolerance: 1e-8,
-    },
 ];
 
 // Beginnings of the titles of rows that are also run with changes.

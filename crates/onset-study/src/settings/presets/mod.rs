@@ -3,7 +3,6 @@
 //! A preset is an additional word of `discretization.method`. Its keys apply unless the user sets them.
 
 mod lammps_peri;
-mod lammps_peri_lps;
 mod lammps_smd_tlsph;
 mod lammps_smd_ulsph;
 mod moose_nospd;
@@ -41,7 +40,6 @@ pub(crate) const PRESETS: &[Preset] = &[
     lammps_smd_tlsph::PRESET,
     lammps_smd_ulsph::PRESET,
     lammps_peri::PRESET,
-    lammps_peri_lps::PRESET,
     peridigm_lps::PRESET,
     peridigm_correspondence::PRESET,
     perilab_correspondence::PRESET,
@@ -109,6 +107,6 @@ mod tests {
             }
             compared += 1;
         }
-        assert_eq!(compared, 4);
+        assert_eq!(compared, 3);
     }
 }

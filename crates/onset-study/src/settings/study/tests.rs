@@ -419,7 +419,10 @@ fn a_study_provides_one_material_and_one_method_for_single_states() {
     let law = |assignments: &[&str]| MaterialSettings::of_file("s.toml", &text, assignments);
     assert_eq!(law(&[]).expect("a law").model.name(), "blatz-ko");
     let told = law(&["discretization.support=1.7"]).expect_err("no key of a law");
-    assert!(told.to_string().contains("this command uses only the law"), "{told}");
+    assert!(
+        told.to_string().contains("this command uses only the law"),
+        "{told}"
+    );
 }
 
 #[test]

@@ -12,12 +12,11 @@ use serde::Serialize;
 use std::fmt;
 
 /// All codes that can be verified.
-pub const CODES: [&dyn Code; 7] = [
+pub const CODES: [&dyn Code; 6] = [
     &lammps_smd_tlsph::TotalSmd,
     &lammps_smd_ulsph::PLAIN,
     &lammps_smd_ulsph::CORRECTED,
-    &lammps_peri::BONDS,
-    &lammps_peri::SOLID,
+    &lammps_peri::Peri,
     &pysph::PySph,
     &plain::Plain,
 ];
