@@ -1461,7 +1461,7 @@ pub struct SetArguments {
     /// Set a key, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Problem")]
     pub assignments: Vec<String>,
-    /// Method of a particle code with its defaults, for example lammps-smd-tlsph (see onset list presets).
+    /// Method of a particle code with its defaults, for example lammps-smd-tlsph; onset list presets has all.
     #[arg(long, value_name = "CODE", help_heading = "Problem")]
     pub preset: Option<String>,
     /// The energy of a user-defined material, for example "mu/2*(I1 - 3 - 2*ln(J))"; its parameters are set by

@@ -88,14 +88,8 @@ impl Term {
 
     /// Returns true if two terms are functions of the same sums.
     fn shares_sums(&self, other: &Self) -> bool {
-        let is_invariant = |own: &Self| {
-            let part = own.part;
-            matches!(
-                part,
-                Part::Powers(..) | Part::Gent | Part::ArrudaBoyce | Part::Fung
-            )
-        };
-        is_invariant(self) && is_invariant(other)
+        let is_of_invariants = |own: &Self| matches!(own.sums([1.0; SHAPES]), [Sum::First, _]);
+        is_of_invariants(self) && is_of_invariants(other)
     }
 
     /// Energy of the term for a unit modulus as a function of its sums.

@@ -926,7 +926,7 @@ impl Table<'_> {
                 )
             }
             Some(wanted) if !tests.iter().any(|(name, _)| has_name(name, wanted)) => format!(
-                "it has no tests of the material `{wanted}`, but of {}",
+                "it has no tests of the material `{wanted}`; its tests belong to {}",
                 names.join(", ")
             ),
             _ => {

@@ -10,6 +10,8 @@ use std::path::Path;
 /// Name of the checkpoint file.
 pub const CHECKPOINT: &str = "checkpoint.onset";
 
+/// Hint of an error that resuming cannot mend.
+pub(super) const FRESH_START: &str = "start afresh with --overwrite, or choose another folder";
 const FORMAT: &[u8; 8] = b"onsetck3";
 /// Number of digits in an identifier.
 const IDENTIFIER_DIGITS: usize = 12;
@@ -64,16 +66,18 @@ impl Progress {
         mark: &str,
         start: &PatchState,
     ) -> Result<Self, SimulateError> {
-        const ANEW: &str = "start afresh with --overwrite, or choose another folder";
         let wrong = |what: &str, hint| SimulateError::Checkpoint {
             path: path.to_owned(),
             what: what.to_owned(),
             hint,
         };
         let Some(rest) = bytes.strip_prefix(FORMAT) else {
-            return Err(wrong("this is not a checkpoint of `onset simulate`", ANEW));
+            return Err(wrong(
+                "this is not a checkpoint of `onset simulate`",
+                FRESH_START,
+            ));
         };
-        let damaged = || wrong("the checkpoint is cut off or damaged", ANEW);
+        let damaged = || wrong("the checkpoint is cut off or damaged", FRESH_START);
         let (content, sum) = bytes.split_last_chunk::<4>().ok_or_else(damaged)?;
         if crc32c::crc32c(content) != u32::from_le_bytes(*sum) {
             return Err(damaged());
@@ -118,7 +122,7 @@ impl Progress {
                     place % size.max(1),
                     numbers[place]
                 ),
-                hint: ANEW,
+                hint: FRESH_START,
             });
         }
         let (displacements, rest) = numbers.split_at(size);

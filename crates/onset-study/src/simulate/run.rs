@@ -1,7 +1,7 @@
 //! A run of a patch or a body: steps, output, and resumption from a checkpoint.
 
 use super::SimulateError;
-use super::checkpoint::{CHECKPOINT, Progress};
+use super::checkpoint::{CHECKPOINT, FRESH_START, Progress};
 use crate::input;
 use crate::output::{Files, Output, text, write};
 use crate::vtk;
@@ -337,12 +337,8 @@ fn begun(course: &Course, place: Option<&Place>) -> Result<Progress, SimulateErr
         Output::at(&place.folder, &[CHECKPOINT, "history.csv"]).map_err(failed)?;
         return Ok(anew);
     }
-    let bytes = input::bytes(&path, input::MOST_OUTPUT).map_err(|error| {
-        wrong(
-            format!("cannot read the checkpoint: {error}"),
-            "start afresh with --overwrite, or choose another folder",
-        )
-    })?;
+    let bytes = input::bytes(&path, input::MOST_OUTPUT)
+        .map_err(|error| wrong(format!("cannot read the checkpoint: {error}"), FRESH_START))?;
     Progress::of_bytes(&path, &bytes, &course.mark, &course.start)
 }
 

@@ -74,6 +74,29 @@ impl<const D: usize> LagrangianPoint<D> {
     pub fn volume(&self) -> f64 {
         self.volume
     }
+
+    /// Change `sum_K u_K (x) b_K` of the deformation gradient by displacements.
+    pub(super) fn change<R: Real>(&self, displacements: &[[R; D]]) -> [[R; D]; D] {
+        let mut change = [[R::constant(0.0); D]; D];
+        for (u, b) in displacements.iter().zip(&self.gradients) {
+            for i in 0..D {
+                for j in 0..D {
+                    change[i][j] = change[i][j] + u[i] * b[j];
+                }
+            }
+        }
+        change
+    }
+
+    /// Deformation gradient `F_q` after displacements from a homogeneous state `F`.
+    pub(super) fn deformed<R: Real>(
+        &self,
+        base: &[[f64; D]; D],
+        displacements: &[[R; D]],
+    ) -> [[R; D]; D] {
+        let change = self.change(displacements);
+        array_of(|i| array_of(|j| change[i][j] + base[i][j]))
+    }
 }
 
 /// Quadrature point with the response of its material.
@@ -89,17 +112,9 @@ impl<const D: usize> Stressed<'_, D> {
         self.response.leading()
     }
 
-    /// Change `F_q - F = sum_K u_K (x) b_K` of the deformation gradient by displacements.
+    /// Change of the deformation gradient by displacements.
     pub(super) fn change<R: Real>(&self, displacements: &[[R; D]]) -> [[R; D]; D] {
-        let mut change = [[R::constant(0.0); D]; D];
-        for (u, b) in displacements.iter().zip(&self.point.gradients) {
-            for i in 0..D {
-                for j in 0..D {
-                    change[i][j] = change[i][j] + u[i] * b[j];
-                }
-            }
-        }
-        change
+        self.point.change(displacements)
     }
 }
 
@@ -110,8 +125,7 @@ impl<const D: usize> Interaction<D> for Stressed<'_, D> {
 
     /// Returns the nodal forces `f_K = -V P(F_q) c_K`.
     fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
-        let (base, change) = (self.base(), self.change(motion.displacements));
-        let f = array_of(|i| array_of(|j| change[i][j] + base[i][j]));
+        let f = self.point.deformed(&self.base(), motion.displacements);
         let stress = self.response.first_piola(&f);
         let force = |c: &SVector<f64, D>| {
             array_of(|i| {

@@ -1,6 +1,7 @@
 //! Elements with a mean dilatation, after Simo, Taylor and Pister, Comput. Methods Appl. Mech. Eng. 51 (1985) 177.
 
 use crate::algebra::array_of;
+use crate::bloch::BlochBlocks;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::Particle;
 use crate::material::Hyperelastic;
@@ -99,6 +100,13 @@ impl<const D: usize> Interaction<D> for Integrated<'_, D> {
             Self::Dilated(element) => element.forces(motion),
         }
     }
+
+    fn add_stiffness(&self, blocks: &mut BlochBlocks<D>) {
+        match self {
+            Self::Point(point) => point.add_stiffness(blocks),
+            Self::Dilated(element) => element.add_stiffness(blocks),
+        }
+    }
 }
 
 impl<const D: usize> Interaction<D> for Dilated<'_, D> {
@@ -109,11 +117,9 @@ impl<const D: usize> Interaction<D> for Dilated<'_, D> {
     fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
         let zero = R::constant(0.0);
         let volume: f64 = self.points.iter().map(LagrangianPoint::volume).sum();
+        let base = self.response.leading();
         let deformation = |point: &LagrangianPoint<D>| {
-            let mut f = self.response.leading::<R>();
-            for (u, b) in motion.displacements.iter().zip(point.gradients()) {
-                f = array_of(|i| array_of(|j| f[i][j] + u[i] * b[j]));
-            }
+            let f = point.deformed(&base, motion.displacements);
             (f, determinant(&f))
         };
         let deformations: Vec<([[R; D]; D], R)> = self.points.iter().map(deformation).collect();

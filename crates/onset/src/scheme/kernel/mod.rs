@@ -18,7 +18,7 @@ use super::{
 };
 use crate::algebra::{Each, array_of};
 use crate::approximation::Approximation;
-use crate::bloch::{Mass, WaveSystem};
+use crate::bloch::{BlochBlocks, Mass, WaveSystem};
 use crate::kernel::Kernel;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Fractional, Particle, cells_between};
@@ -327,6 +327,13 @@ impl<const D: usize> Interaction<D> for KernelPoint<'_, D> {
         match self {
             Self::Material(point) => point.forces(motion),
             Self::Spatial(point) => point.forces(motion),
+        }
+    }
+
+    fn add_stiffness(&self, blocks: &mut BlochBlocks<D>) {
+        match self {
+            Self::Material(point) => point.add_stiffness(blocks),
+            Self::Spatial(point) => point.add_stiffness(blocks),
         }
     }
 }

@@ -1,15 +1,15 @@
 //! Correspondence models: points with nonlocal deformation gradients, one for each family or one for each bond.
 
-use super::family::Family;
-use super::{ZeroEnergyControl, trace};
+use super::ZeroEnergyControl;
+use super::family::{Family, balanced};
 use crate::algebra::{Each, array_of};
 use crate::bloch::BlochBlocks;
-use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Particle};
-use crate::material::{Hyperelastic, MaterialError};
+use crate::material::FourthOrder;
 use crate::method::MethodError;
 use crate::real::Real;
 use crate::scheme::lagrangian::{LagrangianPoint, Stressed};
+use crate::scheme::moduli::trace;
 use crate::scheme::{Interaction, Motion, StrainOperator};
 use nalgebra::{SMatrix, SVector};
 use std::collections::BTreeMap;
@@ -53,17 +53,17 @@ pub(super) fn of_bonds<const D: usize>(
         .iter()
         .map(|end| family.near(&end.vector, horizon))
         .collect::<Result<_, _>>()?;
-    let volume = |family: &Family<D>| family.neighbors.iter().map(|n| n.volume).sum::<f64>();
-    let total: f64 = near.iter().map(volume).sum();
+    let of_family = family.volume_of_neighbors();
+    let total: f64 = near.iter().map(Family::volume_of_neighbors).sum();
     let points = family.neighbors.iter().zip(near).map(|(end, near)| {
         let (gradients, _) = near.gradients();
         let seen = near.particles.iter().copied().zip(gradients);
-        let share = volume(&near);
+        let share = near.volume_of_neighbors();
         if !is_pairwise {
             return LagrangianPoint::new(seen, family.volume * share / total);
         }
         let pull =
-            near.inverse_shape * end.vector * (end.influence * end.volume * share / volume(family));
+            near.inverse_shape * end.vector * (end.influence * end.volume * share / of_family);
         let others = near
             .neighbors
             .iter()
@@ -83,6 +83,7 @@ pub(super) fn between_families<const D: usize>(
     families: &[Family<D>],
     crystal: &Crystal<D>,
 ) -> Vec<LagrangianPoint<D>> {
+    let gradients: Vec<_> = families.iter().map(|family| family.gradients().0).collect();
     let weights: Vec<f64> = families
         .iter()
         .map(|family| {
@@ -103,8 +104,8 @@ pub(super) fn between_families<const D: usize>(
                 *seen.entry(particle).or_insert_with(SVector::zeros) += gradient;
             };
             for end in &bond.particles {
-                let there = &families[end.site];
-                for (particle, gradient) in there.particles.iter().zip(there.gradients().0) {
+                let particles = &families[end.site].particles;
+                for (particle, gradient) in particles.iter().zip(&gradients[end.site]) {
                     add(particle.moved(&end.cell), across * gradient * 0.5);
                 }
             }
@@ -141,13 +142,6 @@ pub(super) fn acting_strains<const D: usize>(points: &[LagrangianPoint<D>]) -> S
     strain
 }
 
-/// Vectors of forces on the particle itself and on its neighbors, which add up to zero.
-fn balanced<const D: usize>(others: impl Iterator<Item = SVector<f64, D>>) -> Vec<SVector<f64, D>> {
-    let others: Vec<_> = others.collect();
-    let own = -others.iter().sum::<SVector<f64, D>>();
-    std::iter::once(own).chain(others).collect()
-}
-
 /// Forces of a zero-energy control on the bonds of a family, as functions of the nonuniform part `z = Y - F X` of the deformation.
 #[derive(Clone)]
 pub(super) enum Control<const D: usize> {
@@ -161,30 +155,27 @@ pub(super) enum Control<const D: usize> {
 }
 
 impl<const D: usize> Control<D> {
-    /// Returns the control of a family; `None` without one. `micromodulus` belongs to bonds with constant influence.
-    ///
-    /// # Errors
-    /// [`MaterialError`] if the material cannot be evaluated in the reference state.
+    /// Returns the control of a family; `None` without one. The tangent belongs to the reference state, and `ball` returns the integral of the length over
+    /// the ball of the horizon.
     pub(super) fn new(
         control: ZeroEnergyControl,
         family: &Family<D>,
-        material: &dyn Hyperelastic,
-        micromodulus: f64,
+        tangent: &FourthOrder,
+        ball: impl Fn() -> f64,
         is_weighted: bool,
-    ) -> Result<Option<Self>, MaterialError> {
+    ) -> Option<Self> {
         let springs = |stiffness| Self::Springs {
             stiffness,
             is_weighted,
         };
-        Ok(match control {
+        match control {
             ZeroEnergyControl::None => None,
             ZeroEnergyControl::Penalty { coefficient } => {
-                let bulk = trace::<D>(material)? / (D * D) as f64;
+                let bulk = trace::<D>(tangent) / (D * D) as f64;
                 let spring = coefficient * bulk / family.shape.trace();
                 Some(springs(SMatrix::identity() * spring))
             }
             ZeroEnergyControl::StiffnessTensor { coefficient } => {
-                let tangent = material.response(&DeformationGradient::identity())?.tangent;
                 let contracted = SMatrix::from_fn(|i, j| {
                     let entries = (0..D).flat_map(|k| (0..D).map(move |l| (k, l)));
                     entries
@@ -193,10 +184,10 @@ impl<const D: usize> Control<D> {
                 });
                 Some(springs(contracted * coefficient))
             }
-            ZeroEnergyControl::Hourglass { coefficient } => {
-                Some(Self::Along(coefficient * micromodulus))
-            }
-        })
+            ZeroEnergyControl::Hourglass { coefficient } => Some(Self::Along(
+                coefficient * 2.0 * trace::<D>(tangent) / ball(),
+            )),
+        }
     }
 }
 

@@ -133,13 +133,16 @@ impl<const D: usize> Family<D> {
     /// the particle itself is minus the sum of the others.
     pub(super) fn gradients(&self) -> (Vec<SVector<f64, D>>, Vec<SVector<f64, D>>) {
         let gradient = |n: &Neighbor<D>| self.inverse_shape * n.vector * (n.influence * n.volume);
-        let others: Vec<SVector<f64, D>> = self.neighbors.iter().map(gradient).collect();
-        let own = -others.iter().sum::<SVector<f64, D>>();
         let vectors = self.neighbors.iter().map(|n| n.vector);
         (
-            std::iter::once(own).chain(others).collect(),
+            balanced(self.neighbors.iter().map(gradient)),
             std::iter::once(SVector::zeros()).chain(vectors).collect(),
         )
+    }
+
+    /// Volume of the neighbors.
+    pub(super) fn volume_of_neighbors(&self) -> f64 {
+        self.neighbors.iter().map(|n| n.volume).sum()
     }
 
     /// Number of particles within the horizon, excluding the particle at its center.
@@ -171,6 +174,15 @@ impl<const D: usize> Family<D> {
             }
         })
     }
+}
+
+/// Vectors of the particle itself and of its neighbors, which add up to zero.
+pub(super) fn balanced<const D: usize>(
+    others: impl Iterator<Item = SVector<f64, D>>,
+) -> Vec<SVector<f64, D>> {
+    let others: Vec<_> = others.collect();
+    let own = -others.iter().sum::<SVector<f64, D>>();
+    std::iter::once(own).chain(others).collect()
 }
 
 /// Fraction of a particle's volume that lies within the horizon, for a particle of size `h` at the distance `r`.

@@ -11,7 +11,7 @@ mod family;
 mod solid;
 
 use super::lagrangian::{LagrangianPoint, strains, stressed};
-use super::moduli::Moduli;
+use super::moduli::{Moduli, reference_tangent, trace};
 use super::parts::{FiniteBodies, Part};
 use super::{
     Assembled, Discretization, Interaction, PatchForces, PeriodicPatch, SeenForm, StrainOperator,
@@ -368,7 +368,7 @@ impl<const D: usize> Peridynamics<D> {
                 sum / volumes.iter().sum::<f64>()
             }
         };
-        Ok(2.0 * trace::<D>(material)? / lengths)
+        Ok(2.0 * trace::<D>(&reference_tangent(material)?) / lengths)
     }
 
     /// Integral of `w r` over the ball of the horizon.
@@ -402,24 +402,27 @@ impl<const D: usize> Peridynamics<D> {
             BondModel::Correspondence { .. }
             | BondModel::BondAssociated { .. }
             | BondModel::BondAveraged => {
-                let micromodulus = 2.0 * trace::<D>(material)? / self.ball(Influence::Constant);
+                let control = match self.choices.model {
+                    BondModel::Correspondence { control } => control,
+                    _ => ZeroEnergyControl::None,
+                };
+                let reference = match control {
+                    ZeroEnergyControl::None => None,
+                    _ => Some(reference_tangent(material)?),
+                };
+                let ball = || self.ball(Influence::Constant);
+                let is_weighted = self.choices.weighted_forces;
                 let stressed = stressed(&self.points, material, f)?;
                 let point = |(number, stressed)| {
-                    let control = match self.choices.model {
-                        BondModel::Correspondence { control } => {
-                            let family = &self.families[number];
-                            let is_weighted = self.choices.weighted_forces;
-                            Control::new(control, family, material, micromodulus, is_weighted)?
-                                .map(|control| (control, family))
-                        }
-                        _ => None,
-                    };
-                    Ok(Point { stressed, control })
+                    let control = reference.as_ref().and_then(|tangent| {
+                        let family = &self.families[number];
+                        let own = Control::new(control, family, tangent, ball, is_weighted)?;
+                        Some((own, family))
+                    });
+                    Point { stressed, control }
                 };
                 let points = stressed.into_iter().enumerate().map(point);
-                Ok(Interactions::Points(
-                    points.collect::<Result<_, MaterialError>>()?,
-                ))
+                Ok(Interactions::Points(points.collect()))
             }
         }
     }
@@ -449,13 +452,6 @@ impl ZeroEnergyControl {
             Self::None => Ok(()),
         }
     }
-}
-
-/// Sum `A_iijj` over `D` dimensions in the reference state: `D^2` times the bulk modulus in `D` dimensions.
-fn trace<const D: usize>(material: &dyn Hyperelastic) -> Result<f64, MaterialError> {
-    let tangent = material.response(&DeformationGradient::identity())?.tangent;
-    let entries = (0..D).flat_map(|i| (0..D).map(move |j| (i, i, j, j)));
-    Ok(entries.map(|entry| tangent[entry]).sum())
 }
 
 impl<const D: usize> Discretization<D> for Peridynamics<D> {

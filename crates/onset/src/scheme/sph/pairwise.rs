@@ -63,14 +63,8 @@ impl<const D: usize> Interaction<D> for PairwiseShear<'_, D> {
     }
 
     fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
-        let mut f = self.response.leading::<R>();
-        for (u, b) in motion.displacements.iter().zip(self.point.gradients()) {
-            for i in 0..D {
-                for j in 0..D {
-                    f[i][j] = f[i][j] + u[i] * b[j];
-                }
-            }
-        }
+        let base = self.response.leading();
+        let f = self.point.deformed(&base, motion.displacements);
         let scale = determinant(&f).powf(-2.0 / D as f64) * self.shear;
         let mut squares = R::constant(0.0);
         for entry in f.iter().flatten() {
