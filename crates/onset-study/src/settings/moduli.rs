@@ -304,7 +304,7 @@ mod tests {
                 "neo-hooke",
                 vec![("mu", 1.0)],
                 STEEL.to_vec(),
-                "material.mu is set, and follows",
+                "material.mu is set, but also follows",
             ),
             (
                 "neo-hooke",

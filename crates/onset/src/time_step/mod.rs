@@ -7,12 +7,14 @@
 //! Methods that filter velocities once per step have a built-in step and no equations in continuous time: [`TransferredWaves`].
 
 mod amplification;
+mod implicit;
 mod runge_kutta;
 mod stepping;
 
 pub use amplification::{
     Amplification, critical_time_step, critical_time_step_at, undamped_time_step,
 };
+pub use implicit::ImplicitIntegrator;
 pub use stepping::{Stepping, WaveParts};
 
 pub use crate::bloch::{TransferredWaves, VelocityFilter};

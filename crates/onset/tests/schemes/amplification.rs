@@ -1,9 +1,11 @@
 //! Time steps of damped chains and oscillators in closed form.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{Complex, Matrix3, SMatrix, SVector};
 use onset::bloch::{BlochBlocks, Mass, WaveSystem, ZoneSearch};
 use onset::lattice::{Crystal, LatticeKind, Particle};
-use onset::time_step::{Amplification, Integrator, critical_time_step, critical_time_step_at};
+use onset::time_step::{
+    Amplification, ImplicitIntegrator, Integrator, critical_time_step, critical_time_step_at,
+};
 use std::f64::consts::PI;
 
 /// Chain of unit masses and springs with dashpots `c` parallel to the springs, or with damping proportional to the masses (`mass`).
@@ -202,5 +204,92 @@ fn a_step_of_kick_drift_kick_agrees_with_the_damped_oscillator() {
         for column in 0..2 {
             assert!((g[(row, column)].re - expected[column]).abs() < 1e-14);
         }
+    }
+}
+
+/// Factors by which a step of the generalized-alpha method, or of backward Euler without parameters, multiplies the solutions of `a + w u = 0`, `dt = 1`.
+fn implicit_factors(parameters: Option<[f64; 2]>, w: f64) -> Vec<Complex<f64>> {
+    // All equations of a step, A y' = B y with y = (u, v, a), solved as they stand.
+    let (left, right) = match parameters {
+        Some([alpha_m, alpha_f]) => {
+            let gamma = 0.5 - alpha_m + alpha_f;
+            let beta = 0.25 * (0.5 + gamma).powi(2);
+            (
+                Matrix3::new(
+                    1.0,
+                    0.0,
+                    -beta,
+                    0.0,
+                    1.0,
+                    -gamma,
+                    w * (1.0 - alpha_f),
+                    0.0,
+                    1.0 - alpha_m,
+                ),
+                Matrix3::new(
+                    1.0,
+                    1.0,
+                    0.5 - beta,
+                    0.0,
+                    1.0,
+                    1.0 - gamma,
+                    -w * alpha_f,
+                    0.0,
+                    -alpha_m,
+                ),
+            )
+        }
+        None => (
+            Matrix3::new(1.0, -1.0, 0.0, w, 1.0, 0.0, 0.0, 0.0, 1.0),
+            Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0),
+        ),
+    };
+    let step = left.try_inverse().expect("a step") * right;
+    step.complex_eigenvalues().iter().copied().collect()
+}
+
+#[test]
+fn implicit_steps_meet_a_singular_matrix_and_hide_growth_where_stated() {
+    for (integrator, parameters, at_infinity) in [
+        (ImplicitIntegrator::Newmark, Some([0.0, 0.0]), 1.0),
+        (ImplicitIntegrator::HhtAlpha, Some([0.0, 0.05]), 0.95 / 1.05),
+        (
+            ImplicitIntegrator::GeneralizedAlpha,
+            Some([0.0, 1.0 / 3.0]),
+            0.5,
+        ),
+        (ImplicitIntegrator::BackwardEuler, None, 0.0),
+    ] {
+        let radius = |w: f64| {
+            let factors = implicit_factors(parameters, w).into_iter();
+            factors.map(|z| z.norm()).fold(0.0, f64::max)
+        };
+        // Unconditionally stable for oscillations, with the spectral radius of the literature for fast ones.
+        for power in -20..=40 {
+            assert!(radius(2.0_f64.powi(power)) < 1.0 + 1e-7, "{integrator:?}");
+        }
+        assert!((radius(1e12) - at_infinity).abs() < 1e-4, "{integrator:?}");
+        // Beyond the largest definite step a growing wave alternates, because its matrix is negative.
+        let (omega_squared, rate) = (-0.49, 0.7);
+        let definite = integrator.largest_definite_step(omega_squared);
+        let fastest = |step: f64| {
+            let factors = implicit_factors(parameters, omega_squared * step * step);
+            let largest = factors
+                .into_iter()
+                .max_by(|a, b| a.norm().total_cmp(&b.norm()));
+            largest.expect("factors").re
+        };
+        assert!(fastest(0.999 * definite) > 100.0, "{integrator:?}");
+        assert!(fastest(1.001 * definite) < -100.0, "{integrator:?}");
+        let hiding = integrator.shortest_hiding_step(rate);
+        match hiding.is_finite() {
+            true => {
+                assert!(fastest(0.999 * hiding) < -1.0, "{integrator:?}");
+                assert!(radius(omega_squared * (1.001 * hiding).powi(2)) < 1.0);
+            }
+            false => assert!(radius(omega_squared * 1e8) > 1.0),
+        }
+        assert_eq!(integrator.largest_definite_step(0.49), f64::INFINITY);
+        assert_eq!(integrator.shortest_hiding_step(0.0), f64::INFINITY);
     }
 }

@@ -3,6 +3,7 @@
 //! A preset is an additional word of `discretization.method`. Its keys apply unless the user sets them.
 
 mod lammps_peri;
+mod lammps_peri_lps;
 mod lammps_smd_tlsph;
 mod lammps_smd_ulsph;
 mod moose_nospd;
@@ -40,6 +41,7 @@ pub(crate) const PRESETS: &[Preset] = &[
     lammps_smd_tlsph::PRESET,
     lammps_smd_ulsph::PRESET,
     lammps_peri::PRESET,
+    lammps_peri_lps::PRESET,
     peridigm_lps::PRESET,
     peridigm_correspondence::PRESET,
     perilab_correspondence::PRESET,

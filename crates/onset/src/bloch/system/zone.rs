@@ -29,6 +29,7 @@ use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::lattice::{WaveGrid, grid_coordinates};
 use nalgebra::{DVector, SMatrix, SVector};
 use std::convert::Infallible;
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::sync::{Arc, OnceLock};
 
 /// Grid points per period of the fastest phase. A heuristic value; the division of boxes finds wells between the points.
@@ -1136,11 +1137,12 @@ impl<'a, const D: usize> Sweep<'a, D> {
         if is_damped {
             return least_of_all(ends);
         }
-        // Shells around `k = 0`, one octave apart: the minimum of a function that vanishes with `k` can lie at any distance from `k = 0`.
+        // Shells around `k = 0`, half an octave apart: the minimum of a function that vanishes with `k` can lie at any distance from `k = 0`.
+        // The value of `k^2 - k^4` on the nearest of them is at least 0.89 times the largest value, enough to be followed.
         let step = self.search.reference().reciprocal() / self.waves.resolution() as f64;
         let places = self.shell();
         let shells: Vec<(f64, Vec<Candidate<D>>)> =
-            std::iter::successors(Some(1.0), |size| Some(0.5 * size))
+            std::iter::successors(Some(1.0), |size| Some(FRAC_1_SQRT_2 * size))
                 .map(|size| {
                     let start = |place: &SVector<f64, D>| {
                         let k = step * (place * size);

@@ -406,9 +406,9 @@ impl<const D: usize> Peridynamics<D> {
                     BondModel::Correspondence { control } => control,
                     _ => ZeroEnergyControl::None,
                 };
-                let reference = match control {
-                    ZeroEnergyControl::None => None,
-                    _ => Some(reference_tangent(material)?),
+                let reference = match control.coefficient() > 0.0 {
+                    true => Some(reference_tangent(material)?),
+                    false => None,
                 };
                 let ball = || self.ball(Influence::Constant);
                 let is_weighted = self.choices.weighted_forces;
@@ -431,26 +431,21 @@ impl<const D: usize> Peridynamics<D> {
 impl ZeroEnergyControl {
     /// Returns true if only the component of the nonuniform deformation along the bonds is resisted, false if all of it is; `None` without control.
     fn sees_only_along_bonds(self) -> Option<bool> {
+        (self.coefficient() > 0.0).then_some(matches!(self, Self::Hourglass { .. }))
+    }
+
+    /// Coefficient of the control; zero without one.
+    fn coefficient(self) -> f64 {
         match self {
-            Self::Penalty { coefficient } | Self::StiffnessTensor { coefficient }
-                if coefficient > 0.0 =>
-            {
-                Some(false)
-            }
-            Self::Hourglass { coefficient } if coefficient > 0.0 => Some(true),
-            _ => None,
+            Self::Penalty { coefficient }
+            | Self::Hourglass { coefficient }
+            | Self::StiffnessTensor { coefficient } => coefficient,
+            Self::None => 0.0,
         }
     }
 
     fn check(self) -> Result<(), MethodError> {
-        match self {
-            Self::Penalty { coefficient }
-            | Self::Hourglass { coefficient }
-            | Self::StiffnessTensor { coefficient } => {
-                MethodError::not_negative("control-coefficient", coefficient)
-            }
-            Self::None => Ok(()),
-        }
+        MethodError::not_negative("control-coefficient", self.coefficient())
     }
 }
 

@@ -1,0 +1,107 @@
+//! Implicit integrators: steps for which Newton's method meets a positive definite matrix, and steps so long that they hide growth.
+
+/// Implicit integrators, with the parameters that codes use by default.
+///
+/// All but backward Euler belong to the generalized-alpha family (Chung, Hulbert, J. Appl. Mech. 60 (1993) 371):
+/// `(1 - alpha_m) a' + alpha_m a + omega^2 ((1 - alpha_f) u' + alpha_f u) = 0` with Newmark's `u' = u + dt v + dt^2 ((1/2 - beta) a + beta a')` and
+/// `v' = v + dt ((1 - gamma) a + gamma a')`.
+///
+/// ```
+/// use onset::time_step::ImplicitIntegrator;
+/// // Newton's matrix K + 4 M/dt^2 of the trapezoidal rule, at a state with omega^2 = -1.
+/// assert_eq!(ImplicitIntegrator::Newmark.largest_definite_step(-1.0), 2.0);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImplicitIntegrator {
+    /// Newmark's method with `beta = 1/4`, `gamma = 1/2` (trapezoidal rule, average acceleration).
+    Newmark,
+    /// Method of Hilber, Hughes and Taylor with `alpha = -0.05`, as for transient problems in Abaqus.
+    HhtAlpha,
+    /// Generalized-alpha method with the spectral radius 1/2 for infinitely fast oscillations.
+    GeneralizedAlpha,
+    /// Backward Euler: `u' = u + dt v'`, `v' = v - dt omega^2 u'`.
+    BackwardEuler,
+}
+
+/// Parameters of the generalized-alpha family.
+struct Parameters {
+    alpha_m: f64,
+    alpha_f: f64,
+    beta: f64,
+    gamma: f64,
+}
+
+impl Parameters {
+    /// Parameters with second order and the largest numerical damping of fast oscillations for these two.
+    fn of_second_order(alpha_m: f64, alpha_f: f64) -> Self {
+        let gamma = 0.5 - alpha_m + alpha_f;
+        Self {
+            alpha_m,
+            alpha_f,
+            beta: 0.25 * (0.5 + gamma).powi(2),
+            gamma,
+        }
+    }
+}
+
+impl ImplicitIntegrator {
+    /// All implicit integrators, in the order of tables.
+    pub const ALL: [Self; 4] = [
+        Self::Newmark,
+        Self::HhtAlpha,
+        Self::GeneralizedAlpha,
+        Self::BackwardEuler,
+    ];
+
+    /// Name in answers.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Newmark => "newmark",
+            Self::HhtAlpha => "hht-alpha",
+            Self::GeneralizedAlpha => "generalized-alpha",
+            Self::BackwardEuler => "backward-euler",
+        }
+    }
+
+    /// Parameters of the generalized-alpha family; `None` for backward Euler.
+    fn parameters(self) -> Option<Parameters> {
+        match self {
+            Self::Newmark => Some(Parameters::of_second_order(0.0, 0.0)),
+            Self::HhtAlpha => Some(Parameters::of_second_order(0.0, 0.05)),
+            Self::GeneralizedAlpha => Some(Parameters::of_second_order(0.0, 1.0 / 3.0)),
+            Self::BackwardEuler => None,
+        }
+    }
+
+    /// Number `c` of Newton's matrix `K + c M/dt^2`, up to a factor.
+    fn inertia(self) -> f64 {
+        self.parameters().map_or(1.0, |own| {
+            (1.0 - own.alpha_m) / (own.beta * (1.0 - own.alpha_f))
+        })
+    }
+
+    /// Largest step for which Newton's matrix of a state with a given lowest `omega^2` (1/time^2) is positive definite, `sqrt(c / -omega^2)`. Time.
+    ///
+    /// It is infinite if no `omega^2` is negative. Static solvers have no mass term, so that their matrix is positive definite in this case only.
+    pub fn largest_definite_step(self, lowest_omega_squared: f64) -> f64 {
+        match lowest_omega_squared < 0.0 {
+            true => (self.inertia() / -lowest_omega_squared).sqrt(),
+            false => f64::INFINITY,
+        }
+    }
+
+    /// Shortest step beyond which a solution that grows at a rate `s` (1/time) decays in discrete time. Time; infinite if it grows for every step.
+    ///
+    /// At this step the amplification factor is -1. For backward Euler, `(1 - s dt)^-1`, it is `2/s`.
+    pub fn shortest_hiding_step(self, growth_rate: f64) -> f64 {
+        let squared = self.parameters().map_or(4.0, |own| {
+            let damping = own.gamma - 0.5;
+            // Equals the condition u' = -u, v' = -v, a' = -a, with gamma - 2 beta = -(gamma - 1/2)^2 / 2.
+            4.0 * (1.0 - 2.0 * own.alpha_m) / ((1.0 - 2.0 * own.alpha_f) * damping * damping)
+        });
+        match growth_rate > 0.0 {
+            true => squared.sqrt() / growth_rate,
+            false => f64::INFINITY,
+        }
+    }
+}
