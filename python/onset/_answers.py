@@ -607,7 +607,7 @@ class Fit(Answer):
     def table(self) -> list[dict[str, Any]]:
         """Returns a row for each law, for example for ``pandas.DataFrame``.
 
-        A row has the ``law``, the number of ``constants``, the ``error`` and the ``free_error`` without a demand for stability (dimensionless), the
+        A row has the ``law``, the number of ``constants``, the ``error`` and the ``free_error`` without the stability constraint (dimensionless), the
         ``shear_modulus`` and the bulk modulus ``kappa`` (stress), and the ``proof`` of stability: ``proved``, ``sampled`` or ``None``.
         """
         return [

@@ -693,10 +693,10 @@ def fit(
     floor
         Smallest scale of relative errors, as a fraction of the largest stress of the test, from 0 to 1.
     stable
-        Range of demanded stability: ``data`` (up to 1.25 times the largest stretch of the tests), ``data=FACTOR``, ``box=LOW,HIGH`` (all
+        Range of the stability constraint: ``data`` (up to 1.25 times the largest stretch of the tests), ``data=FACTOR``, ``box=LOW,HIGH`` (all
         principal stretches), ``loadings=LOW,HIGH`` (uniaxial, equibiaxial and planar), or ``None``.
     criterion
-        Demanded criterion: ``drucker``, ``ellipticity`` or ``both``.
+        Required criterion: ``drucker``, ``ellipticity`` or ``both``.
     margin
         Smallest value of a criterion, as a fraction of its value in the reference configuration.
     starts

@@ -109,8 +109,8 @@ pub enum FitError {
         /// Admissible values in words.
         expected: String,
     },
-    /// The states at which stability is demanded could not all be satisfied in a number of rounds.
-    #[error("the fit of {law} with the demand for stability did not converge")]
+    /// The stability constraint could not be satisfied at all states in a number of rounds.
+    #[error("the fit of {law} with the stability constraint did not converge")]
     NotConverged {
         /// Name of the law.
         law: String,

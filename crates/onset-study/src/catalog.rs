@@ -699,7 +699,7 @@ const ROWS: &[Row] = &[
             ),
             (
                 "fmpm",
-                "as pic, with v'^k = (1 + A + ... + A^(k-1)) v' in the place of v' for velocities, positions and strains",
+                "as pic, with v'^k = (1 + A + ... + A^(k-1)) v' in place of v' for velocities, positions and strains",
                 "Nairn and Hammerquist, Comput. Methods Appl. Mech. Eng. 386 (2021) 114075",
             ),
         ],

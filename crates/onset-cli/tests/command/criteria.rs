@@ -209,7 +209,9 @@ fn a_limit_along_jumps_is_reported_as_an_upper_bound() {
         assert_eq!(found["compression"]["upper_bound"], false, "{found}");
     }
     assert!(
-        answer.stdout.contains("verified in intervals"),
+        answer
+            .stdout
+            .contains("lowers the energy, verified in interval arithmetic"),
         "{}",
         answer.stdout
     );

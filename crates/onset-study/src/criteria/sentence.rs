@@ -231,12 +231,12 @@ pub(super) fn witness(witness: &Witness) -> String {
             verified,
         } => {
             let edge = match (at_edge, collapses) {
-                (true, _) => ", to the largest stretch of the range",
-                (false, true) => ", to the limit of zero volume",
+                (true, _) => "; ends at the largest stretch of the range",
+                (false, true) => "; ends at the limit of zero volume",
                 (false, false) => "",
             };
             let sure = if *verified {
-                "gain verified in intervals"
+                "lowers the energy, verified in interval arithmetic"
             } else {
                 "lowers the energy in floating point; not verified in interval arithmetic"
             };

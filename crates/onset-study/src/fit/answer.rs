@@ -264,7 +264,7 @@ impl FitAnswer {
             Some(_) => {
                 let _ = write!(text, " and is stable {} (sampled).", self.range_in_words());
             }
-            None => text.push_str("; stability was not demanded."),
+            None => text.push_str("; stability was not required."),
         }
         text.push(' ');
         text.push_str(&best.demand());
@@ -297,7 +297,7 @@ impl FitAnswer {
             .unwrap_or(0)
             .max(3);
         let mut lines = vec![format!(
-            "{:width$}  constants   error  worst test             in the range  without the demand",
+            "{:width$}  constants   error  worst test             in the range  without the constraint",
             "law"
         )];
         for own in &self.laws {
@@ -484,7 +484,7 @@ fn remarks(laws: &[LawAnswer]) -> Vec<String> {
                 short(lock.stretch),
                 lock.mode.name(),
                 match own.fit.family.ends_at_locking() {
-                    true => "no energy exists beyond, and only the states before are called stable",
+                    true => "its energy is undefined beyond, and only the states before are called stable",
                     false => "beyond, its series continues without a limit",
                 }
             ));
@@ -635,10 +635,11 @@ impl LawAnswer {
             };
         }
         if self.needs_no_demand {
-            return "The best fit is stable as it is: the demand costs nothing.".to_owned();
+            return "The best fit is stable as it is: the stability constraint costs nothing."
+                .to_owned();
         }
         let mut text = format!(
-            "Without the demand it would fit within {}",
+            "Without the stability constraint it would fit within {}",
             percent(self.free_error)
         );
         if !self.free_losses.is_empty() {

@@ -223,7 +223,7 @@ fn hinted(error: &FitError) -> String {
         }
         FitError::UnknownConstant { .. } => "name one of them",
         FitError::NotConverged { .. } | FitError::NotStable { .. } => {
-            "demand stability in a smaller range with --stable, for example box=0.5,2, or choose another law"
+            "require stability in a smaller range with --stable, for example box=0.5,2, or choose another law"
         }
     };
     format!("{error}\n  hint: {hint}")

@@ -496,7 +496,7 @@ impl ScreenAnswer {
             && let Some(time) = by_step
         {
             evidence.push(format!(
-                "oscillations caused by the time step are expected to become visible at t = {}",
+                "oscillations caused by the time step are expected to show at t = {}",
                 told(time)
             ));
         }

@@ -110,7 +110,7 @@ fn assert_safe(law: &dyn Hyperelastic, safe: &SafeBox, known: &[[f64; 3]]) {
 /// worst third stretch is a zero of the derivative of `mu x^2 + mu + lambda (1 - ln(b^2 x))` with respect to `x`: `x^2 = lambda / (2 mu)`, or `b` if
 /// it is larger.
 #[test]
-fn the_widest_box_of_neo_hooke_ends_at_its_closed_form() {
+fn the_widest_box_of_neo_hooke_agrees_with_the_closed_form() {
     for lambda in [1.0, 3.0_f64] {
         let law = NeoHooke { mu: 1.0, lambda };
         let worst = |b: f64| {

@@ -777,7 +777,7 @@ fn assert_quadratic<const D: usize>(mesh: ElementMesh) {
 }
 
 #[test]
-fn quadratic_elements_pass_the_battery_and_have_the_long_waves_of_the_material() {
+fn quadratic_elements_pass_the_scheme_checks_and_reproduce_the_long_wave_limit() {
     assert_quadratic::<1>(ElementMesh::Bars);
     for mesh in [
         ElementMesh::Quadrilaterals,
