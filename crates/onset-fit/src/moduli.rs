@@ -354,7 +354,7 @@ impl Moduli<f64> {
         (value, Perturbation::Wave(n, m))
     }
 
-    /// Acoustic tensor of a direction in the reference.
+    /// Acoustic tensor of a direction in the reference configuration.
     fn acoustic(&self, n: [f64; 3]) -> Matrix3<f64> {
         let own = |i: usize| (self.logarithmic(i, i) - self.stress[i]) / self.squares[i];
         Matrix3::from_fn(|i, j| match i == j {

@@ -65,7 +65,7 @@ pub(crate) struct Equations {
 }
 
 impl Equations {
-    /// Conditions of tests on a law. Points at the reference say nothing and are left out.
+    /// Conditions of tests on a law. Points in the reference configuration carry no information and are left out.
     pub fn new(tests: &[Test], compressible: bool, weights: Weights) -> Self {
         let mut all = Vec::new();
         for (t, test) in tests.iter().enumerate() {

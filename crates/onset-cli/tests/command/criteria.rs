@@ -431,7 +431,7 @@ fn jumps_of_a_law_are_classified_in_every_loading() {
         let limit = &criterion(own, "rank-one-convexity")["tension"]["limit"];
         (own["kinks"].clone(), limit.as_f64())
     };
-    // A concave kink of size c can be crossed with a gain from (J - J0) < c/(2 q), where q is the stiffness along the jump.
+    // Crossing a concave kink of size c lowers the energy from (J - J0) < c/(2 q) on, where q is the stiffness along the jump.
     for (term, kind, size, lost) in [
         ("+ 2*macaulay(J-1.2)", "jump-of-stress", 2.0, None),
         ("- 2*macaulay(J-1.2)", "jump-of-stress", -2.0, Some(true)),

@@ -586,7 +586,7 @@ fn closing_the_connection_cancels_a_state_its_mode_and_its_dispersion() {
 }
 
 #[test]
-fn a_link_contains_the_question_of_the_command() {
+fn a_link_opens_the_problem_of_the_command() {
     let page = Page::serve(&["--set", "discretization.method=tlsph"]);
     assert!(page.address.ends_with(
         "&set=discretization.method%3Dtotal-lagrangian-sph&stretch=1,1&axis=stretch-1,0.5,2&axis=stretch-2,0.5,2"

@@ -423,7 +423,7 @@ fn states_at_which_the_law_is_not_defined_are_undefined_in_a_map() {
 }
 
 #[test]
-fn a_law_whose_reference_carries_no_waves_is_refused() {
+fn a_law_that_carries_no_waves_in_the_reference_configuration_is_refused() {
     let energy = "-(I1 - 3)";
     let answer = onset(&["state", "--stretch", "1.1,1", "--energy", energy]);
     assert_eq!(answer.code, Some(2), "{}", answer.stdout);

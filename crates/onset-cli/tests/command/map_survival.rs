@@ -91,7 +91,7 @@ fn stopped_by(name: &str) {
     assert!((1..TILES).contains(&tiles), "{tiles} tiles are done");
     let said = String::from_utf8(output.stdout).expect("UTF-8");
     let left = format!("{} of {TILES} tiles are still to do", TILES - tiles);
-    // A state that takes longer than the end may take is not waited for, nor is the summary.
+    // The command does not wait for a state that exceeds the time limit, and then prints no summary.
     assert!(said.is_empty() || said.contains(&left), "{said}");
 
     let document = place.document("interrupted.zarr", "--resume");

@@ -188,7 +188,7 @@ fn one_crystal_has_one_answer_in_every_cell() {
             "{text}"
         );
     }
-    // Rows of two particles form a square lattice, also from another particle.
+    // Other cells and bases of the square lattice give the same answer.
     let square = without_cell("state --stretch 1.1,0.95 set method=updated-sph set lattice=square");
     for cell in [
         "set lattice=oblique set vectors=2,0,0,1 set basis=0.5,0",
@@ -255,7 +255,7 @@ fn a_displacement_field_that_jumps_at_the_patch_boundary_is_reported_with_a_fitt
 }
 
 #[test]
-fn invalid_questions_about_modes_are_refused() {
+fn invalid_options_of_modes_are_refused() {
     for (line, fact) in [
         ("modes --weak 0", "above 0 and at most 1"),
         ("modes --weak nan", "above 0 and at most 1"),

@@ -107,7 +107,7 @@ pub fn moduli(material: &dyn Hyperelastic) -> Option<[f64; 2]> {
 /// Note on a negative Poisson's ratio of an isotropic law at `F = 1`.
 fn auxetic(settings: &MaterialSettings, material: &dyn Hyperelastic) -> Option<String> {
     if material.dimension() == 1 {
-        // The modulus of a bar says nothing of its width.
+        // The modulus of a bar does not determine its width.
         return auxetic(settings, &*settings.build().ok()?);
     }
     let response = material.undeformed().ok()?;

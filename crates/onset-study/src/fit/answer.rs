@@ -189,7 +189,7 @@ impl FitAnswer {
         let has_volume = tests.iter().any(|test| test.mode == Mode::Volumetric);
         if bulk.is_none() && !has_volume {
             notes.push(format!(
-                "no volumetric test and no given bulk modulus: it is {} shear moduli",
+                "without a volumetric test or a given bulk modulus, the bulk modulus is {} shear moduli",
                 super::BULK_RATIO
             ));
         }

@@ -109,7 +109,7 @@ const LEAST_POINTS: usize = 3;
 /// Largest stretch of rubber; larger numbers are percentages.
 const LARGEST: f64 = 20.0;
 /// Hint for arrays that seem to hold strains.
-const STRETCHES: &str = "a stretch is 1 plus the strain, and 100 % are a strain of 1";
+const STRETCHES: &str = "a stretch is 1 plus the strain, and 100 % is a strain of 1";
 /// Limits of the largest stress of a test, and the least of its largest strain.
 const STRESSES: [f64; 2] = [1e-20, 1e20];
 const LEAST_STRAIN: f64 = 1e-4;
@@ -302,7 +302,7 @@ impl Tests {
         }
         if most.1 > DISAGREEMENT * least.1 {
             self.notes.push(format!(
-                "{text}; is a true stress given as a nominal one, or another loading?"
+                "{text}; check whether a true stress is given as nominal stress, and the loading of each file"
             ));
         }
         Ok(())
@@ -845,7 +845,7 @@ impl Table<'_> {
         {
             return Err(self.refused(
                 format!(
-                    "its arrays have {} and {} numbers",
+                    "the arrays have {} and {} numbers",
                     own.stretch.len(),
                     other.len()
                 ),
@@ -920,13 +920,13 @@ impl Table<'_> {
         let message = match wanted {
             None if names.len() > 1 => {
                 format!(
-                    "it has tests of {} materials: {}",
+                    "the deck has tests of {} materials: {}",
                     names.len(),
                     names.join(", ")
                 )
             }
             Some(wanted) if !tests.iter().any(|(name, _)| has_name(name, wanted)) => format!(
-                "it has no tests of the material `{wanted}`; its tests belong to {}",
+                "the deck has no tests of the material `{wanted}`; its tests belong to {}",
                 names.join(", ")
             ),
             _ => {
@@ -1140,7 +1140,7 @@ impl Table<'_> {
         {
             return Err(self.line(
                 *line,
-                "the stress is 0 at a strain that is not",
+                "the stress is 0 at a nonzero strain",
                 "remove the row, or the offset of the zero point",
             ));
         }
@@ -1168,7 +1168,7 @@ impl Table<'_> {
             [line] => Err(self.line(
                 *line,
                 "the stretch turns back: loading is followed by unloading",
-                "keep one branch of the test; an elastic law has one stress for a stretch",
+                "keep one branch of the test; an elastic law has a single stress for each stretch",
             )),
             [line, ..] => Err(self.line(
                 *line,

@@ -25,7 +25,7 @@ pub enum FittingError {
     #[error(transparent)]
     Table(#[from] TableError),
     /// A law that cannot be fitted.
-    #[error("the law `{law}` cannot be fitted: {reason}\n  hint: laws that can: {known}")]
+    #[error("the law `{law}` cannot be fitted: {reason}\n  hint: laws that can be fitted: {known}")]
     Law {
         /// Name of the law.
         law: String,

@@ -377,7 +377,7 @@ impl LimitAnswer {
             Some((one.value, alone))
         })?;
         Some(format!(
-            "these are steps of waves; points without neighbors on the grid need shorter steps, with {} = {} below {} (see `onset state`)",
+            "these steps are stable for waves; points without neighbors on the grid need shorter steps, with {} = {} below {} (see `onset state`)",
             self.key,
             self.value(told(value)),
             self.step(step)

@@ -136,7 +136,7 @@ pub enum PlotError {
     Boundary(#[from] BoundaryError),
     /// The field cannot be shown as a map.
     #[error(
-        "the field `{field}` cannot be shown as a map\n  hint: fields that can are {}", known.join(", ")
+        "the field `{field}` cannot be shown as a map\n  hint: available fields: {}", known.join(", ")
     )]
     NotShown {
         /// Name of the field.

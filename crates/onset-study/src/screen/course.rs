@@ -505,11 +505,11 @@ impl<'p> Follower<'p> {
             f,
         };
         let at = |point: usize| (point, self.points.places[point]);
-        // Predicted amplitudes start from the short waves at the begin of growth.
+        // Predicted amplitudes start from the short waves at the beginning of growth.
         let (grown, integral) = self.growth.largest().unwrap_or((0, 0.0));
         if !self.has_begun && integral > INTEGRAL_AT_BEGINNING {
             self.has_begun = true;
-            // Short waves that are observed already did not grow from themselves.
+            // Short waves above the threshold are no seed: they have already grown.
             let is_early =
                 self.course.observed.is_none() && most_observed <= self.question.threshold;
             if is_early && self.question.seed.is_none() {

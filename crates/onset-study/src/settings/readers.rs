@@ -177,7 +177,7 @@ fn every_key_changes_an_answer_or_is_refused_by_the_method() {
                     let all: Vec<String> =
                         base.iter().cloned().chain([assignment.clone()]).collect();
                     let asked = Settings::from_assignments(&all);
-                    // Without the check of the table, to find out whether the method would use the key.
+                    // Bypasses the table of keys, to test whether the method would use the key.
                     let mut forced = Settings::default();
                     for own in &all {
                         forced.assign(own).expect("known keys");

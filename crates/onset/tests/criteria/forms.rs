@@ -225,7 +225,7 @@ fn hill_counts_rotations_and_is_lost_where_two_principal_stresses_have_a_negativ
         let rotation = sums[0] / (stretches[0].powi(2) + stretches[1].powi(2));
         assert!(measure.value <= rotation + 1e-12);
     }
-    // Neutral in the reference: rotations have no energy, all other rates have positive energy.
+    // Neutral in the reference configuration: rotations have no energy, all other rates have positive energy.
     let state = State::new(&law, &DeformationGradient::identity()).expect("finite");
     let measure = Criterion::Hill.measure(&state).expect("defined");
     assert!(measure.holds() && measure.value.abs() < 1e-12);

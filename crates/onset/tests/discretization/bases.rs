@@ -201,7 +201,7 @@ fn sheared<'a>(
 }
 
 #[test]
-fn waves_with_eulerian_kernels_are_invariant_to_shears_that_map_the_lattice_onto_itself() {
+fn waves_with_eulerian_kernels_are_invariant_under_shears_that_map_the_lattice_onto_itself() {
     let law = ModifiedMooneyRivlin::default();
     let square = KernelMethodChoices {
         lattice: LatticeKind::Square,

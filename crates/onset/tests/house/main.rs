@@ -47,7 +47,7 @@ fn imports(file: &Path) -> Vec<String> {
 }
 
 #[test]
-fn a_room_imports_only_rooms_below_it() {
+fn a_module_imports_only_modules_below_it() {
     let rooms = rooms();
     let declared = fs::read_to_string("src/lib.rs").expect("the root of the crate");
     for line in declared.lines().filter(|line| line.ends_with(';')) {

@@ -77,7 +77,7 @@ fn implicit_step(law: &DruckerPrager, strain: &Matrix3<f64>, state: &State) -> (
 }
 
 #[test]
-fn the_closed_return_solves_the_equations_of_the_implicit_step() {
+fn the_closed_form_return_mapping_solves_the_equations_of_the_implicit_step() {
     let mut numbers = Numbers(2);
     for strength in STRENGTHS {
         for (friction, dilatancy) in [(0.0, 0.0), (0.6, 0.3)] {

@@ -185,7 +185,7 @@ fn assert_turns<const D: usize>(mesh: ElementMesh, formulation: Formulation) {
 }
 
 #[test]
-fn frequencies_are_invariant_to_rotations_of_the_setup_and_of_the_body() {
+fn frequencies_are_invariant_under_rotations_of_the_setup_and_of_the_body() {
     for mesh in [
         ElementMesh::Triangles,
         ElementMesh::TrianglesAlternating,
@@ -804,7 +804,7 @@ fn quadratic_bars_have_the_two_branches_of_textbooks() {
 }
 
 #[test]
-fn lumped_masses_of_quadratic_elements_have_the_shares_of_textbooks() {
+fn lumped_masses_of_quadratic_elements_have_the_textbook_fractions() {
     // Zienkiewicz and Taylor: triangles of six nodes 3/57 and 16/57; quadrilaterals of eight nodes with 3 by 3 points 3/76 and 16/76.
     for (mesh, corner, middle, elements_at_corner) in [
         (ElementMesh::Quadrilaterals, 3.0 / 76.0, 16.0 / 76.0, 4.0),

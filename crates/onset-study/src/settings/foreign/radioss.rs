@@ -493,7 +493,7 @@ pub(super) fn write(sheet: &Sheet) -> Result<write::Block, Refusal> {
             let ratios = ratios.collect::<Result<Vec<f64>, Refusal>>()?;
             if ratios.iter().any(|ratio| *ratio > LARGEST_RATIO) {
                 return Err(Refusal::Constants(
-                    "LAW62 has Poisson's ratios to 0.499, and a beta is larger".to_owned(),
+                    "LAW62 allows Poisson's ratios up to 0.499, which a beta of the law exceeds".to_owned(),
                 ));
             }
             let moduli: Vec<f64> = terms.iter().map(|[mu, _, _]| *mu).collect();

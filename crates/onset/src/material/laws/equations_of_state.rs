@@ -5,7 +5,7 @@
 //!
 //! - Murnaghan: a bulk modulus that is linear in the pressure, `kappa + n p`.
 //! - Tait: a compression that is logarithmic in the pressure, `1 - J = c ln(1 + p/(kappa c))`.
-//! - Mie and Grueneisen: the isentrope through the reference of a solid with `U_s = c0 + s u_p` and `Gamma rho = Gamma_0 rho_0`, derived at
+//! - Mie and Grueneisen: the isentrope through the reference state of a solid with `U_s = c0 + s u_p` and `Gamma rho = Gamma_0 rho_0`, derived at
 //!   `MieGrueneisen`.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
