@@ -568,7 +568,7 @@ class Card(Answer):
 
 
 class Fit(Answer):
-    """Laws fitted to tests: ``laws``, that with the smallest error first, and ``refused`` laws with the reasons.
+    """Laws fitted to tests: ``laws``, by increasing error, and ``refused`` laws with the reasons.
 
     The properties describe the first law.
     """

@@ -18,7 +18,7 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Weights {
-    /// Errors relative to the measured stress, or to this part of the largest stress of the test where that is more.
+    /// Errors relative to the measured stress, or to this fraction of the largest stress of the test if that is larger.
     Relative(f64),
     /// Errors in units of stress.
     Absolute,
@@ -109,7 +109,7 @@ pub enum FitError {
         /// Admissible values in words.
         expected: String,
     },
-    /// The stability constraint could not be satisfied at all states in a number of rounds.
+    /// The stability constraint could not be satisfied at all states within the largest number of rounds.
     #[error("the fit of {law} with the stability constraint did not converge")]
     NotConverged {
         /// Name of the law.

@@ -1,4 +1,4 @@
-//! What was measured: stretches and nominal stresses of homogeneous specimens.
+//! Measured data: stretches and nominal stresses of homogeneous specimens.
 
 use crate::fit::Weights;
 use crate::range::Mode;

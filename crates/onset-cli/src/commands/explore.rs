@@ -9,7 +9,7 @@ use onset_study::settings::Value;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Serves the page for a study, a stored map or a question.
+/// Serves the page for a study, a stored map or a problem.
 pub fn explore(arguments: &ExploreArguments) -> Result<ExitCode, Failure> {
     printing::only_text("the address of the page")?;
     let trust = arguments.problem.given.trust.trust();

@@ -1,15 +1,15 @@
-//! Question in the fragment of an address (after `#`), which the browser does not send to the server.
+//! Problem in the fragment of an address (after `#`), which the browser does not send to the server.
 
 use super::token::Token;
 use onset_study::explore::Question;
 
 /// Initial content of the page.
 pub enum Link {
-    /// Question of the user.
+    /// Problem given by the user.
     Question(Box<Question>),
     /// Map opened by the user.
     Stored,
-    /// Default question of the page.
+    /// Default problem of the page.
     Nothing,
 }
 

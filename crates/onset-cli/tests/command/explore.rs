@@ -104,7 +104,7 @@ impl Page {
         ))
     }
 
-    /// Sends a question without waiting for the answer.
+    /// Sends a request without waiting for the answer.
     fn begin(&self, name: &str, question: &Value) -> TcpStream {
         let body = question.to_string();
         let mut stream = TcpStream::connect(&self.host).expect("a connection");
@@ -529,7 +529,7 @@ fn a_cancelled_map_is_not_computed_to_the_end() {
     let stream = page.begin("map", &question);
     std::thread::sleep(Duration::from_millis(300));
     drop(stream);
-    // Another question is answered immediately, on all cores.
+    // Another request is answered immediately, on all cores.
     let since = Instant::now();
     page.ask(
         "map",

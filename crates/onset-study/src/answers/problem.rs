@@ -13,7 +13,7 @@ use onset::verdict::PathError;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// Reasons why a question cannot be answered; the input is always at fault.
+/// Reasons why a problem cannot be set up or evaluated; the input is always at fault.
 #[derive(Debug, Error)]
 pub enum ProblemError {
     /// A setting is invalid.

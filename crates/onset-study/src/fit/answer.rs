@@ -94,7 +94,7 @@ pub struct LawAnswer {
     pub correlated: Vec<(String, String, f64)>,
     /// Number of other optima whose sum of squares is within 5 %.
     pub other_optima: usize,
-    /// Number of different measured conditions beyond the number of free constants; with 0, the error says nothing.
+    /// Number of different measured conditions beyond the number of free constants; with 0, the error is no measure of the fit.
     pub spare_points: usize,
     /// Names of the free constants at their bounds.
     pub at_bounds: Vec<String>,
@@ -121,7 +121,7 @@ pub struct FitAnswer {
     pub stretches: Option<[f64; 2]>,
     /// Criteria of the stability constraint.
     pub criteria: Vec<Criterion>,
-    /// Fitted laws, that with the smallest error first.
+    /// Fitted laws, by increasing error.
     pub laws: Vec<LawAnswer>,
     /// Laws that could not be fitted, with the reasons.
     pub refused: Vec<(String, String)>,

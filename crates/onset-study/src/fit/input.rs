@@ -25,7 +25,7 @@ pub enum TableError {
     Line {
         /// Path of the file, or name of the array.
         path: PathBuf,
-        /// What is counted: `line` or `point`.
+        /// Counted unit: `line` or `point`.
         row: &'static str,
         /// Line from 1, or point from 0.
         line: usize,
@@ -110,8 +110,9 @@ const LEAST_POINTS: usize = 3;
 const LARGEST: f64 = 20.0;
 /// Hint for arrays that seem to hold strains.
 const STRETCHES: &str = "a stretch is 1 plus the strain, and 100 % is a strain of 1";
-/// Limits of the largest stress of a test, and the least of its largest strain.
+/// Limits of the largest stress of a test.
 const STRESSES: [f64; 2] = [1e-20, 1e20];
+/// Smallest admissible value of the largest strain of a test.
 const LEAST_STRAIN: f64 = 1e-4;
 /// Largest difference of stretches of one row that two columns give.
 const STRETCH_TOLERANCE: f64 = 0.01;

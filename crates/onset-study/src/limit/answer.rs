@@ -73,11 +73,11 @@ impl Tried {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EndKind {
-    /// The step is too large beyond it.
+    /// Beyond the end the step is too large.
     Limit,
-    /// The range ends here.
+    /// End of the range of values.
     Range,
-    /// Values beyond it cannot be evaluated.
+    /// Values beyond the end cannot be evaluated.
     Undefined,
 }
 

@@ -170,7 +170,7 @@ pub struct ScreenAnswer {
     pub actual: Option<Actual>,
     /// Largest stable time steps.
     pub time_step: Option<StepLimit>,
-    /// Amplitude at which short waves show; spacings.
+    /// Amplitude above which short waves count as observed; spacings.
     pub threshold: f64,
     /// Amplitude of the short waves when growth begins; spacings.
     pub seed: f64,

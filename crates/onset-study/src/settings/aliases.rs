@@ -211,7 +211,7 @@ const HINTS: &[(&str, &str)] = &[
     ),
 ];
 
-/// Key of the smoothing length over the spacing, another way to set the support.
+/// Key of the smoothing length divided by the spacing, another way to set the support.
 ///
 /// `support = smoothing-length * R0/h` with the ratio of support radius
 /// `R0` to smoothing length `h` of the kernel, 2 for the cubic spline.

@@ -170,7 +170,7 @@ impl Question {
 }
 
 impl Plan {
-    /// Plans the run of a question on its patch.
+    /// Plans a run on its patch.
     pub(super) fn new(
         problem: &Problem,
         question: &Question,

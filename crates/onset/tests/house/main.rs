@@ -1,4 +1,4 @@
-//! The order of the rooms of the core, as the book draws it.
+//! The order of the modules of the core, as drawn in the book.
 
 use std::fs;
 use std::path::{Path, PathBuf};

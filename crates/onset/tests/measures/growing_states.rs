@@ -17,7 +17,7 @@ fn moduli(matrix: DMatrix<Complex>) -> Vec<f64> {
     values.iter().map(|z| z.norm()).collect()
 }
 
-/// How many solutions of the equations of a wave grow, and how many of an integrator.
+/// Number of growing solutions of the equations of a wave, and of an integrator.
 fn growing(
     waves: &WaveSystem<2>,
     integrator: Integrator,

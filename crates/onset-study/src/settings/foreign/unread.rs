@@ -58,9 +58,9 @@ impl Unread {
                 true => (
                     "long-term",
                     "instantaneous",
-                    "which govern waves and time steps",
+                    "which governs waves and time steps",
                 ),
-                false => ("instantaneous", "long-term", "which govern slow loading"),
+                false => ("instantaneous", "long-term", "which governs slow loading"),
             };
             let value =
                 part.filter(|part| (0.0..1.0).contains(part))
