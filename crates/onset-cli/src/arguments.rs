@@ -542,7 +542,7 @@ pub struct WeakArgument {
 /// Limits between acceptable and wrong results.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct ThresholdArguments {
-    /// Relative frequency below which waves count as weakly controlled.
+    /// Limit of weak control: largest frequency relative to the slowest material wave.
     #[command(flatten)]
     pub weak: WeakArgument,
     /// Largest accepted fraction of states with a wrong verdict.
@@ -1120,7 +1120,7 @@ pub struct ModesArguments {
     /// Material and discretization of the problem.
     #[command(flatten)]
     pub problem: ProblemArguments,
-    /// Relative frequency below which waves count as weakly controlled.
+    /// Limit of weak control: largest frequency relative to the slowest material wave.
     #[command(flatten)]
     pub weak: WeakArgument,
     /// Number of cells along each primitive vector of the patch that is drawn and exported.

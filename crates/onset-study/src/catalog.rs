@@ -510,12 +510,12 @@ const ROWS: &[Row] = &[
         &[
             (
                 "lagrangian",
-                "W(X - X_K): kernels of material coordinates",
+                "W(X - X_K): kernels in material coordinates",
                 PAPER,
             ),
             (
                 "eulerian",
-                "W(x - x_K(t)): kernels of current coordinates",
+                "W(x - x_K(t)): kernels in current coordinates",
                 PAPER,
             ),
         ],

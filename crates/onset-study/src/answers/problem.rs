@@ -86,7 +86,7 @@ pub enum ProblemError {
         known: Vec<String>,
     },
     /// A number is not finite.
-    #[error("{what} holds {value}; all its numbers must be finite")]
+    #[error("{what} contains {value}; all its numbers must be finite")]
     NotFinite {
         /// Argument with the number.
         what: &'static str,

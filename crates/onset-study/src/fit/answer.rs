@@ -94,7 +94,7 @@ pub struct LawAnswer {
     pub correlated: Vec<(String, String, f64)>,
     /// Number of other optima whose sum of squares is within 5 %.
     pub other_optima: usize,
-    /// Number of different measured conditions beyond the number of free constants; with 0, the error is no measure of the fit.
+    /// Number of different measured conditions beyond the number of free constants; with 0, the error is not a measure of the fit.
     pub spare_points: usize,
     /// Names of the free constants at their bounds.
     pub at_bounds: Vec<String>,

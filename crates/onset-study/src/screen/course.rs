@@ -509,7 +509,7 @@ impl<'p> Follower<'p> {
         let (grown, integral) = self.growth.largest().unwrap_or((0, 0.0));
         if !self.has_begun && integral > INTEGRAL_AT_BEGINNING {
             self.has_begun = true;
-            // Short waves above the threshold are no seed: they have already grown.
+            // Short waves above the threshold have already grown and are not the seed.
             let is_early =
                 self.course.observed.is_none() && most_observed <= self.question.threshold;
             if is_early && self.question.seed.is_none() {

@@ -24,8 +24,8 @@ const WORDS: &[(&str, &str, Meaning)] = &[
         "discretization.method",
         "sph",
         OneOf(&[
-            ("total-lagrangian-sph", "kernels of material coordinates"),
-            ("updated-sph", "kernels of current coordinates"),
+            ("total-lagrangian-sph", "kernels in material coordinates"),
+            ("updated-sph", "kernels in current coordinates"),
         ]),
     ),
     ("discretization.method", "wcsph", Is("updated-sph")),

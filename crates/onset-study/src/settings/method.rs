@@ -20,9 +20,9 @@ use serde::{Deserialize, Serialize};
 pub enum Family {
     /// Kernel methods: shape functions of particles, with forces integrated at points.
     Kernel,
-    /// Smoothed particle hydrodynamics with kernels of material coordinates.
+    /// Smoothed particle hydrodynamics with kernels in material coordinates.
     TotalLagrangianSph,
-    /// Smoothed particle hydrodynamics with kernels of current coordinates.
+    /// Smoothed particle hydrodynamics with kernels in current coordinates.
     UpdatedSph,
     /// Finite elements on a periodic mesh.
     FiniteElements,

@@ -40,7 +40,7 @@ pub struct Critical {
 pub enum BoxEnd {
     /// The end of the range of stretches.
     Range,
-    /// The critical state, one of whose principal stretches equals this end.
+    /// The critical state: one of its principal stretches equals this end.
     Critical,
     /// The opposite end: the critical state limits it, and the shape of the box fixes this end.
     Shape,

@@ -515,7 +515,7 @@ fn assert_geometry<const D: usize>(scheme: &dyn Discretization<D>, name: &str) {
     let first = zeros(scheme, &*laws[0]);
     for law in &laws {
         assert_eq!(zeros(scheme, &**law), first, "{name}");
-        // The stiffness has as many zero eigenvalues as modes are listed, and no others.
+        // The number of zero eigenvalues of the stiffness equals the number of listed modes.
         let waves = scheme
             .waves(&**law, &DeformationGradient::identity())
             .expect("waves");
