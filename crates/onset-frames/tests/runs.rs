@@ -30,7 +30,7 @@ fn refused(path: PathBuf, reading: &Reading) -> String {
 }
 
 #[test]
-fn a_lammps_dump_has_stresses_digits_and_times_of_steps() {
+fn a_lammps_dump_gives_stresses_digits_and_times() {
     let reading = Reading {
         time_step: Some(0.1),
         ..Reading::default()

@@ -192,7 +192,7 @@ fn every_number_of_every_law_is_answered_or_refused_with_its_range() {
 }
 
 #[test]
-fn every_number_of_a_study_and_of_a_plastic_law_is_taken_or_refused_with_its_range() {
+fn every_number_of_a_study_and_of_a_plastic_law_is_accepted_or_refused_with_its_range() {
     let axis = |quantity: &str, range: &str| {
         format!("[[axes]]\nquantity = \"{quantity}\"\nrange = {range}\nstates = 2\n")
     };

@@ -374,7 +374,7 @@ fn the_boundaries_of_a_map_that_varies_the_method_are_taken_from_its_cells() {
 }
 
 #[test]
-fn tracing_ends_when_its_time_is_over() {
+fn tracing_ends_at_its_time_limit() {
     use onset::cancel::unless;
     use onset_study::boundary::{Boundaries, Tracing};
     let study = Study::parse("study.toml", &study("one", "")).expect("a study");

@@ -183,7 +183,7 @@ fn a_shear_band_in_finite_elements_is_a_physical_instability() {
 }
 
 #[test]
-fn fewer_frames_and_a_reference_of_another_file_give_the_same_cause() {
+fn fewer_frames_and_a_reference_from_another_file_give_the_same_cause() {
     let mut source = TENSION.source(TENSION.path());
     source.reading.frames = FrameRange {
         every: 2,

@@ -155,7 +155,7 @@ fn an_ogden_block_of_abaqus_gives_the_ogden_law() {
 }
 
 #[test]
-fn incompressible_response_has_surfaces_and_no_pressure() {
+fn incompressible_response_has_a_surface_criterion_and_no_volumetric_part() {
     let law = "--set material.model=neo-hooke";
     let answer = document(&format!("criteria {law} --incompressible"));
     assert_eq!(answer["loadings"].as_array().expect("a list").len(), 4);

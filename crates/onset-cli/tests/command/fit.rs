@@ -661,7 +661,7 @@ fn one_material_of_a_deck_is_chosen() {
 }
 
 #[test]
-fn fits_that_say_nothing_are_not_silent() {
+fn uninformative_fits_are_refused_or_get_a_note() {
     let pull = Written::new("uniaxial.csv", table(HEADER, |own| own));
     let twice = onset(&["fit", &pull, &pull, "--law", "yeoh"]);
     assert_eq!(twice.code, Some(2));

@@ -291,7 +291,7 @@ fn an_adaptive_map_of_a_ragged_domain_misses_less_than_a_thousandth_of_its_state
 }
 
 #[test]
-fn a_section_through_a_map_of_three_axes_is_the_map_of_two() {
+fn a_section_through_a_map_of_three_axes_equals_the_map_of_two_axes() {
     let axes = "[[axes]]\nquantity = \"stretch-1\"\nrange = [0.3, 1.9]\nstates = 9\n\
                 [[axes]]\nquantity = \"stretch-2\"\nrange = [0.3, 1.9]\nstates = 6\n";
     let settings = "[discretization]\nframe = \"eulerian\"\ncurrent-lattice = \"regular\"\n";

@@ -38,7 +38,7 @@ fn assert_kept(place: &Place, store: &str, runs: &[&str], facts: &[&str]) {
 }
 
 #[test]
-fn an_existing_store_is_kept_unless_an_option_says_otherwise() {
+fn an_existing_store_is_kept_unless_an_option_replaces_it() {
     let place = Place::new(STUDY);
     place.computed("a.zarr", "--tiles 0..3");
     let begun = format!("3 of {TILES} tiles done");

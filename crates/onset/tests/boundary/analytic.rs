@@ -305,7 +305,7 @@ fn a_curve_ends_where_a_third_phase_begins() {
 }
 
 #[test]
-fn units_of_the_parameters_do_not_matter() {
+fn boundaries_do_not_depend_on_the_units_of_the_parameters() {
     let window = Window {
         low: [-2e6, -2e-6],
         high: [2e6, 2e-6],

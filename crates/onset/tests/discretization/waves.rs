@@ -87,7 +87,7 @@ proptest! {
     }
 
     #[test]
-    fn gradients_by_the_wave_vector_agree_with_finite_differences(case in case(), k in wave_vector()) {
+    fn derivatives_with_respect_to_the_wave_vector_agree_with_finite_differences(case in case(), k in wave_vector()) {
         let d = matrix(&case);
         let h = 1e-3;
         for axis in 0..2 {
@@ -203,7 +203,7 @@ proptest! {
 }
 
 #[test]
-fn waves_on_stress_points_make_the_matrix_non_periodic() {
+fn stress_points_that_move_with_the_plane_wave_make_the_matrix_non_periodic() {
     let discretization = KernelMethodChoices {
         frame: Frame::Eulerian,
         linearization: onset::method::Linearization::Paper,

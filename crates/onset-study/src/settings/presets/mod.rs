@@ -62,7 +62,7 @@ mod tests {
     use crate::verify::CODES;
 
     #[test]
-    fn every_preset_builds_a_method_and_sets_no_key_in_vain() {
+    fn every_preset_builds_a_method_and_sets_no_unused_key() {
         for preset in PRESETS {
             let settings = Settings::from_assignments(&[format!("{METHOD}={}", preset.name)])
                 .unwrap_or_else(|error| panic!("{}: {error}", preset.name));
