@@ -107,7 +107,7 @@ mod tests {
                 assert_eq!(unless(|| false, || 2), Some(2));
                 is_ended.store(true, Ordering::Relaxed);
                 assert!(helper.join().is_err());
-                // Another computation on a thread of this one.
+                // Another computation, on a thread of the canceled one, is not canceled.
                 Scope::default().run(checkpoint);
                 checkpoint();
             },
