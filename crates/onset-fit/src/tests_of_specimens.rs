@@ -33,7 +33,7 @@ pub struct Test {
     pub weight: f64,
 }
 
-/// Distance of a fitted law from a test.
+/// Errors of a fitted law at the points of a test.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Misfit {
     /// Name of the test.

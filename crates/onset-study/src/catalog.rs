@@ -300,7 +300,7 @@ const ROWS: &[Row] = &[
         &[
             (
                 "kernel",
-                "f_I = -sum_q V_q P(F_q) grad phi_I(X_q), or of current coordinates; see approximations, quadratures, frames",
+                "f_I = -sum_q V_q P(F_q) grad phi_I(X_q), or with functions of current coordinates; see approximations, quadratures, frames",
                 "the paper, equations (41) to (49)",
             ),
             (
@@ -1012,7 +1012,7 @@ mod tests {
         let mut of_words = 0;
         for topic in topics() {
             let Some(key) = KEYS.iter().find(|key| key.name == topic.key) else {
-                // The aliases contain words of several keys, the criteria words of answers.
+                // Aliases belong to several keys; criteria are words of answers, not of a key.
                 assert!(["aliases", "criteria"].contains(&topic.name));
                 continue;
             };

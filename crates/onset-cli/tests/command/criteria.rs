@@ -161,7 +161,7 @@ fn incompressible_response_has_a_surface_criterion_and_no_volumetric_part() {
     assert_eq!(answer["loadings"].as_array().expect("a list").len(), 4);
     let equibiaxial = &answer["loadings"][1];
     let wrinkles = criterion(equibiaxial, "surface");
-    // Biot: 0.666.
+    // Biot's critical stretch of a surface is 0.666.
     assert_close(
         number(wrinkles, "/compression/limit"),
         0.295_597_742_522_f64.cbrt(),

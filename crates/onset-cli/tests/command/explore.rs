@@ -123,7 +123,7 @@ impl Page {
     fn work(&self) -> f64 {
         let place = format!("/proc/{}/stat", self.server.id());
         let told = std::fs::read_to_string(place).expect("a process");
-        // After the name, which may contain spaces; in hundredths of a second.
+        // The times follow the name, which may contain spaces, and are in hundredths of a second.
         let (_, numbers) = told.rsplit_once(')').expect("a name");
         let ticks = numbers.split_whitespace().skip(11).take(2);
         ticks

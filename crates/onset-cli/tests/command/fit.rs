@@ -49,7 +49,7 @@ fn the_stability_constraint_costs_nothing_if_the_best_fit_is_stable() {
         "stable at all states up to stretch 9.5 (proved)",
         "the stability constraint costs nothing",
         "equibiaxial 15.8 %",
-        "no volumetric test",
+        "without a volumetric test",
         "onset criteria --incompressible --set material.model=yeoh",
     ] {
         assert!(text.contains(fact), "no `{fact}` in {text}");

@@ -436,7 +436,7 @@ fn no_process_outlives_a_killed_command() {
 }
 
 #[test]
-fn the_printed_utilities_of_abaqus_are_the_compiled_ones() {
+fn every_utility_routine_of_abaqus_is_printed() {
     let printed = onset(&["umat-utilities"]).stdout;
     for routine in [
         "sinv",

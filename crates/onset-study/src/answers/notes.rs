@@ -80,7 +80,7 @@ pub(super) fn is_fluid(material: &dyn Hyperelastic) -> bool {
     if material.dimension() < 3 {
         return false;
     }
-    // A fluid has no stiffness for shears along the axes of the stretches; a law that only stiffens from zero has some.
+    // A fluid has no stiffness for shears along the axes of the stretches; a law whose shear stiffness grows from zero has some.
     let stretched = DeformationGradient::from_stretches(PROBE_STRETCHES).ok();
     yields(DeformationGradient::identity()) == Some(true)
         && stretched.and_then(yields) != Some(false)

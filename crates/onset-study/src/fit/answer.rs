@@ -80,9 +80,9 @@ pub struct LawAnswer {
     pub free_error: f64,
     /// Sum of squares of the best fit without the stability constraint.
     pub free_loss: f64,
-    /// First losses of the best fit without the stability constraint, in tension up to stretch 10.
+    /// Smallest stretches up to 10 at which the best fit without the stability constraint loses a criterion in tension.
     pub free_losses: Vec<LossAnswer>,
-    /// Losses of the result between the same stretches, outside of the range.
+    /// Stretches between the same limits, outside of the range, at which the result loses a criterion.
     pub losses: Vec<LossAnswer>,
     /// Whether the best fit without the stability constraint is stable in the range.
     pub needs_no_demand: bool,

@@ -185,7 +185,7 @@ pub fn fitted(
     let several = families.len() > 1;
     for family in families {
         each(family.name());
-        // A constant that only some of several laws have concerns these.
+        // Options for a constant apply only to the laws that have it.
         let mut own = options.clone();
         if several {
             let has = |name: &str| family.constants().iter().any(|own| own.name == name);

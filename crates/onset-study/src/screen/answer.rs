@@ -580,7 +580,8 @@ impl ScreenAnswer {
         ];
         if self.actual.is_some() && slowed.iter().any(|coefficient| *coefficient != 0.0) {
             limits.push(
-                "growth rates of modes are computed without viscosity and velocity smoothing".to_owned(),
+                "growth rates of modes are computed without viscosity and velocity smoothing"
+                    .to_owned(),
             );
         }
         if problem.material.is_path_dependent() {

@@ -101,7 +101,7 @@ const WORDS: &[(&str, &str, Meaning)] = &[
             ("ordinary", "the linear peridynamic solid"),
             (
                 "correspondence",
-                "a law at the deformation gradient of families",
+                "one deformation gradient per family, with the law of the material",
             ),
         ]),
     ),

@@ -114,7 +114,7 @@ pub enum Velocities {
     Pic,
     /// APIC: points take the grid velocities with affine fields.
     Apic,
-    /// XPIC: points keep what an approximation of the full mass matrix resolves of their velocities.
+    /// XPIC: points keep the part of their velocities that an approximation of the full mass matrix resolves.
     Xpic,
     /// FMPM: an approximation of the full mass matrix replaces the lumped masses.
     Fmpm,

@@ -843,7 +843,7 @@ fn branch(
                         PathEnd::Fold { stretch }
                     }
                     Missing::Law(source) if !source.is_of_a_jump() => {
-                        // Only rounding is left where the response grows without bound.
+                        // Next to a point where the response grows without bound, states are rounding errors.
                         let end = here.parameter;
                         states.retain(|state| {
                             state.parameter == 0.0 || (state.parameter - end).abs() > BEFORE_END

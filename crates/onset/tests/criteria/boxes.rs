@@ -42,7 +42,7 @@ fn the_elliptic_box_of_neo_hooke_agrees_with_the_closed_form() {
 }
 
 #[test]
-fn a_box_without_a_loss_is_as_large_as_the_range() {
+fn a_box_without_loss_of_ellipticity_fills_the_range() {
     let law = NeoHooke {
         mu: 1.0,
         lambda: 0.1,

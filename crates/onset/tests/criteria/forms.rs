@@ -279,7 +279,8 @@ fn cauchy(law: &dyn Hyperelastic, stretches: [f64; 3]) -> [f64; 3] {
 
 /// Finite differences of the principal stresses, and `(sigma_i - sigma_j)(a_i^2 + a_j^2)/(a_i^2 - a_j^2)` for shears of the axes.
 #[test]
-fn true_stress_monotonicity_is_the_derivative_of_cauchy_stress_with_respect_to_logarithmic_strain() {
+fn true_stress_monotonicity_is_the_derivative_of_cauchy_stress_with_respect_to_logarithmic_strain()
+{
     for law in &laws() {
         let mut lost = 0;
         for stretches in states(40) {

@@ -85,7 +85,7 @@ fn finite_jumps_lower_the_energy_before_ellipticity_is_lost_in_uniaxial_strain()
     else {
         panic!("a jump is the witness");
     };
-    // At the limit the jump breaks even, and small jumps cost energy.
+    // At the limit the jump does not change the energy, and small jumps raise it.
     let response = held.at(limit.ln()).expect("a state").response;
     let (a, n) = (
         nalgebra::Vector3::from(*amplitude),

@@ -196,7 +196,7 @@ proptest! {
     }
 
     #[test]
-    fn a_plane_state_keeps_its_leading_block(f in planar_state()) {
+    fn a_plane_state_is_determined_by_its_leading_block_and_its_remaining_diagonal(f in planar_state()) {
         prop_assert!(f.is_block_diagonal::<2>());
         prop_assert_eq!(f.with_leading::<2>(&f.leading::<2>()), f);
     }

@@ -67,7 +67,7 @@ fn every_variable_equals_its_definition() {
             }
         };
         for name in VARIABLES.iter().flat_map(|group| group.names) {
-            // Symmetric formulas in these are tested with the library.
+            // Symmetric formulas in the stretches are tested with the library.
             if name.starts_with("lambda") {
                 continue;
             }

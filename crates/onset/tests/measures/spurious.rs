@@ -155,7 +155,7 @@ fn minima_are_listed_once_and_are_minima() {
 
 #[test]
 fn a_larger_cell_has_the_same_modes_in_the_reference_configuration() {
-    // Two by two squares: the three wave vectors with two modes each are folded to k = 0, where everything is free then.
+    // Two by two squares: the three wave vectors with two modes each are folded to k = 0, where no displacement has energy.
     let cell = on_crystal::<2>(&KernelMethodChoices {
         cells: 2,
         ..nodal(LatticeKind::Square)

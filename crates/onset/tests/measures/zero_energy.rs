@@ -283,7 +283,7 @@ fn assert_all<const D: usize>(
     }
     for root in gradient.roots(starts) {
         let known = listed.iter().any(|(place, _)| is_same(place, &root));
-        // A simple root is alone: no point of a line.
+        // A simple root is isolated, and not a point of a line.
         assert!(known, "{name}: {root:?} is missing of {}", listed.len());
     }
     listed.len()

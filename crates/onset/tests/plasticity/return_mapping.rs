@@ -212,7 +212,7 @@ fn excessive_softening_and_exhausted_strength_are_rejected() {
 }
 
 #[test]
-fn plastic_moduli_are_the_slopes_of_the_strength_and_at_least_the_lowest_modulus() {
+fn plastic_moduli_are_the_slopes_of_the_hardening_curve_and_at_least_the_lowest_modulus() {
     for strength in STRENGTHS {
         let mut lowest = f64::INFINITY;
         for n in 0..4000 {

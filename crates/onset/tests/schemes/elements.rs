@@ -708,7 +708,7 @@ fn energy_of_mean_dilatation(
 const CELLS: i32 = 3;
 
 #[test]
-fn forces_with_a_mean_dilatation_are_the_slopes_of_its_energy_at_large_displacements() {
+fn forces_with_a_mean_dilatation_are_derivatives_of_the_energy_at_large_displacements() {
     let (material, state) = (BlatzKo::new(MU).expect("a law"), sheared::<2>());
     let squares = elements::<2>(ElementMesh::Quadrilaterals, mean_dilatation());
     let patch = PeriodicPatch::new(squares.crystal(), [CELLS as usize; 2]);

@@ -20,7 +20,7 @@ pub(super) struct Relaxation {
     pub part: Option<f64>,
     /// Whether the constants are long-term moduli.
     pub is_long_term: bool,
-    /// Option that determines this, or the default.
+    /// Option or convention of the program that determines this, in words.
     pub by: &'static str,
 }
 

@@ -68,7 +68,7 @@ mod tests {
                 .unwrap_or_else(|error| panic!("{}: {error}", preset.name));
             for (name, value) in preset.keys {
                 let key = Key::named(name).expect("a key");
-                // A form is unread while its coefficient is zero, which the user sets.
+                // The form of the penalty is not read while its coefficient, which the user sets, is zero.
                 let is_form = *name == "discretization.penalty-form";
                 assert!(
                     is_form || settings.unmet(key).is_none(),
