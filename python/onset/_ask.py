@@ -639,7 +639,7 @@ def card(
 ) -> Card:
     """Safe range of a law, the stretches at which it is strongly elliptic: ``onset card``.
 
-    The range is computed for all loadings and for standard loadings. The parameters are described under ``onset.criteria``.
+    The range is computed as boxes of principal stretches, for any loading, and along standard loadings. The parameters are described under ``onset.criteria``.
     """
     return Card(material_of(material)._law().card(_two(range, "range"), names(modes, "modes"), switch(incompressible, "incompressible")))
 

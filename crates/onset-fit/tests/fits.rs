@@ -96,7 +96,7 @@ fn lowest(
     let basis = Matrix3::new(
         0.0, -across[2], across[1], across[2], 0.0, -across[0], -across[1], across[0], 0.0,
     );
-    // The projected tensor has a zero eigenvalue along the normal, which is moved away.
+    // The projected tensor has a zero eigenvalue along the normal, which is shifted to a large value.
     let projected = basis.transpose() * acoustic * basis;
     let large = projected.norm() + 1.0;
     let moved = projected + across * across.transpose() * large;

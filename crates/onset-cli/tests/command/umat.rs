@@ -365,7 +365,7 @@ fn no_folder_is_left_behind_and_foreign_folders_are_not_used() {
             .stderr(std::process::Stdio::null());
         command.spawn().expect("the command starts")
     };
-    // If a closed terminal is ignored, as under nohup, commands leave all signals to the system.
+    // If the signal of a closed terminal is ignored, as under nohup, commands leave all signals to the system.
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());

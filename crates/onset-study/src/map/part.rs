@@ -66,7 +66,7 @@ mod tests {
     use super::Part;
 
     #[test]
-    fn parts_are_disjoint_and_cover_all_tiles() {
+    fn shares_are_disjoint_and_cover_all_tiles() {
         for (of, all) in [(1, 25), (2, 25), (8, 25), (30, 25)] {
             let mut together: Vec<usize> = (1..=of)
                 .flat_map(|number| Part::Share { number, of }.tiles(all))

@@ -284,7 +284,7 @@ impl PlaneStress {
             found.response.tangent[(i, j, k, l)]
         });
         let inverse = stiffness.try_inverse()?;
-        // The given intervals within the dimensions, an interval about the middle across them.
+        // Entries within the dimensions are the given intervals; entries across them lie in an interval about the center.
         let state = |offsets: &[Interval]| {
             let mut all = center.each(|row| row.map(Interval::point));
             for (i, row) in all.iter_mut().enumerate().take(self.dimension) {
