@@ -1168,13 +1168,13 @@ impl Table<'_> {
             [] => Ok(()),
             [line] => Err(self.line(
                 *line,
-                "the stretch turns back: loading is followed by unloading",
+                "the stretch reverses: loading is followed by unloading",
                 "keep one branch of the test; an elastic law has a single stress for each stretch",
             )),
             [line, ..] => Err(self.line(
                 *line,
                 format!(
-                    "the rows are not sorted by stretch: the stretch turns back {} times",
+                    "the rows are not sorted by stretch: the stretch reverses {} times",
                     turns.len()
                 ),
                 "sort the rows; of a cyclic test keep one branch",

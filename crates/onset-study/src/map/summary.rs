@@ -237,7 +237,7 @@ impl fmt::Display for Summary {
             let left = self.tiles - self.tiles_done;
             write!(
                 formatter,
-                "\n{left} of {} tiles are still to do",
+                "\n{left} of {} tiles remain to be computed",
                 self.tiles
             )?;
         }

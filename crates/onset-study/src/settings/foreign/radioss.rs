@@ -420,7 +420,7 @@ fn networks(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     };
     let mut numbers = Vec::new();
     for (n, count) in lines.iter().enumerate() {
-        let own = block.card(2 + n, "expected C_ij and D_i as Flag_HE has them")?;
+        let own = block.card(2 + n, "expected the constants C_ij and D_i of Flag_HE")?;
         numbers.extend_from_slice(&own.numbers::<5>(20)?[..*count]);
     }
     let constants: Vec<_> = powers
