@@ -129,7 +129,11 @@ fn a_store_of_another_study_is_not_resumed() {
         ("map.tile=16", ["tile = ", "16"]),
     ] {
         let more = format!("--resume --set {assignment}");
-        let facts = [&["contains another study", "--overwrite", "--out"], &facts[..]].concat();
+        let facts = [
+            &["contains another study", "--overwrite", "--out"],
+            &facts[..],
+        ]
+        .concat();
         assert_kept(&place, "a.zarr", &[&more], &facts);
     }
 }

@@ -64,7 +64,7 @@ pub struct LockAnswer {
 pub struct LawAnswer {
     /// Name of the law.
     pub law: String,
-    /// Constants in their order.
+    /// Constants in the order of the law.
     pub constants: Vec<ConstantAnswer>,
     /// Bulk modulus of the settings; stress. `None` for laws without a bulk modulus.
     pub kappa: Option<f64>,

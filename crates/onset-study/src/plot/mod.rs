@@ -194,7 +194,11 @@ pub struct Unfinished {
 impl fmt::Display for Unfinished {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let tiles = counted(self.tiles, "tile");
-        write!(formatter, "{} of {tiles} remain to be computed", self.tiles_left)
+        write!(
+            formatter,
+            "{} of {tiles} remain to be computed",
+            self.tiles_left
+        )
     }
 }
 

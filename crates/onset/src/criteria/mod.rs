@@ -85,7 +85,7 @@ pub enum Criterion {
     /// The measure is the exact minimum of the smallest eigenvalue of the acoustic tensors in the plane. Units of stress. Source: as for
     /// [`Criterion::StrongEllipticity`].
     PlaneEllipticity,
-    /// Rank-one convexity: no layering with finite jumps costs less energy, `W(F + a (x) N) - W(F) - P : (a (x) N) > 0` for all `a`, `N`.
+    /// Rank-one convexity: no laminate with finite jumps has less energy, `W(F + a (x) N) - W(F) - P : (a (x) N) > 0` for all `a`, `N`.
     ///
     /// Source: Ball, Arch. Ration. Mech. Anal. 63 (1977) 337; Morrey (1952). The measure is the smallest
     /// `2 (W(F + a (x) N) - W(F) - P : a (x) N) / |a|^2` found by a [`JumpSearch`]. Units of stress. A negative value is a proof to rounding (or in
