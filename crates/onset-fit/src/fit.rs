@@ -474,7 +474,7 @@ impl Search<'_> {
             .solve(&constants)?;
             let law = self.numbers(&found.constants);
             let least = LEAST_MARGIN_SHARE * self.options.margin;
-            // A linear law fits with many constraints at little cost, which saves rounds.
+            // For a linear law constraints are cheap: many are added in each iteration, so that fewer iterations are needed.
             let mut worst = match self.family.is_linear() {
                 true => low_states(&law, &self.patches, least),
                 false => worst_states(&law, &self.patches),

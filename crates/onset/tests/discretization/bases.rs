@@ -49,7 +49,7 @@ fn assert_same_spectrum<const D: usize>(
         close(lowest[0], lowest[1], fastest.powi(2)),
         "{context} {lowest:?}"
     );
-    // A growth rate is the root of a small number.
+    // Squares are compared, because a growth rate is the square root of a number that can be close to rounding.
     let rates = [a, b].map(|s| s.growth_rate().powi(2));
     assert!(
         close(rates[0], rates[1], fastest.powi(2)),
