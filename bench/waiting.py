@@ -35,9 +35,9 @@ METHODS = {
 
 # Disordered supercells of 64 particles.
 SUPERCELLS = {
-    "in the plane, kernel of material coordinates": "cells=8 perturbation=0.05",
-    "in the plane, kernel of current coordinates": "cells=8 perturbation=0.05 frame=eulerian",
-    "in space, kernel of material coordinates": "lattice=simple-cubic cells=4 perturbation=0.05 quadrature=nodal",
+    "2D, kernel in material coordinates": "cells=8 perturbation=0.05",
+    "2D, kernel in current coordinates": "cells=8 perturbation=0.05 frame=eulerian",
+    "3D, kernel in material coordinates": "lattice=simple-cubic cells=4 perturbation=0.05 quadrature=nodal",
 }
 
 
@@ -115,7 +115,7 @@ def larger(program, root, rounds):
             ["compare", "comparisons/irregular.toml", "--out", "irregular"]
         )[:2],
         "`onset map studies/three-axes.toml`, 36 x 36 x 12 states": lambda: program.map(studies["three-axes"])[:2],
-        "`onset map studies/fcc-eulerian.toml`, 64 x 64 states in space": lambda: program.map(studies["fcc-eulerian"])[:2],
+        "`onset map studies/fcc-eulerian.toml`, 64 x 64 states in 3D": lambda: program.map(studies["fcc-eulerian"])[:2],
     }
     tests = [str(root / "rubber" / f"treloar-{mode}.csv") for mode in ("uniaxial", "equibiaxial", "planar")]
     jobs["`onset fit rubber/treloar-*.csv`, all laws"] = lambda: program.run(["fit", *tests])[:2]

@@ -26,7 +26,7 @@ SETTINGS = """\
 Materials and methods are immutable and hashable; two of them are equal if their settings are equal. Obsolete names of keys and values are accepted with a
 `UserWarning`. A `UserWarning` is also issued for the state of a study if the function takes another state.\
 """
-QUESTIONS = """\
+FUNCTIONS = """\
 `material` is a `Material`, the name of a law or a formula; `method` is a `Method` or the name of a family. If omitted, they are the defaults of the
 command. A state is either `stretch`, the principal stretches along the axes, shape (D,) to (3,), with missing stretches 1, or the deformation gradient
 `F`, shape (3, 3), or (D, D) without strain out of the D dimensions.
@@ -46,7 +46,7 @@ EXPORTS = "The method `mode` of an answer with waves returns a `Mode`. [In Pytho
 #: Parts of the page: the module of each, and an introduction.
 PARTS = {
     "Settings": ("_settings", SETTINGS),
-    "Questions": ("_ask", QUESTIONS),
+    "Functions": ("_ask", FUNCTIONS),
     "Answers": ("_answers", ANSWERS),
     "Modes for other tools": ("_exports", EXPORTS),
     "Errors": ("_errors", ERRORS),

@@ -126,7 +126,7 @@ def factors(xp, point, f, sigma, a, factor):
     h = [[slope + curvature * y[0] * y[0], mixed], [mixed, slope + curvature * y[1] * y[1]]]
     enough = xp.sum(q < lattice.RIM, axis=0) >= lattice.NEEDED
 
-    # Shepard: phi = w / S; gradient and Hessian by the point, the derivatives by the particles contracted below.
+    # Shepard: phi = w / S; gradient and Hessian with respect to the point. The derivatives with respect to the particles are contracted below.
     total = xp.sum(w, axis=0)
     inverse = 1.0 / total
     s1 = [xp.sum(g[j], axis=0) for j in two]

@@ -568,7 +568,7 @@ class Card(Answer):
 
 
 class Fit(Answer):
-    """Laws fitted to tests: ``laws``, that with the smallest error first, and ``refused`` laws with the reasons.
+    """Laws fitted to tests: ``laws``, by increasing error, and ``refused`` laws with the reasons.
 
     The properties describe the first law.
     """
@@ -607,7 +607,7 @@ class Fit(Answer):
     def table(self) -> list[dict[str, Any]]:
         """Returns a row for each law, for example for ``pandas.DataFrame``.
 
-        A row has the ``law``, the number of ``constants``, the ``error`` and the ``free_error`` without a demand for stability (dimensionless), the
+        A row has the ``law``, the number of ``constants``, the ``error`` and the ``free_error`` without the stability constraint (dimensionless), the
         ``shear_modulus`` and the bulk modulus ``kappa`` (stress), and the ``proof`` of stability: ``proved``, ``sampled`` or ``None``.
         """
         return [

@@ -541,7 +541,7 @@ def screen(
     volumes
         Reference volumes, shape (particles,); length^D. The square or cube of the spacing if omitted.
     elements
-        Numbers of the nodes of each element in the order of VTK, shape (elements, nodes). Elements then have the states.
+        Numbers of the nodes of each element in the order of VTK, shape (elements, nodes). States are then evaluated in the elements instead of the particles.
     region
         Lower and upper corner of a box of reference positions; other particles are not judged.
     time_step
@@ -639,7 +639,7 @@ def card(
 ) -> Card:
     """Safe range of a law, the stretches at which it is strongly elliptic: ``onset card``.
 
-    The range is computed for all loadings and for standard loadings. The parameters are described under ``onset.criteria``.
+    The range is computed as boxes of principal stretches, for any loading, and along standard loadings. The parameters are described under ``onset.criteria``.
     """
     return Card(material_of(material)._law().card(_two(range, "range"), names(modes, "modes"), switch(incompressible, "incompressible")))
 
@@ -693,10 +693,10 @@ def fit(
     floor
         Smallest scale of relative errors, as a fraction of the largest stress of the test, from 0 to 1.
     stable
-        Range of demanded stability: ``data`` (up to 1.25 times the largest stretch of the tests), ``data=FACTOR``, ``box=LOW,HIGH`` (all
+        Range of the stability constraint: ``data`` (up to 1.25 times the largest stretch of the tests), ``data=FACTOR``, ``box=LOW,HIGH`` (all
         principal stretches), ``loadings=LOW,HIGH`` (uniaxial, equibiaxial and planar), or ``None``.
     criterion
-        Demanded criterion: ``drucker``, ``ellipticity`` or ``both``.
+        Required criterion: ``drucker``, ``ellipticity`` or ``both``.
     margin
         Smallest value of a criterion, as a fraction of its value in the reference configuration.
     starts

@@ -48,7 +48,7 @@ class Symbol:
     """Part of a formula: an operator or a function with its operands, or a name or number."""
 
     __slots__ = ("_operands", "_word")
-    #: Before any array.
+    #: Operators of this class take precedence over operators of arrays.
     __array_priority__ = 1000
 
     def __init__(self, word: str, *operands: Symbol) -> None:
@@ -307,7 +307,7 @@ def _called(name: str, operands: Sequence[object]) -> Any:
             raise InputError(f"the function calls numpy.{name}, which a formula does not have\n  hint: it has {known}")
 
 
-#: How tightly operators bind.
+#: Precedence of the operators.
 _BINDING = {"or": 1, "and": 2, "not": 3, "<": 4, "<=": 4, ">": 4, ">=": 4, "+": 5, "-": 5, "*": 6, "/": 6, "^": 8}
 _NEGATED = 7
 _ATOM = 9

@@ -138,8 +138,8 @@ def test_faults_name_the_argument() -> None:
     faults: list[tuple[dict[str, Any], str]] = [
         ({"tests": {"uniaxial": (x, hole)}}, r'tests\["uniaxial"\], point 3: the value NaN'),
         ({"tests": {"uniaxial": (x, masked)}}, r"nominal_stress of tests\['uniaxial'\] has 1 masked"),
-        ({"tests": {"uniaxial": (x, y[:5])}}, "its arrays have 12 and 5 numbers"),
-        ({"tests": {"uniaxial": (x, y, x[:4])}}, "its arrays have 12 and 4 numbers"),
+        ({"tests": {"uniaxial": (x, y[:5])}}, "the arrays have 12 and 5 numbers"),
+        ({"tests": {"uniaxial": (x, y, x[:4])}}, "the arrays have 12 and 4 numbers"),
         ({"tests": {"uniaxial": (x, y[:, None])}}, r"has the shape \(12, 1\)"),
         ({"tests": {"uniaxial": (x,)}}, "1 parts; expected two arrays"),
         ({"tests": {"uniaxial": Frame(strain=x, stress=y)}}, "has the columns strain, stress; expected stretch and nominal_stress"),

@@ -56,7 +56,7 @@ def test_python_functions_agree_with_the_built_in_law(law: onset.Material) -> No
         own, known = onset.state(law, SPH, stretch=stretch), onset.state(BUILT_IN, SPH, stretch=stretch)
         assert own.verdict == known.verdict
         assert own.growth_rate == pytest.approx(known.growth_rate, rel=1e-10)
-        assert own.next == ()  # no command can be given a function
+        assert own.next == ()  # no command accepts a function
     onsets = [onset.path(one, SPH, from_=(0.9, 1), to=(1.2, 1)).discretization_onset for one in (law, BUILT_IN)]
     assert onsets[0].parameter == pytest.approx(onsets[1].parameter, abs=1e-12)
     many, known_many = (onset.verdicts(one, TOTAL, deformations(300, 2)) for one in (law, BUILT_IN))

@@ -11,7 +11,8 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 KINDS = {"doc", "fn", "more", "comment", "message", "page", "test"}
-LONGEST = {"page": 45}  # Words in a sentence, and in those of other kinds:
+# Largest number of words in a sentence.
+LONGEST = {"page": 45}
 LONGEST_ELSE = 40
 STRING = re.compile(r'"((?:[^"\\]|\\.)*)')
 

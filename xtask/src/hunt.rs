@@ -70,7 +70,7 @@ const SUBJECTS: &[Subject] = &[
         claim: "every zero-energy mode of a random lattice that dense Newton searches find is listed, and nothing else",
         package: "onset",
         program: "measures",
-        test: "every_zero_energy_mode_of_random_lattices_is_listed_and_nothing_else",
+        test: "exactly_the_zero_energy_modes_of_random_lattices_are_listed",
         cases: 120,
     },
     Subject {

@@ -531,7 +531,7 @@ pub struct FailingArguments {
     pub fail_on: Option<FailOn>,
 }
 
-/// Limit of weakly controlled waves.
+/// Option for the limit of weakly controlled waves.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct WeakArgument {
     /// Limit of weakly controlled waves: largest ratio of their frequency to the frequency of the slowest material wave.
@@ -542,7 +542,7 @@ pub struct WeakArgument {
 /// Limits between acceptable and wrong results.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct ThresholdArguments {
-    /// Limit of weakly controlled waves.
+    /// Limit of weak control: largest frequency relative to the slowest material wave.
     #[command(flatten)]
     pub weak: WeakArgument,
     /// Largest accepted fraction of states with a wrong verdict.
@@ -1120,7 +1120,7 @@ pub struct ModesArguments {
     /// Material and discretization of the problem.
     #[command(flatten)]
     pub problem: ProblemArguments,
-    /// Limit of weakly controlled waves.
+    /// Limit of weak control: largest frequency relative to the slowest material wave.
     #[command(flatten)]
     pub weak: WeakArgument,
     /// Number of cells along each primitive vector of the patch that is drawn and exported.

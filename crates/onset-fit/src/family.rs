@@ -193,7 +193,7 @@ const FOAM_TERMS: usize = 3;
 pub(crate) const SMALLEST_EXPONENT: f64 = 0.05;
 
 impl Family {
-    /// Names of the families that `all` means.
+    /// Names of the families that `all` selects.
     pub fn all() -> impl Iterator<Item = &'static str> {
         NAMES.into_iter()
     }

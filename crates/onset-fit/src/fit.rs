@@ -18,7 +18,7 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Weights {
-    /// Errors relative to the measured stress, or to this part of the largest stress of the test where that is more.
+    /// Errors relative to the measured stress, or to this fraction of the largest stress of the test if that is larger.
     Relative(f64),
     /// Errors in units of stress.
     Absolute,
@@ -109,8 +109,8 @@ pub enum FitError {
         /// Admissible values in words.
         expected: String,
     },
-    /// The states at which stability is demanded could not all be satisfied in a number of rounds.
-    #[error("the fit of {law} with the demand for stability did not converge")]
+    /// The stability constraint could not be satisfied at all states within the largest number of rounds.
+    #[error("the fit of {law} with the stability constraint did not converge")]
     NotConverged {
         /// Name of the law.
         law: String,
@@ -136,7 +136,7 @@ pub struct Fitted {
     pub relative: f64,
     /// Errors of each test.
     pub misfits: Vec<Misfit>,
-    /// First losses of the criteria in tension up to stretch 10; for incompressible response.
+    /// Smallest stretches up to 10 at which each criterion is lost in tension; for incompressible response.
     pub limits: Vec<Limit>,
     /// State of the range at which a stability criterion has its smallest value; `None` without a range.
     pub worst: Option<Worst>,
@@ -474,7 +474,7 @@ impl Search<'_> {
             .solve(&constants)?;
             let law = self.numbers(&found.constants);
             let least = LEAST_MARGIN_SHARE * self.options.margin;
-            // A linear law fits with many constraints at little cost, which saves rounds.
+            // For a linear law constraints are cheap: many are added in each iteration, so that fewer iterations are needed.
             let mut worst = match self.family.is_linear() {
                 true => low_states(&law, &self.patches, least),
                 false => worst_states(&law, &self.patches),

@@ -50,7 +50,7 @@ pub(crate) enum Perturbation {
     Wave([f64; 3], [f64; 3]),
 }
 
-/// Derivatives of an energy by the logarithms of the stretches.
+/// Derivatives of an energy with respect to the logarithms of the stretches.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moduli<R> {
     squares: [R; 3],
@@ -77,7 +77,7 @@ pub(crate) struct Moduli<R> {
 pub(crate) const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 
 impl<R: Real> Moduli<R> {
-    /// Moduli of no energy.
+    /// Moduli of a vanishing energy.
     pub fn zero(state: &State<R>) -> Self {
         let zero = R::constant(0.0);
         Self {
@@ -354,7 +354,7 @@ impl Moduli<f64> {
         (value, Perturbation::Wave(n, m))
     }
 
-    /// Acoustic tensor of a direction in the reference.
+    /// Acoustic tensor of a direction in the reference configuration.
     fn acoustic(&self, n: [f64; 3]) -> Matrix3<f64> {
         let own = |i: usize| (self.logarithmic(i, i) - self.stress[i]) / self.squares[i];
         Matrix3::from_fn(|i, j| match i == j {

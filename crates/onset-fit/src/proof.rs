@@ -128,7 +128,7 @@ fn is_stable(law: &Numbers<'_>, patch: &Patch, cell: &[[f64; 2]; 2], used: &Atom
     let offsets: [Interval; 2] = std::array::from_fn(|a| whole[a] - middle[a]);
     // An axis without extent must not meet an unbounded slope.
     let axes: Vec<usize> = (0..2).filter(|a| cell[*a][0] < cell[*a][1]).collect();
-    // Lower bound at a corner of the cell that is, with the bounds at the other corners, one on the whole cell.
+    // Bound at a corner. The smallest bound over all corners is a lower bound on the whole cell.
     let bound = |corner: usize, on_cell: &Slope, at_middle: &Interval| {
         let mut sum = *at_middle;
         for a in &axes {
@@ -160,7 +160,7 @@ fn is_stable(law: &Numbers<'_>, patch: &Patch, cell: &[[f64; 2]; 2], used: &Atom
 
 /// Returns true if both forms are positive for all directions.
 fn is_elliptic(mut trace: [f64; 6], mut determinant: [f64; 10], used: &AtomicUsize) -> bool {
-    // In units of the axes in which a form is 1 at the corners.
+    // Units of the axes in which the form is 1 at the corners.
     let units = |form: &[f64], degree: f64| -> Option<[f64; 3]> {
         let corners = form.iter().take(3).all(|own| *own > 0.0);
         corners.then(|| std::array::from_fn(|a| form[a].powf(-1.0 / degree)))
@@ -212,7 +212,7 @@ fn is_positive<const N: usize>(
         if used.fetch_add(1, Relaxed) > ALL_PARTS {
             return false;
         }
-        // Three halvings, one an edge.
+        // Three halvings, one per edge.
         let mut parts = vec![part];
         for edge in 0..3 {
             parts = parts.iter().flat_map(|own| halves(own, edge)).collect();

@@ -462,7 +462,7 @@ const LARGEST_STRETCH: f64 = 10.0;
 /// States along a loading.
 const ALONG: usize = 400;
 
-/// First losses of each criterion in uniaxial, equibiaxial and planar tension up to stretch 10, that with the smallest stretch first.
+/// Smallest stretches at which each criterion is lost in uniaxial, equibiaxial and planar tension up to stretch 10, by increasing stretch.
 pub fn limits(family: &Family, constants: &[f64], criteria: &[Criterion]) -> Vec<Limit> {
     let mut all = Vec::new();
     for mode in Mode::LOADINGS {

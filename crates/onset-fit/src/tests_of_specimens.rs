@@ -1,4 +1,4 @@
-//! What was measured: stretches and nominal stresses of homogeneous specimens.
+//! Measured data: stretches and nominal stresses of homogeneous specimens.
 
 use crate::fit::Weights;
 use crate::range::Mode;
@@ -33,7 +33,7 @@ pub struct Test {
     pub weight: f64,
 }
 
-/// Distance of a fitted law from a test.
+/// Errors of a fitted law at the points of a test.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Misfit {
     /// Name of the test.
@@ -65,7 +65,7 @@ pub(crate) struct Equations {
 }
 
 impl Equations {
-    /// Conditions of tests on a law. Points at the reference say nothing and are left out.
+    /// Conditions of tests on a law. Points in the reference configuration carry no information and are left out.
     pub fn new(tests: &[Test], compressible: bool, weights: Weights) -> Self {
         let mut all = Vec::new();
         for (t, test) in tests.iter().enumerate() {

@@ -96,7 +96,7 @@ fn lowest(
     let basis = Matrix3::new(
         0.0, -across[2], across[1], across[2], 0.0, -across[0], -across[1], across[0], 0.0,
     );
-    // The projected tensor has a zero eigenvalue along the normal, which is moved away.
+    // The projected tensor has a zero eigenvalue along the normal, which is shifted to a large value.
     let projected = basis.transpose() * acoustic * basis;
     let large = projected.norm() + 1.0;
     let moved = projected + across * across.transpose() * large;
@@ -199,7 +199,7 @@ fn laws_with_exponents_reach_the_best_known_optimum() -> Outcome {
 
 #[test]
 fn the_cost_of_stability_agrees_with_independent_programs() -> Outcome {
-    // Ratios of the sums of squares from cutting planes over a grid in NumPy: Drucker alone.
+    // Sum of squares with Drucker stability relative to the free fit, by cutting planes over a grid in NumPy.
     for (name, law, weights, expected) in [
         ("treloar", "polynomial-2", Weights::Absolute, 1.2241),
         ("treloar", "polynomial-2", Weights::Relative(0.0), 1.4689),
@@ -505,14 +505,14 @@ fn sums_of_convex_terms_are_stable_everywhere() -> Outcome {
             }
         }
     }
-    // With an exponent below 1 the theorem says nothing on ellipticity, which is lost at large stretches.
+    // With an exponent below 1 the theorem does not cover ellipticity, which is lost at large stretches.
     let small = of_constants("ogden-1", &[("mu1", 1.0), ("alpha1", 0.3)]);
     assert!(small.is_err(), "{small:?}");
     Ok(())
 }
 
 #[test]
-fn what_the_tests_do_not_determine_is_in_the_fit() -> Outcome {
+fn constants_that_the_tests_do_not_determine_are_reported() -> Outcome {
     let tests = data("treloar")?;
     let options = Options {
         bounds: vec![("jm".to_owned(), [1.0, 60.0])],

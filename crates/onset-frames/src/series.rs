@@ -340,7 +340,7 @@ fn stem(path: &Path) -> String {
         .unwrap_or_default()
         .to_string_lossy()
         .into_owned();
-    // The 5 of `.hdf5` counts nothing, unlike the 5 of `dump.5`.
+    // The 5 of `.hdf5` is not the number of a frame, unlike the 5 of `dump.5`.
     let has_letters = |ending: &str| ending.contains(|letter: char| letter.is_alphabetic());
     let counted = name.rfind('.').filter(|dot| has_letters(&name[*dot..]));
     let counted = &name[..counted.unwrap_or(name.len())];

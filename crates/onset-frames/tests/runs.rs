@@ -30,7 +30,7 @@ fn refused(path: PathBuf, reading: &Reading) -> String {
 }
 
 #[test]
-fn a_lammps_dump_has_stresses_digits_and_times_of_steps() {
+fn a_lammps_dump_gives_stresses_digits_and_times() {
     let reading = Reading {
         time_step: Some(0.1),
         ..Reading::default()
@@ -185,7 +185,7 @@ fn scaled_and_wrapped_positions_are_converted_with_the_box() {
 }
 
 #[test]
-fn frames_come_in_order_of_time_from_compressed_text_too() {
+fn frames_of_compressed_text_are_read_in_order_of_time() {
     let folder = tempfile::tempdir().expect("a folder");
     let text: String = [7, 2, 5, 2]
         .map(|step| dump(step, "id x y", &format!("1 {step} 0")))

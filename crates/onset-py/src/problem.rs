@@ -555,7 +555,7 @@ impl Problem {
 fn check(wave_vectors: &[f64], spacing: f64) -> Result<(), Failure> {
     if let Some(value) = wave_vectors.iter().find(|value| !value.is_finite()) {
         return Err(Failure::Input(format!(
-            "k holds {value}; all its numbers must be finite"
+            "k contains {value}; all its numbers must be finite"
         )));
     }
     let largest = wave_vectors

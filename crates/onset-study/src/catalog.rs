@@ -300,7 +300,7 @@ const ROWS: &[Row] = &[
         &[
             (
                 "kernel",
-                "f_I = -sum_q V_q P(F_q) grad phi_I(X_q), or of current coordinates; see approximations, quadratures, frames",
+                "f_I = -sum_q V_q P(F_q) grad phi_I(X_q), or with functions of current coordinates; see approximations, quadratures, frames",
                 "the paper, equations (41) to (49)",
             ),
             (
@@ -510,12 +510,12 @@ const ROWS: &[Row] = &[
         &[
             (
                 "lagrangian",
-                "W(X - X_K): kernels of material coordinates",
+                "W(X - X_K): kernels in material coordinates",
                 PAPER,
             ),
             (
                 "eulerian",
-                "W(x - x_K(t)): kernels of current coordinates",
+                "W(x - x_K(t)): kernels in current coordinates",
                 PAPER,
             ),
         ],
@@ -699,7 +699,7 @@ const ROWS: &[Row] = &[
             ),
             (
                 "fmpm",
-                "as pic, with v'^k = (1 + A + ... + A^(k-1)) v' in the place of v' for velocities, positions and strains",
+                "as pic, with v'^k = (1 + A + ... + A^(k-1)) v' in place of v' for velocities, positions and strains",
                 "Nairn and Hammerquist, Comput. Methods Appl. Mech. Eng. 386 (2021) 114075",
             ),
         ],
@@ -1013,7 +1013,7 @@ mod tests {
         // Presets are further words of the key of the method, which the topic of the methods lists.
         for topic in topics().iter().filter(|topic| topic.name != "presets") {
             let Some(key) = KEYS.iter().find(|key| key.name == topic.key) else {
-                // The aliases contain words of several keys, the criteria words of answers.
+                // Aliases belong to several keys; criteria are words of answers, not of a key.
                 assert!(["aliases", "criteria"].contains(&topic.name));
                 continue;
             };

@@ -260,7 +260,7 @@ mod tests {
 
     /// In a refined map each state has the class that it has alone, even if it was computed elsewhere or an axis varies a setting.
     #[test]
-    fn states_of_a_refined_map_have_the_class_that_they_have_alone() {
+    fn states_of_a_refined_map_have_the_classes_of_single_evaluations() {
         let window = |second: &str| {
             let text = format!(
                 "[discretization]\nframe = \"eulerian\"\n\

@@ -1,6 +1,6 @@
 //! Studies, answers, figures and reports on top of the `onset` core.
 //!
-//! [`settings`] are the input of the user, and an [`answers::Problem`] is built from them. [`answers`] to single questions are serializable structures.
+//! [`settings`] are the input of the user, and an [`answers::Problem`] is built from them. [`answers`] of single commands are serializable structures.
 //! [`compare`] compares methods, [`reproduce`] reproduces the paper from end to end, and [`figure`] draws.
 
 pub mod answers;

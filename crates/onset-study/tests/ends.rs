@@ -125,7 +125,7 @@ fn every_number_of_every_method_is_answered_or_refused_with_its_range() {
             }
             for (assignment, number) in typed(key) {
                 let is_admitted = admits(key.kind, number);
-                // Cells with thousands of particles take long, and are numbers like others.
+                // Admitted counts are skipped, because cells with thousands of particles take long.
                 if is_admitted && key.kind.takes() == Some("whole") {
                     continue;
                 }
@@ -151,7 +151,7 @@ fn every_number_of_every_law_is_answered_or_refused_with_its_range() {
                     format!("material.{}={number:?}", parameter.name),
                     "discretization.lattice=chain".to_owned(),
                 ];
-                // A number beyond what any law takes is refused with what all laws take.
+                // A number outside the ranges of all laws is refused with the common range.
                 let is_typed = number.abs() <= 1e30;
                 let expected = if is_typed {
                     parameter.expected()
@@ -192,7 +192,7 @@ fn every_number_of_every_law_is_answered_or_refused_with_its_range() {
 }
 
 #[test]
-fn every_number_of_a_study_and_of_a_plastic_law_is_taken_or_refused_with_its_range() {
+fn every_number_of_a_study_and_of_a_plastic_law_is_accepted_or_refused_with_its_range() {
     let axis = |quantity: &str, range: &str| {
         format!("[[axes]]\nquantity = \"{quantity}\"\nrange = {range}\nstates = 2\n")
     };

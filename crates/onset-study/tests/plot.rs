@@ -123,12 +123,12 @@ fn missing_tiles_are_blank_and_counted_in_the_caption() {
     let place = Place::new();
     let store = place.store("a", &study("one", ""), 1);
     let figure = draw(std::slice::from_ref(&store), "verdict", false);
-    let white = "White: 3 of 4 tiles are still to do.";
+    let white = "White: 3 of 4 tiles remain to be computed.";
     assert!(figure.caption.starts_with(white), "{}", figure.caption);
     let whole = place.store("b", &study("two", ""), 100);
     for field in ["verdict", "growth_rate"] {
         let both = draw(&[whole.clone(), store.clone()], field, false);
-        let left = "one: 3 of 4 tiles are still to do.";
+        let left = "one: 3 of 4 tiles remain to be computed.";
         assert!(both.caption.starts_with(left), "{}", both.caption);
     }
     let map = regions(&figure.panels[0]);
@@ -374,7 +374,7 @@ fn the_boundaries_of_a_map_that_varies_the_method_are_taken_from_its_cells() {
 }
 
 #[test]
-fn tracing_ends_when_its_time_is_over() {
+fn tracing_ends_at_its_time_limit() {
     use onset::cancel::unless;
     use onset_study::boundary::{Boundaries, Tracing};
     let study = Study::parse("study.toml", &study("one", "")).expect("a study");

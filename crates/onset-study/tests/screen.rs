@@ -136,7 +136,7 @@ fn no_cause_is_reported_for_a_healthy_plate() {
 }
 
 #[test]
-fn updated_sph_in_tension_is_unstable_by_its_discretization() {
+fn updated_sph_in_tension_is_numerically_unstable() {
     let answer = TENSION.answer();
     assert_eq!(answer.cause, Cause::Numerical);
     let mechanism = answer.mechanism.expect("a mechanism");
@@ -183,7 +183,7 @@ fn a_shear_band_in_finite_elements_is_a_physical_instability() {
 }
 
 #[test]
-fn fewer_frames_and_a_reference_of_another_file_give_the_same_cause() {
+fn fewer_frames_and_a_reference_from_another_file_give_the_same_cause() {
     let mut source = TENSION.source(TENSION.path());
     source.reading.frames = FrameRange {
         every: 2,
@@ -192,7 +192,7 @@ fn fewer_frames_and_a_reference_of_another_file_give_the_same_cause() {
     let answer = TENSION.screened(&source);
     assert_eq!(answer.cause, Cause::Numerical);
     within(answer.expected, 18.0..=28.0);
-    // The first frame is missing, and is the reference.
+    // The first frame is missing, and is the reference configuration.
     let mut source = NOTCH.source(NOTCH.path());
     source.reading.frames.first = Some(1);
     source.reference = Reference::File(NOTCH.path());

@@ -269,7 +269,7 @@ fn no_file_of_the_repository_is_a_link() {
 
 /// Files that are compiled in, or that a package needs, are copies of the files in the folders of the repository.
 #[test]
-fn copies_are_the_same_as_their_originals() {
+fn copies_are_identical_to_their_originals() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let read = |path: PathBuf| {
         std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))

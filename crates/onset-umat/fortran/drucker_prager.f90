@@ -7,7 +7,7 @@
 ! STATEV(1): plastic shear strain g.
 !
 ! Implicit step: tau = tau_trial - G dg and p = p_trial - K beta dg, with dg from f = 0 by Newton's method. The apex of the cone is not returned to: a step that
-! would need it asks for a smaller increment. The tangent is that of the step.
+! would need it requests a smaller increment. The tangent is the consistent tangent of the step.
 !
 !   gfortran -shared -fPIC -O2 -o drucker_prager.so drucker_prager.f90
 subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, temp, dtemp, &

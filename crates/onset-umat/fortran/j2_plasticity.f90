@@ -1,6 +1,6 @@
 ! Plasticity of von Mises with linear isotropic hardening as an Abaqus UMAT: small strains in the frame that turns with the
-! material. Abaqus rotates the stress by DROT before the call, so the increment is that of the small-strain theory, with the
-! logarithmic strain increment in the place of the small one.
+! material. Abaqus rotates the stress by DROT before the call, so the increment is as in the small-strain theory, with the
+! logarithmic strain increment in place of the small strain increment.
 !
 ! PROPS: Young's modulus, Poisson's ratio, yield stress, hardening modulus d(yield stress)/d(equivalent plastic strain).
 ! STATEV(1): equivalent plastic strain.

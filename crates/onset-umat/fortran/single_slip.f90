@@ -71,7 +71,7 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
   end do
 
   if (excess > 0.0d0) then
-    ! m* = Fe^-T m, by the cofactor of Fe, whose determinant is that of F.
+    ! m* = Fe^-T m, by the cofactor of Fe, whose determinant equals det F.
     fm = cofactor_times(elastic, m)/volume
     do j = 1, 3
       do i = 1, 3

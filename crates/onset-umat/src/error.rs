@@ -43,8 +43,8 @@ pub enum UmatError {
     },
     /// Failure to start the process of the routine.
     #[error(
-        "the process for the UMAT cannot be started: {message}\n  hint: let the variable ONSET_UMAT_HOST name the onset \
-         executable"
+        "the process for the UMAT cannot be started: {message}\n  hint: set the environment variable ONSET_UMAT_HOST to \
+         the onset executable"
     )]
     NoProcess {
         /// Reason for the failure.
@@ -204,8 +204,8 @@ fn load_hint(path: &Path, message: &str) -> &'static str {
         "\n  hint: a library that the UMAT needs is missing; name its folder in LD_LIBRARY_PATH, or compile with \
          -static-libgfortran"
     } else if mentions(&["failed to map segment"]) {
-        "\n  hint: a copy of it is loaded from the folder for temporary files, which may be closed to programs (noexec): let the variable \
-         TMPDIR name another one"
+        "\n  hint: a copy of it is loaded from the folder for temporary files, which may be mounted without execution (noexec): set the \
+         environment variable TMPDIR to another folder"
     } else if mentions(&["No such file", "ELF", "architecture", "mach-o", "too short"]) {
         "\n  hint: a shared library of this machine's architecture is needed; compile it here with: gfortran -shared -fPIC -O2 \
          -o umat.so umat.f"

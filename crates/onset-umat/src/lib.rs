@@ -43,7 +43,7 @@ pub use readable::{message, readable};
 pub use umat::{Outcome, Umat, UmatSettings};
 pub use voigt::{VOIGT, tensor_of_voigt, voigt_of_tensor};
 
-/// Runs a program to its end. What it leaves running ends with it, and all of it by [`end_all`], except on Windows.
+/// Runs a program to its end, and ends all processes that it leaves running; [`end_all`] ends the program too. Not on Windows.
 ///
 /// # Errors
 /// [`std::io::Error`] if the program cannot be started or waited for.

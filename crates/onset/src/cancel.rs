@@ -89,7 +89,7 @@ mod tests {
     use std::sync::atomic::{AtomicBool, Ordering};
 
     #[test]
-    fn work_on_other_threads_ends_with_its_computation_and_no_other() {
+    fn canceling_a_computation_ends_its_work_on_other_threads_and_no_other_work() {
         let is_ended = Arc::new(AtomicBool::new(false));
         let condition = Arc::clone(&is_ended);
         let ended = unless(
@@ -107,7 +107,7 @@ mod tests {
                 assert_eq!(unless(|| false, || 2), Some(2));
                 is_ended.store(true, Ordering::Relaxed);
                 assert!(helper.join().is_err());
-                // Another computation on a thread of this one.
+                // Another computation, on a thread of the canceled one, is not canceled.
                 Scope::default().run(checkpoint);
                 checkpoint();
             },
@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn other_panics_continue() {
+    fn other_panics_are_propagated() {
         let work = || unless(|| false, || std::panic::resume_unwind(Box::new("other")));
         let why = std::panic::catch_unwind(work).expect_err("a panic");
         assert_eq!(why.downcast_ref(), Some(&"other"));

@@ -92,7 +92,7 @@ pub struct Connection {
     rest: Vec<u8>,
 }
 
-/// Outcome of reading without a request.
+/// Reason why no request was read.
 pub enum Instead {
     /// The connection has ended.
     End,

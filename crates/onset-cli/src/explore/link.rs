@@ -1,15 +1,15 @@
-//! Question in the fragment of an address (after `#`), which the browser does not send to the server.
+//! Problem in the fragment of an address (after `#`), which the browser does not send to the server.
 
 use super::token::Token;
 use onset_study::explore::Question;
 
 /// Initial content of the page.
 pub enum Link {
-    /// Question of the user.
+    /// Problem given by the user.
     Question(Box<Question>),
     /// Map opened by the user.
     Stored,
-    /// Default question of the page.
+    /// Default problem of the page.
     Nothing,
 }
 
@@ -73,7 +73,7 @@ fn read(asked: &str) -> Result<Link, String> {
             }
             "map" => {
                 return Err(
-                    "the address refers to a stored map, which it does not contain\n  hint: onset explore MAP.zarr"
+                    "the address refers to a stored map, which it does not contain\n  hint: open the map with onset explore MAP.zarr"
                         .to_owned(),
                 );
             }
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn a_link_contains_the_complete_question() {
+    fn a_link_contains_the_complete_problem() {
         assert_eq!(
             of_question(&question()).join("&"),
             "set=material.energy%3Dmu%2A%28I1%20-%203%29%20%2B%20100%25&stretch=1.1,0.9&axis=stretch-1,0.5,2&axis=stretch-2,0.5,2"
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn a_link_of_another_run_contains_the_same_question() {
+    fn a_link_of_another_run_opens_the_same_problem() {
         let mut asked = question();
         asked.window.axes[1] = "discretization.support".to_owned();
         asked.window.ranges[1] = [1.2, 4.0];

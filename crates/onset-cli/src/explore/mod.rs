@@ -52,7 +52,7 @@ pub fn serve(
 
 /// Listener on the loopback address, on a new port by default.
 ///
-/// With a fixed port, a service worker left in the browser by an earlier server on that port could intercept the questions.
+/// With a fixed port, a service worker left in the browser by an earlier server on that port could intercept the requests.
 fn listener(port: Option<u16>) -> Result<TcpListener, Failure> {
     let port = port.unwrap_or(0);
     TcpListener::bind(SocketAddr::from((Ipv4Addr::LOCALHOST, port))).map_err(|error| {

@@ -24,7 +24,7 @@ const NO_TOKEN: &str = "this page is for the user who started it: the token of t
 /// HTTP server of the page, which also answers its requests.
 pub struct Server {
     explorer: Explorer,
-    /// Token that the page sends with every question.
+    /// Token that the page sends with every request.
     token: Token,
     /// One-time ticket in the address given to the browser at the start, because the arguments of a program are visible to all users of a machine.
     ticket: Mutex<Option<Token>>,
@@ -34,7 +34,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// Server at a loopback address, with a token for questions and a ticket that is exchanged for the token once.
+    /// Server at a loopback address, with a token for requests and a ticket that is exchanged for the token once.
     pub fn new(explorer: Explorer, address: SocketAddr, token: Token, ticket: Token) -> Self {
         let port = address.port();
         Self {

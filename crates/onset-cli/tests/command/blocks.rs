@@ -29,7 +29,7 @@ fn every_command_about_a_law_or_a_method_takes_a_block() {
             "{line}: {}",
             answer.stderr
         );
-        // Twice c10.
+        // The shear modulus of the block is twice c10.
         let law = answer.stdout.contains("c10 0.5") || answer.stdout.contains("c10 = 0.5");
         let is_told = line.contains("--quiet") || answer.stdout.contains("material.c10=0.5");
         assert!(law || is_told, "{line}: {}", answer.stdout);

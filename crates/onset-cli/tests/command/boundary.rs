@@ -61,7 +61,7 @@ fn a_window_without_boundaries_reports_its_phases() {
     let stable = serde_json::json!({ "material": "stable", "discretization": "stable" });
     assert_eq!(summary["throughout"], stable);
     assert_eq!(summary["notes"], serde_json::json!([]));
-    // A fact that `stable` does not cover.
+    // The phase `stable` does not exclude zero-energy modes.
     let nodal = "--set=discretization.quadrature=nodal";
     let (answer, _folder) = traced(LAGRANGIAN, &[nodal]);
     assert!(

@@ -155,13 +155,13 @@ fn an_ogden_block_of_abaqus_gives_the_ogden_law() {
 }
 
 #[test]
-fn incompressible_response_has_surfaces_and_no_pressure() {
+fn incompressible_response_has_a_surface_criterion_and_no_volumetric_part() {
     let law = "--set material.model=neo-hooke";
     let answer = document(&format!("criteria {law} --incompressible"));
     assert_eq!(answer["loadings"].as_array().expect("a list").len(), 4);
     let equibiaxial = &answer["loadings"][1];
     let wrinkles = criterion(equibiaxial, "surface");
-    // Biot: 0.666.
+    // Biot's critical stretch of a surface is 0.666.
     assert_close(
         number(wrinkles, "/compression/limit"),
         0.295_597_742_522_f64.cbrt(),
@@ -209,7 +209,9 @@ fn a_limit_along_jumps_is_reported_as_an_upper_bound() {
         assert_eq!(found["compression"]["upper_bound"], false, "{found}");
     }
     assert!(
-        answer.stdout.contains("verified in intervals"),
+        answer
+            .stdout
+            .contains("lowers the energy, verified in interval arithmetic"),
         "{}",
         answer.stdout
     );
@@ -429,7 +431,7 @@ fn jumps_of_a_law_are_classified_in_every_loading() {
         let limit = &criterion(own, "rank-one-convexity")["tension"]["limit"];
         (own["kinks"].clone(), limit.as_f64())
     };
-    // A concave kink of size c can be crossed with a gain from (J - J0) < c/(2 q), where q is the stiffness along the jump.
+    // Crossing a concave kink of size c lowers the energy from (J - J0) < c/(2 q) on, where q is the stiffness along the jump.
     for (term, kind, size, lost) in [
         ("+ 2*macaulay(J-1.2)", "jump-of-stress", 2.0, None),
         ("- 2*macaulay(J-1.2)", "jump-of-stress", -2.0, Some(true)),

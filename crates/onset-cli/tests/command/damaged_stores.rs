@@ -127,7 +127,7 @@ fn damage(store: &Path, other: &Path, random: &mut Random) -> String {
         6 => {
             let chunk = chunks[random.below(chunks.len())];
             fs::copy(other.join(chunk), store.join(chunk)).expect("a copy");
-            format!("{} is that of another map", chunk.display())
+            format!("{} belongs to another map", chunk.display())
         }
         7 => {
             remove();

@@ -104,7 +104,7 @@ impl Page {
         ))
     }
 
-    /// Sends a question without waiting for the answer.
+    /// Sends a request without waiting for the answer.
     fn begin(&self, name: &str, question: &Value) -> TcpStream {
         let body = question.to_string();
         let mut stream = TcpStream::connect(&self.host).expect("a connection");
@@ -123,7 +123,7 @@ impl Page {
     fn work(&self) -> f64 {
         let place = format!("/proc/{}/stat", self.server.id());
         let told = std::fs::read_to_string(place).expect("a process");
-        // After the name, which may contain spaces; in hundredths of a second.
+        // The times follow the name, which may contain spaces, and are in hundredths of a second.
         let (_, numbers) = told.rsplit_once(')').expect("a name");
         let ticks = numbers.split_whitespace().skip(11).take(2);
         ticks
@@ -529,7 +529,7 @@ fn a_cancelled_map_is_not_computed_to_the_end() {
     let stream = page.begin("map", &question);
     std::thread::sleep(Duration::from_millis(300));
     drop(stream);
-    // Another question is answered immediately, on all cores.
+    // Another request is answered immediately, on all cores.
     let since = Instant::now();
     page.ask(
         "map",
@@ -586,7 +586,7 @@ fn closing_the_connection_cancels_a_state_its_mode_and_its_dispersion() {
 }
 
 #[test]
-fn a_link_contains_the_question_of_the_command() {
+fn a_link_opens_the_problem_of_the_command() {
     let page = Page::serve(&["--set", "discretization.method=tlsph"]);
     assert!(page.address.ends_with(
         "&set=discretization.method%3Dtotal-lagrangian-sph&stretch=1,1&axis=stretch-1,0.5,2&axis=stretch-2,0.5,2"

@@ -42,14 +42,14 @@ fn unwrapped(text: &str) -> String {
 }
 
 #[test]
-fn a_law_that_is_stable_needs_no_demand() {
+fn the_stability_constraint_costs_nothing_if_the_best_fit_is_stable() {
     let text = unwrapped(&fitted(&ALL, "--law yeoh", 0));
     for fact in [
         "yeoh fits the 3 tests within 12.2 %",
         "stable at all states up to stretch 9.5 (proved)",
-        "the demand costs nothing",
+        "the stability constraint costs nothing",
         "equibiaxial 15.8 %",
-        "no volumetric test",
+        "without a volumetric test",
         "onset criteria --incompressible --set material.model=yeoh",
     ] {
         assert!(text.contains(fact), "no `{fact}` in {text}");
@@ -75,7 +75,7 @@ fn the_cost_of_stability_is_in_the_answer() {
     let text = unwrapped(&fitted(&ALL, "--law polynomial-2", 0));
     for fact in [
         "polynomial-2 fits the 3 tests within 17.8 %",
-        "Without the demand it would fit within 14.6 %",
+        "Without the stability constraint it would fit within 14.6 %",
         "strong ellipticity at stretch 2.934 in equibiaxial tension (inside the data)",
         "Drucker's criterion at stretch 3.268",
     ] {
@@ -83,7 +83,7 @@ fn the_cost_of_stability_is_in_the_answer() {
     }
     let free = fitted(&ALL, "--law polynomial-2 --stable none", 0);
     assert!(unwrapped(&free).contains(
-        "within 14.6 % (root mean square of relative errors); stability was not demanded"
+        "within 14.6 % (root mean square of relative errors); stability was not required"
     ));
     let wide = fitted_json(&ALL, "--law polynomial-2");
     let near = fitted_json(&ALL, "--law polynomial-2 --stable data=1");
@@ -661,7 +661,7 @@ fn one_material_of_a_deck_is_chosen() {
 }
 
 #[test]
-fn fits_that_say_nothing_are_not_silent() {
+fn uninformative_fits_are_refused_or_get_a_note() {
     let pull = Written::new("uniaxial.csv", table(HEADER, |own| own));
     let twice = onset(&["fit", &pull, &pull, "--law", "yeoh"]);
     assert_eq!(twice.code, Some(2));

@@ -305,7 +305,7 @@ fn an_undefined_term_is_refused_in_any_order_and_undefined_in_maps() {
                 "{message}"
             );
         }
-        // The root of zero in the reference configuration has no slope; with the other limit everything is defined, there and here.
+        // The root of zero in the reference configuration has no slope; with the limit 3.2 the law is defined there and at this state.
         let question = ["state", "--stretch", "0.9,0.8"];
         answer(&[&question[..], &law, &[&energy("3.2")]].concat());
     }

@@ -87,7 +87,7 @@ fn complaint(assignments: &[String], state: &str) -> Option<String> {
 }
 
 #[test]
-fn every_combination_of_choices_has_an_answer() {
+fn every_combination_of_choices_is_answered() {
     let total: usize = CHOICES.iter().map(|(_, words)| words.len()).product();
     // The last three choices concern Eulerian kernels only: 30 combinations for each of the others.
     let for_eulerian = 30;

@@ -273,7 +273,7 @@ fn disturb_files(place: &Place, (subject, mode, point): Case<'_>) {
     if output.status.success() {
         assert!(finished.into_iter().eq(&subject.new), "{what}: not new");
     } else if !is_killed && mode != "error" {
-        // If nothing can no longer be written or renamed, nothing can be restored.
+        // If files can no longer be written or renamed, none can be restored.
         assert!(finished.into_iter().eq(&subject.old), "{what}: not old");
     }
     assert!(

@@ -17,7 +17,7 @@ fn von_mises_in_pure_shear_localizes_at_45_degrees_where_hardening_ends() {
 }
 
 #[test]
-fn the_default_localizes_while_hardening_and_loses_strong_ellipticity_before() {
+fn the_default_localizes_while_hardening_and_loses_strong_ellipticity_earlier() {
     let answer = document("localize");
     let sentence = answer["sentence"].as_str().expect("a sentence");
     assert!(

@@ -291,7 +291,7 @@ fn an_adaptive_map_of_a_ragged_domain_misses_less_than_a_thousandth_of_its_state
 }
 
 #[test]
-fn a_section_through_a_map_of_three_axes_is_the_map_of_two() {
+fn a_section_through_a_map_of_three_axes_equals_the_map_of_two_axes() {
     let axes = "[[axes]]\nquantity = \"stretch-1\"\nrange = [0.3, 1.9]\nstates = 9\n\
                 [[axes]]\nquantity = \"stretch-2\"\nrange = [0.3, 1.9]\nstates = 6\n";
     let settings = "[discretization]\nframe = \"eulerian\"\ncurrent-lattice = \"regular\"\n";
@@ -423,7 +423,7 @@ fn states_at_which_the_law_is_not_defined_are_undefined_in_a_map() {
 }
 
 #[test]
-fn a_law_whose_reference_carries_no_waves_is_refused() {
+fn a_law_that_carries_no_waves_in_the_reference_configuration_is_refused() {
     let energy = "-(I1 - 3)";
     let answer = onset(&["state", "--stretch", "1.1,1", "--energy", energy]);
     assert_eq!(answer.code, Some(2), "{}", answer.stdout);

@@ -38,10 +38,10 @@ fn assert_kept(place: &Place, store: &str, runs: &[&str], facts: &[&str]) {
 }
 
 #[test]
-fn an_existing_store_is_kept_unless_an_option_says_otherwise() {
+fn an_existing_store_is_kept_unless_an_option_replaces_it() {
     let place = Place::new(STUDY);
     place.computed("a.zarr", "--tiles 0..3");
-    let begun = format!("3 of {TILES} tiles done");
+    let begun = format!("3 of {TILES} tiles complete");
     assert_kept(
         &place,
         "a.zarr",
@@ -129,7 +129,11 @@ fn a_store_of_another_study_is_not_resumed() {
         ("map.tile=16", ["tile = ", "16"]),
     ] {
         let more = format!("--resume --set {assignment}");
-        let facts = [&["holds another study", "--overwrite", "--out"], &facts[..]].concat();
+        let facts = [
+            &["contains another study", "--overwrite", "--out"],
+            &facts[..],
+        ]
+        .concat();
         assert_kept(&place, "a.zarr", &[&more], &facts);
     }
 }

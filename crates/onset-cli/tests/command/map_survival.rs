@@ -90,8 +90,8 @@ fn stopped_by(name: &str) {
     let tiles = done(&place, "interrupted.zarr");
     assert!((1..TILES).contains(&tiles), "{tiles} tiles are done");
     let said = String::from_utf8(output.stdout).expect("UTF-8");
-    let left = format!("{} of {TILES} tiles are still to do", TILES - tiles);
-    // A state that takes longer than the end may take is not waited for, nor is the summary.
+    let left = format!("{} of {TILES} tiles remain to be computed", TILES - tiles);
+    // The command does not wait for a state that exceeds the time limit, and then prints no summary.
     assert!(said.is_empty() || said.contains(&left), "{said}");
 
     let document = place.document("interrupted.zarr", "--resume");
@@ -319,7 +319,7 @@ fn processes_with_two_studies_for_one_store_leave_a_store_of_one_study() {
             .filter(|output| output.status.code() == Some(2))
         {
             let told = String::from_utf8_lossy(&output.stderr);
-            assert!(told.contains("holds another study"), "{told}");
+            assert!(told.contains("contains another study"), "{told}");
         }
         assert_eq!(done(&place, &store), 2);
     }

@@ -64,7 +64,7 @@ fn a_map_of_rolled_sheet_can_be_computed() {
 
 /// Beyond yield, the tangent of continued flow is not the derivative of the stress over states that are each reached along a separate path.
 #[test]
-fn a_rolled_sheet_is_pulled_with_free_faces_to_the_end_and_has_a_card() {
+fn tension_of_a_rolled_sheet_with_free_faces_is_followed_to_the_end_and_has_a_card() {
     let sheet = "--set material.model=hill-1948";
     let answer = document(&format!("path --mode uniaxial --to 1.2 {sheet}"));
     assert_close(number(&answer, "/loading/to"), 1.2, 1e-12);
@@ -124,7 +124,7 @@ fn criteria_of_a_rotated_sheet_are_refused_without_delay() {
 
 /// The tangent of a routine belongs to its last increment.
 #[test]
-fn a_routine_of_a_metal_is_pulled_with_free_faces_to_the_end() {
+fn tension_of_a_metal_umat_with_free_faces_is_followed_to_the_end() {
     let routine = library(&["fortran/j2_plasticity.f90"]);
     for increments in [1, 8] {
         let answer = document(&format!(
@@ -167,7 +167,7 @@ fn modes_of_a_fluid_are_not_compared_with_shear_waves() {
         ));
         assert!(
             answer.stdout.starts_with(
-                "no zero-energy modes; weak modes are undefined, because the material's slowest waves have no energy"
+                "no zero-energy modes; weak modes are undefined, because the frequency of the material's slowest waves is zero"
             ),
             "{}",
             answer.stdout

@@ -145,7 +145,7 @@ fn is_alike(a: &serde_json::Value, b: &serde_json::Value) -> bool {
 }
 
 #[test]
-fn one_crystal_has_one_answer_in_every_cell() {
+fn answers_do_not_depend_on_the_cell_that_describes_a_crystal() {
     for (line, [verdict, mechanism], k) in [
         (
             "--stretch 1.1,0.95 --set material.model=blatz-ko set method=updated-sph set support=1.6 set lattice=square",
@@ -188,7 +188,7 @@ fn one_crystal_has_one_answer_in_every_cell() {
             "{text}"
         );
     }
-    // Rows of two particles form a square lattice, also from another particle.
+    // Other cells and bases of the square lattice give the same answer.
     let square = without_cell("state --stretch 1.1,0.95 set method=updated-sph set lattice=square");
     for cell in [
         "set lattice=oblique set vectors=2,0,0,1 set basis=0.5,0",
@@ -255,7 +255,7 @@ fn a_displacement_field_that_jumps_at_the_patch_boundary_is_reported_with_a_fitt
 }
 
 #[test]
-fn invalid_questions_about_modes_are_refused() {
+fn invalid_options_of_modes_are_refused() {
     for (line, fact) in [
         ("modes --weak 0", "above 0 and at most 1"),
         ("modes --weak nan", "above 0 and at most 1"),
@@ -291,7 +291,7 @@ fn invalid_questions_about_modes_are_refused() {
 }
 
 #[test]
-fn states_modes_and_tune_have_one_weakest_wave_and_one_limit() {
+fn state_modes_and_tune_report_the_same_weakest_wave_and_limit() {
     let hexagons = "set method=peridynamics set lattice=hexagonal set bonds=correspondence set control=penalty \
                     set control-coefficient=0.1 set horizon=2 --set material.model=blatz-ko";
     let modes = document(&format!("modes {hexagons}"));

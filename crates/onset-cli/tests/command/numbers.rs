@@ -140,7 +140,7 @@ fn stretches_and_a_diagonal_deformation_gradient_are_the_same_state() {
 }
 
 #[test]
-fn spaces_around_numbers_and_repeated_settings_are_understood() {
+fn spaces_around_numbers_and_repeated_settings_are_accepted() {
     let spaced = crate::onset(&["state", "--stretch", " 1.2 , 0.9 ", "--json"]);
     assert_eq!(
         spaced.stdout,

@@ -77,7 +77,7 @@ fn states_of_a_sheet_equal_states_in_plane_strain_with_reduced_constants() {
 }
 
 #[test]
-fn a_sheet_has_the_paths_dispersion_and_motions_of_plane_strain_with_reduced_constants() {
+fn paths_dispersion_and_motions_of_a_sheet_agree_with_plane_strain_for_reduced_constants() {
     let elements = "set method=finite-elements";
     let path = format!("path --from 1,1 --to 0.5,1 {elements}");
     let (own, expected) = (ask(&path, &sheet()), ask(&path, &by_hand()));

@@ -317,7 +317,7 @@ fn wave_vectors_must_have_the_dimension_of_the_lattice() {
 }
 
 #[test]
-fn paths_lead_through_admissible_deformations_to_another_state() {
+fn paths_require_different_ends_and_admissible_deformations_between_them() {
     for line in [
         "path --from 1,1 --to 1,1",
         "path --from 1,1 --to 1,1,1",

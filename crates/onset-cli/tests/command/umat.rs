@@ -310,7 +310,7 @@ fn a_map_is_not_resumed_with_another_library() {
         ))
     };
     assert_eq!(map("--tiles 0..1").code, Some(0));
-    // Compiled anew: another file in its place, whose additional bytes the loader ignores.
+    // Recompiled: another file in its place, whose additional bytes the loader ignores.
     std::fs::write(&own, [&first[..], b"anew"].concat()).expect("a file");
     for more in ["--resume", "--tiles 1..2"] {
         let answer = map(more);
@@ -365,7 +365,7 @@ fn no_folder_is_left_behind_and_foreign_folders_are_not_used() {
             .stderr(std::process::Stdio::null());
         command.spawn().expect("the command starts")
     };
-    // If a closed terminal is ignored, as under nohup, commands leave all signals to the system.
+    // If the signal of a closed terminal is ignored, as under nohup, commands leave all signals to the system.
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
@@ -436,7 +436,7 @@ fn no_process_outlives_a_killed_command() {
 }
 
 #[test]
-fn the_printed_utilities_of_abaqus_are_the_compiled_ones() {
+fn every_utility_routine_of_abaqus_is_printed() {
     let printed = onset(&["umat-utilities"]).stdout;
     for routine in [
         "sinv",

@@ -662,7 +662,7 @@ impl Source {
             input: String::new(),
         };
         self.arguments(command, &mut line);
-        // Commands whose words keep them cheap are not changed.
+        // The words of these commands limit their cost, and are not changed.
         if !["reproduce", "recommend"].contains(&command) {
             self.spoil(&mut line.words);
         }

@@ -102,7 +102,7 @@ fn every_command_line_ends_in_time_within_its_memory_and_with_a_documented_code(
 }
 
 #[test]
-fn a_large_shear_of_kernels_of_current_coordinates_is_answered_within_the_limits() {
+fn a_large_shear_of_kernels_in_current_coordinates_is_answered_within_the_limits() {
     let place = Place::new("shear");
     for shear in ["1000", "-5000", "1000.5"] {
         let answer = place.answered(&format!(

@@ -68,7 +68,7 @@ pub const ROWS: &[Row<'static>] = &[
         tolerance: 1e-6,
     },
     Row {
-        title: "`smd/ulsph`, strength, spin as it has it, F = (1.1, 0.95), (pi/2, 0) across",
+        title: "`smd/ulsph`, strength, spin of the code, F = (1.1, 0.95), (pi/2, 0) across",
         line: "--code lammps-smd-ulsph --stretch 1.1,0.95 --wave-vector 1.5707963267948966,0 --time-step 0.02 --steps 300 --set STRENGTH --set material.spin=-1",
         tolerance: 1e-6,
     },
@@ -123,7 +123,7 @@ pub const ROWS: &[Row<'static>] = &[
 const CHECKERBOARD: &str = "`smd/tlsph`, F = 1, checkerboard";
 const ACROSS: &str = "`smd/tlsph`, hypoelastic, F = (1.1, 0.95), (pi/2, 0)";
 const TENSILE: &str = "`smd/ulsph`, tensile instability, F = 1.05";
-const SPIN: &str = "`smd/ulsph`, strength, spin as it has it";
+const SPIN: &str = "`smd/ulsph`, strength, spin of the code";
 const CORRECTED: &str = "`smd/ulsph`, gradient correction, tensile";
 const BONDS: &str = "`peri/pmb`, F = 1, (2 pi/5, 0, 0) along";
 

@@ -31,7 +31,7 @@ impl Entry {
         Some(self.document(["state", "--json"], self.words(key)?))
     }
 
-    /// Answer of `onset limit` to the question.
+    /// Answer of `onset limit` for the entry.
     fn limit(&self) -> Option<serde_json::Value> {
         let words = [self.words("limit")?, self.words("question")?].concat();
         Some(self.document(["limit", "--json"], words))

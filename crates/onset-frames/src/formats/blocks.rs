@@ -91,7 +91,7 @@ pub(super) fn open<H: Head>(paths: &[PathBuf], reading: &Reading) -> Result<Open
                 digits.columns = own.columns_of(Quantity::Position);
                 plan = Some(own);
             }
-            // Rows in all parts of the frame: particles of the same part often have the same coordinates.
+            // Sample rows throughout the frame, because neighboring rows often have equal coordinates.
             let stride = count / Digits::ROWS + 1;
             let mut rest = count;
             let mut is_complete = true;

@@ -177,7 +177,7 @@ fn bounds(lines: &mut Lines, flags: &[&str]) -> Result<Option<Option<Bounds>>, F
     let least = |list: &[f64]| list.iter().copied().fold(0.0, f64::min);
     let most = |list: &[f64]| list.iter().copied().fold(0.0, f64::max);
     let (mut low, mut high) = (rows.map(|row| row[0]), rows.map(|row| row[1]));
-    // The file has the bounds of the box with its tilted corners.
+    // The bounds in the file enclose the tilted box.
     low[0] -= least(&[xy, xz, xy + xz]);
     high[0] -= most(&[xy, xz, xy + xz]);
     low[1] -= least(&[yz]);

@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn a_count_and_another_line_begin_a_frame() {
+    fn a_frame_begins_with_a_count_and_a_line_of_properties() {
         assert!(is_start(b"12\nProperties=pos:R:3\n"));
         assert!(!is_start(b"1\n2\n") && !is_start(b"x,y\n1,2\n") && !is_start(b"12"));
     }

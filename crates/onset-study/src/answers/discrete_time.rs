@@ -123,7 +123,7 @@ impl DiscreteTimeAnswer {
             let frequency = self.frequency.unwrap_or(0.0);
             let growth = match growth > 0.0 {
                 true => format!(
-                    "a wave grows at {}, with the frequency {}, along {} (reference)",
+                    "a wave grows at the rate {}, with the frequency {}, along {} (reference)",
                     rate(growth),
                     rate(frequency),
                     units.of(vector(&self.wave_vector), "1/m")
@@ -154,7 +154,7 @@ pub(super) fn note(own: &DiscreteTimeAnswer, is_stable: bool, units: Units) -> O
     let transfer = own.transfer.name();
     match (is_stable, growth > 0.0) {
         (true, true) if own.is_too_long() => Some(format!(
-            "the step {step} is longer than the largest stable one of the {transfer} transfer, {}: a wave grows at {rate} although none grows in continuous time",
+            "the step {step} is longer than the largest stable one of the {transfer} transfer, {}: a wave grows at the rate {rate}, although none grows in continuous time",
             units.of(told(own.largest_time_step?), "s")
         )),
         (true, false) if own.is_too_long_for_an_isolated_point() => Some(format!(

@@ -12,13 +12,13 @@ use serde::Serialize;
 /// Waves of one wave vector.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DispersionAnswer {
-    /// Wave vector in the reference configuration.
+    /// Reference wave vector; 1/length.
     pub wave_vector: Vec<f64>,
-    /// `omega^2` of the discretization, by increasing real part.
+    /// `omega^2` of the discretization, by increasing real part; 1/time^2.
     pub omega_squared: Vec<ComplexNumber>,
-    /// `omega^2` of the continuum, the eigenvalues of `Q(k) / rho0`.
+    /// `omega^2` of the continuum, the eigenvalues of `Q(k) / rho0`; 1/time^2.
     pub continuum_omega_squared: Vec<f64>,
-    /// Dynamical matrix `D(k)`, by rows.
+    /// Dynamical matrix `D(k)`, by rows; 1/time^2.
     pub dynamical_matrix: Vec<Vec<ComplexNumber>>,
 }
 

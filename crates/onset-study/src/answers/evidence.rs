@@ -39,7 +39,7 @@ impl Evidence {
     /// Describes how the evidence was computed.
     pub(crate) fn words(self) -> String {
         let how = match self {
-            Self::Proved => "in intervals over the continuous zone",
+            Self::Proved => "in interval arithmetic over the continuous zone",
             Self::Bounded => "from below in floating point over the continuous zone",
             Self::Searched => "on a grid and by descent, without a bound",
         };

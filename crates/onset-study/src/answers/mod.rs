@@ -1,4 +1,4 @@
-//! Answers to single questions: a state, a dispersion relation, a path. All can be serialized and printed.
+//! Answers of single commands: a state, a dispersion relation, a path. All can be serialized and printed.
 
 mod certificate;
 mod course;

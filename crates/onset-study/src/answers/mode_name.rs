@@ -49,7 +49,7 @@ pub(super) fn name(
             let omega = told(omega_squared.re.sqrt());
             format!(", frequency {}", settings.units().of(omega, "1/s"))
         }
-        false if is_zero => ", without energy".to_owned(),
+        false if is_zero => ", frequency zero".to_owned(),
         false => String::new(),
     };
     let k = &mode.wave_vector;

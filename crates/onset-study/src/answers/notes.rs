@@ -80,7 +80,7 @@ pub(super) fn is_fluid(material: &dyn Hyperelastic) -> bool {
     if material.dimension() < 3 {
         return false;
     }
-    // A fluid has no stiffness for shears along the axes of the stretches; a law that only stiffens from zero has some.
+    // A fluid has no stiffness for shears along the axes of the stretches; a law whose shear stiffness grows from zero has some.
     let stretched = DeformationGradient::from_stretches(PROBE_STRETCHES).ok();
     yields(DeformationGradient::identity()) == Some(true)
         && stretched.and_then(yields) != Some(false)
@@ -107,7 +107,7 @@ pub fn moduli(material: &dyn Hyperelastic) -> Option<[f64; 2]> {
 /// Note on a negative Poisson's ratio of an isotropic law at `F = 1`.
 fn auxetic(settings: &MaterialSettings, material: &dyn Hyperelastic) -> Option<String> {
     if material.dimension() == 1 {
-        // The modulus of a bar says nothing of its width.
+        // The modulus of a bar does not determine its width.
         return auxetic(settings, &*settings.build().ok()?);
     }
     let response = material.undeformed().ok()?;

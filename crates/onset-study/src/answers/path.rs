@@ -130,7 +130,7 @@ pub struct Place {
     pub cauchy: [[f64; 3]; 3],
     /// Half of the length of the bracket of `parameter`; zero at the start.
     pub tolerance: f64,
-    /// Modulus of the law, which sets the scale of rounding errors in stresses.
+    /// Modulus of the law, which sets the scale of rounding errors in stresses; stress.
     #[serde(skip)]
     pub stiffness: f64,
 }

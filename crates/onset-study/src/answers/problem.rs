@@ -13,7 +13,7 @@ use onset::verdict::PathError;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// Reasons why a question cannot be answered; the input is always at fault.
+/// Reasons why a problem cannot be set up or evaluated; the input is always at fault.
 #[derive(Debug, Error)]
 pub enum ProblemError {
     /// A setting is invalid.
@@ -86,7 +86,7 @@ pub enum ProblemError {
         known: Vec<String>,
     },
     /// A number is not finite.
-    #[error("{what} holds {value}; all its numbers must be finite")]
+    #[error("{what} contains {value}; all its numbers must be finite")]
     NotFinite {
         /// Argument with the number.
         what: &'static str,

@@ -87,7 +87,7 @@ pub(super) fn of(
             match assessment.material.ellipticity {
                 Ellipticity::Undecided => format!(
                     "Stable: all omega^2 of the discretization are real and nonnegative. The material is undecided: its smallest acoustic eigenvalue is \
-                     zero to rounding, as that of a fluid, which has no shear stiffness.{weak}"
+                     zero to rounding, as for a fluid, which has no shear stiffness.{weak}"
                 ),
                 Ellipticity::Lost => format!(
                     "Stable: no plane wave of the material grows{}, and all omega^2 of the discretization are real and nonnegative. The material is not \

@@ -84,7 +84,7 @@ impl Brief for StateAnswer {
         {
             let text = match growth > 0.0 {
                 true => format!(
-                    "with the step {} a wave grows at {}",
+                    "with the step {} a wave grows at the rate {}",
                     time(step),
                     units.of(told(growth), "1/s")
                 ),

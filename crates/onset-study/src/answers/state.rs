@@ -603,7 +603,7 @@ impl StateAnswer {
 
     /// An eigenvalue of the acoustic tensor with its unit; zero if it is smaller than its rounding error.
     ///
-    /// The largest stiffness, of changes of volume, says nothing about that: it may be larger by any factor.
+    /// The stiffness against changes of volume is not a measure of this error: it may be larger by any factor.
     pub(super) fn eigenvalue(&self, value: f64, rounding: f64) -> String {
         let significant = if value.abs() <= rounding { 0.0 } else { value };
         self.settings.units().of(told(significant), "Pa")

@@ -98,7 +98,7 @@ impl Convention {
             }
             Self::GreenNaghdiCauchy => "the Green-Naghdi rate of the Cauchy stress",
             Self::LogarithmicStrain => {
-                "the Cauchy stress per increment of logarithmic strain, rotation held"
+                "the Cauchy stress per increment of logarithmic strain at fixed rotation"
             }
             Self::SmallStrain => "the Cauchy stress per small strain sym(F) - 1",
             Self::SecondPiola => "dS/dE, second Piola-Kirchhoff stress per Green strain",

@@ -31,8 +31,8 @@ pub fn verdict(consistent: bool, checks: &[Check], tangent: &TangentFinding) -> 
     if failed.is_empty() {
         let names: Vec<&str> = open.iter().map(|check| check.name).collect();
         return format!(
-            "Undetermined: {}. The stress has kinks near these states, and its differences are known to {:.0e} only; nothing else failed. \
-             Ask at states further from yield (--strain).",
+            "Undetermined: {}. The stress has kinks near these states, and its differences are accurate only to {:.0e}; nothing else failed. \
+             Repeat the audit at states further from yield (--strain).",
             names.join(", "),
             tangent.uncertainty
         );
@@ -74,7 +74,7 @@ impl Display for Audit {
         }
         writeln!(
             f,
-            "\nThe tangent against differences of the stress (known to {:.0e}):",
+            "\nTangent compared with differences of the stress (accurate to {:.0e}):",
             self.tangent.uncertainty
         )?;
         for candidate in &self.tangent.conventions {

@@ -144,8 +144,8 @@ pub struct Definition {
 }
 
 /// Meaning of a limit of rank-one convexity.
-const UPPER_BOUND: &str = "a limit is an upper bound of the distance from the reference configuration: jumps that gain energy earlier may exist and not have been \
-                           found (so the signs ≤ and ≥); at the limit the jump that is named gains energy";
+const UPPER_BOUND: &str = "a limit is an upper bound of the distance from the reference configuration (hence the signs ≤ and ≥): the named jump lowers the energy \
+                           at the limit, and jumps that were not found may lower it earlier";
 
 /// Answer of `onset criteria`: every criterion for every loading.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -231,12 +231,12 @@ pub(super) fn witness(witness: &Witness) -> String {
             verified,
         } => {
             let edge = match (at_edge, collapses) {
-                (true, _) => ", to the largest stretch of the range",
-                (false, true) => ", to the limit of zero volume",
+                (true, _) => "; ends at the largest stretch of the range",
+                (false, true) => "; ends at the limit of zero volume",
                 (false, false) => "",
             };
             let sure = if *verified {
-                "gain verified in intervals"
+                "lowers the energy, verified in interval arithmetic"
             } else {
                 "lowers the energy in floating point; not verified in interval arithmetic"
             };
@@ -320,8 +320,8 @@ pub(super) fn disagreements(loadings: &[LoadingAnswer]) -> Vec<String> {
     };
     if loadings.iter().any(|loading| hill(&loading)) {
         sentences.push(
-            "Hill's criterion for dead loads is lost with the first compression: a body under dead pressure gains energy by \
-             a rotation, whatever its law. For increments without rotation the line `hill-rotation-free` counts."
+            "Hill's criterion for dead loads is lost with the first compression: under dead pressure, rotations of the body \
+             lower the energy for any law. For increments without rotation the line `hill-rotation-free` counts."
                 .to_owned(),
         );
     }
@@ -366,7 +366,7 @@ fn comparison(loading: &LoadingAnswer, criterion: Criterion, tension: bool) -> O
             number::told(own),
             until(waves)
         ))),
-        // What is lost at this stretch at the latest may be lost before.
+        // An upper bound: the criterion may be lost earlier.
         Some(_) if side.upper_bound => None,
         _ => {
             let waves = waves.filter(|_| near > far * (1.0 + LIMIT_TOLERANCE))?;

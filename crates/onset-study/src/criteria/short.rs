@@ -1,4 +1,4 @@
-//! Short form of the criteria of a law: one line a loading, four criteria.
+//! Short form of the criteria of a law: four criteria, one line per loading.
 
 use super::sentence::{cell, heading, moduli};
 use super::{CriteriaAnswer, CriterionAnswer, LoadingAnswer};

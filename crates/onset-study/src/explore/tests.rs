@@ -214,7 +214,7 @@ fn a_request_of_the_page_loads_no_library_and_reads_no_file() {
 }
 
 #[test]
-fn a_study_is_opened_as_an_equivalent_question() {
+fn a_study_is_opened_as_an_equivalent_problem() {
     for text in [
         include_str!("../../../../studies/rubber.toml"),
         "[material]\nmodel = \"neo-hooke\"\n[discretization]\nmethod = \"updated-sph\"\nsupport = 2.2\n",
@@ -247,7 +247,7 @@ fn a_study_is_opened_as_an_equivalent_question() {
 }
 
 #[test]
-fn exports_are_equivalent_to_the_question() {
+fn exports_are_equivalent_to_the_problem() {
     let set = [
         "material.model=neo-hooke",
         "material.lambda=3",

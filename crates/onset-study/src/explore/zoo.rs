@@ -1,9 +1,9 @@
-//! Zoo of the repository: instabilities reported for particle codes, as questions.
+//! Zoo of the repository: instabilities reported for particle codes, with settings that reproduce them.
 
 use super::Question;
 use serde::{Deserialize, Serialize};
 
-/// Published report of an instability, with the question that reproduces it.
+/// Published report of an instability, with the settings that reproduce it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Entry {
     /// Title of the report.
@@ -15,11 +15,11 @@ pub struct Entry {
     pub place: String,
     /// Assumptions where the report gives no details.
     pub assumed: String,
-    /// Question that reproduces the report with `onset state`.
+    /// Arguments of `onset state` that reproduce the report.
     pub question: Question,
     /// Known remedy, if any.
     pub remedy: Option<String>,
-    /// Question with the remedy.
+    /// Arguments of `onset state` with the remedy; `None` without a known remedy.
     pub remedy_question: Option<Question>,
 }
 

@@ -53,7 +53,7 @@ pub enum ColorMap {
     Cividis,
     /// White to black, for prints without color.
     Grey,
-    /// Red below zero, white at zero, blue above it: for quantities whose sign is the message.
+    /// Red below zero, white at zero, blue above it: for quantities whose sign matters.
     Diverging,
 }
 

@@ -28,7 +28,7 @@ pub enum Layer {
 
 /// Categorical map on a uniform grid.
 ///
-/// The grid divides the rectangle evenly, as the axes measure it (evenly in the logarithm on a logarithmic axis); each sample lies in the middle of
+/// The grid divides the rectangle evenly in the scale of the axes (in the logarithm on a logarithmic axis); each sample lies in the middle of
 /// its cell.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Regions {

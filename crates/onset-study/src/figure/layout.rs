@@ -438,7 +438,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn equal_aspect_is_truly_equal() {
+    fn equal_aspect_gives_equal_scales_on_both_axes() {
         for (x, y) in [
             ((0.0, 1.0), (0.0, 1.0)),
             ((0.0, 1.0), (0.0, 5.0)),

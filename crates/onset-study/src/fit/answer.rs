@@ -64,7 +64,7 @@ pub struct LockAnswer {
 pub struct LawAnswer {
     /// Name of the law.
     pub law: String,
-    /// Constants in their order.
+    /// Constants in the order of the law.
     pub constants: Vec<ConstantAnswer>,
     /// Bulk modulus of the settings; stress. `None` for laws without a bulk modulus.
     pub kappa: Option<f64>,
@@ -80,9 +80,9 @@ pub struct LawAnswer {
     pub free_error: f64,
     /// Sum of squares of the best fit without the stability constraint.
     pub free_loss: f64,
-    /// First losses of the best fit without the stability constraint, in tension up to stretch 10.
+    /// Smallest stretches up to 10 at which the best fit without the stability constraint loses a criterion in tension.
     pub free_losses: Vec<LossAnswer>,
-    /// Losses of the result between the same stretches, outside of the range.
+    /// Stretches between the same limits, outside of the range, at which the result loses a criterion.
     pub losses: Vec<LossAnswer>,
     /// Whether the best fit without the stability constraint is stable in the range.
     pub needs_no_demand: bool,
@@ -94,7 +94,7 @@ pub struct LawAnswer {
     pub correlated: Vec<(String, String, f64)>,
     /// Number of other optima whose sum of squares is within 5 %.
     pub other_optima: usize,
-    /// Number of different measured conditions beyond the number of free constants; with 0, the error says nothing.
+    /// Number of different measured conditions beyond the number of free constants; with 0, the error is not a measure of the fit.
     pub spare_points: usize,
     /// Names of the free constants at their bounds.
     pub at_bounds: Vec<String>,
@@ -121,7 +121,7 @@ pub struct FitAnswer {
     pub stretches: Option<[f64; 2]>,
     /// Criteria of the stability constraint.
     pub criteria: Vec<Criterion>,
-    /// Fitted laws, that with the smallest error first.
+    /// Fitted laws, by increasing error.
     pub laws: Vec<LawAnswer>,
     /// Laws that could not be fitted, with the reasons.
     pub refused: Vec<(String, String)>,
@@ -189,7 +189,7 @@ impl FitAnswer {
         let has_volume = tests.iter().any(|test| test.mode == Mode::Volumetric);
         if bulk.is_none() && !has_volume {
             notes.push(format!(
-                "no volumetric test and no given bulk modulus: it is {} shear moduli",
+                "without a volumetric test or a given bulk modulus, the bulk modulus is {} shear moduli",
                 super::BULK_RATIO
             ));
         }
@@ -264,7 +264,7 @@ impl FitAnswer {
             Some(_) => {
                 let _ = write!(text, " and is stable {} (sampled).", self.range_in_words());
             }
-            None => text.push_str("; stability was not demanded."),
+            None => text.push_str("; stability was not required."),
         }
         text.push(' ');
         text.push_str(&best.demand());
@@ -297,7 +297,7 @@ impl FitAnswer {
             .unwrap_or(0)
             .max(3);
         let mut lines = vec![format!(
-            "{:width$}  constants   error  worst test             in the range  without the demand",
+            "{:width$}  constants   error  worst test             in the range  without the constraint",
             "law"
         )];
         for own in &self.laws {
@@ -484,7 +484,7 @@ fn remarks(laws: &[LawAnswer]) -> Vec<String> {
                 short(lock.stretch),
                 lock.mode.name(),
                 match own.fit.family.ends_at_locking() {
-                    true => "no energy exists beyond, and only the states before are called stable",
+                    true => "its energy is undefined beyond, and only the states before are called stable",
                     false => "beyond, its series continues without a limit",
                 }
             ));
@@ -635,10 +635,11 @@ impl LawAnswer {
             };
         }
         if self.needs_no_demand {
-            return "The best fit is stable as it is: the demand costs nothing.".to_owned();
+            return "The best fit is stable as it is: the stability constraint costs nothing."
+                .to_owned();
         }
         let mut text = format!(
-            "Without the demand it would fit within {}",
+            "Without the stability constraint it would fit within {}",
             percent(self.free_error)
         );
         if !self.free_losses.is_empty() {

@@ -48,7 +48,7 @@ impl FitAnswer {
     pub fn figure(&self) -> Figure {
         let best = self.best();
         let mut figure = Figure::new(format!("{} fitted to {}", best.law, crate::number::counted(self.tests.len(), "test")))
-            .caption("Circles: measured. Lines: fitted. Dotted and hatched: a criterion is lost, in grey without the demand. Plane: largest stretch and inverse of the smallest one at constant volume.")
+            .caption("Circles: measured. Lines: fitted. Dotted and hatched: a criterion is lost, in grey without the stability constraint. Plane: largest stretch and inverse of the smallest one at constant volume.")
             .columns(2);
         for test in self
             .data
@@ -90,7 +90,7 @@ impl FitAnswer {
         let needs_both = !best.needs_no_demand;
         let mut drawn = vec![(fit.result(), "fitted", palette::BLUE, 2.0)];
         if needs_both {
-            drawn.insert(0, (&fit.free, "without the demand", palette::GREY, 1.5));
+            drawn.insert(0, (&fit.free, "without the constraint", palette::GREY, 1.5));
         }
         for (fitted, name, color, width) in drawn {
             let (mut held, mut lost) = (Vec::new(), Vec::new());
@@ -180,7 +180,7 @@ impl FitAnswer {
         let key = [
             ("stable, in the range", crate::figure::Color::hex(0xcfe8f3)),
             (
-                "lost without the demand",
+                "lost without the constraint",
                 crate::figure::Color::hex(0xf2c07a),
             ),
             (

@@ -25,7 +25,7 @@ pub enum TableError {
     Line {
         /// Path of the file, or name of the array.
         path: PathBuf,
-        /// What is counted: `line` or `point`.
+        /// Counted unit: `line` or `point`.
         row: &'static str,
         /// Line from 1, or point from 0.
         line: usize,
@@ -109,9 +109,10 @@ const LEAST_POINTS: usize = 3;
 /// Largest stretch of rubber; larger numbers are percentages.
 const LARGEST: f64 = 20.0;
 /// Hint for arrays that seem to hold strains.
-const STRETCHES: &str = "a stretch is 1 plus the strain, and 100 % are a strain of 1";
-/// Limits of the largest stress of a test, and the least of its largest strain.
+const STRETCHES: &str = "a stretch is 1 plus the strain, and 100 % is a strain of 1";
+/// Limits of the largest stress of a test.
 const STRESSES: [f64; 2] = [1e-20, 1e20];
+/// Smallest admissible value of the largest strain of a test.
 const LEAST_STRAIN: f64 = 1e-4;
 /// Largest difference of stretches of one row that two columns give.
 const STRETCH_TOLERANCE: f64 = 0.01;
@@ -302,7 +303,7 @@ impl Tests {
         }
         if most.1 > DISAGREEMENT * least.1 {
             self.notes.push(format!(
-                "{text}; is a true stress given as a nominal one, or another loading?"
+                "{text}; check whether a true stress is given as nominal stress, and the loading of each file"
             ));
         }
         Ok(())
@@ -845,7 +846,7 @@ impl Table<'_> {
         {
             return Err(self.refused(
                 format!(
-                    "its arrays have {} and {} numbers",
+                    "the arrays have {} and {} numbers",
                     own.stretch.len(),
                     other.len()
                 ),
@@ -920,13 +921,13 @@ impl Table<'_> {
         let message = match wanted {
             None if names.len() > 1 => {
                 format!(
-                    "it has tests of {} materials: {}",
+                    "the deck has tests of {} materials: {}",
                     names.len(),
                     names.join(", ")
                 )
             }
             Some(wanted) if !tests.iter().any(|(name, _)| has_name(name, wanted)) => format!(
-                "it has no tests of the material `{wanted}`; its tests belong to {}",
+                "the deck has no tests of the material `{wanted}`; its tests belong to {}",
                 names.join(", ")
             ),
             _ => {
@@ -1140,7 +1141,7 @@ impl Table<'_> {
         {
             return Err(self.line(
                 *line,
-                "the stress is 0 at a strain that is not",
+                "the stress is 0 at a nonzero strain",
                 "remove the row, or the offset of the zero point",
             ));
         }
@@ -1167,13 +1168,13 @@ impl Table<'_> {
             [] => Ok(()),
             [line] => Err(self.line(
                 *line,
-                "the stretch turns back: loading is followed by unloading",
-                "keep one branch of the test; an elastic law has one stress for a stretch",
+                "the stretch reverses: loading is followed by unloading",
+                "keep one branch of the test; an elastic law has a single stress for each stretch",
             )),
             [line, ..] => Err(self.line(
                 *line,
                 format!(
-                    "the rows are not sorted by stretch: the stretch turns back {} times",
+                    "the rows are not sorted by stretch: the stretch reverses {} times",
                     turns.len()
                 ),
                 "sort the rows; of a cyclic test keep one branch",

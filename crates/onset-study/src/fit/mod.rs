@@ -25,7 +25,7 @@ pub enum FittingError {
     #[error(transparent)]
     Table(#[from] TableError),
     /// A law that cannot be fitted.
-    #[error("the law `{law}` cannot be fitted: {reason}\n  hint: laws that can: {known}")]
+    #[error("the law `{law}` cannot be fitted: {reason}\n  hint: laws that can be fitted: {known}")]
     Law {
         /// Name of the law.
         law: String,
@@ -185,7 +185,7 @@ pub fn fitted(
     let several = families.len() > 1;
     for family in families {
         each(family.name());
-        // A constant that only some of several laws have concerns these.
+        // Options for a constant apply only to the laws that have it.
         let mut own = options.clone();
         if several {
             let has = |name: &str| family.constants().iter().any(|own| own.name == name);
@@ -223,7 +223,7 @@ fn hinted(error: &FitError) -> String {
         }
         FitError::UnknownConstant { .. } => "name one of them",
         FitError::NotConverged { .. } | FitError::NotStable { .. } => {
-            "demand stability in a smaller range with --stable, for example box=0.5,2, or choose another law"
+            "require stability in a smaller range with --stable, for example box=0.5,2, or choose another law"
         }
     };
     format!("{error}\n  hint: {hint}")

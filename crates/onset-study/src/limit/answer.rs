@@ -73,11 +73,11 @@ impl Tried {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EndKind {
-    /// The step is too large beyond it.
+    /// Beyond the end the step is too large.
     Limit,
-    /// The range ends here.
+    /// End of the range of values.
     Range,
-    /// Values beyond it cannot be evaluated.
+    /// Values beyond the end cannot be evaluated.
     Undefined,
 }
 
@@ -377,7 +377,7 @@ impl LimitAnswer {
             Some((one.value, alone))
         })?;
         Some(format!(
-            "these are steps of waves; points without neighbors on the grid need shorter steps, with {} = {} below {} (see `onset state`)",
+            "these steps are stable for waves; points without neighbors on the grid need shorter steps, with {} = {} below {} (see `onset state`)",
             self.key,
             self.value(told(value)),
             self.step(step)

@@ -140,7 +140,7 @@ impl LimitQuestion {
             .ok_or_else(|| {
                 let origin = Origin::CommandLine(self.key.name.to_owned());
                 let message = format!(
-                    "`{}` has no positive value on which a range could be centered",
+                    "the value of `{}` is not positive, so that no range can be centered on it",
                     self.key.name
                 );
                 SettingError::new(origin, message)

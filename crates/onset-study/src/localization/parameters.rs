@@ -445,7 +445,7 @@ impl PlasticSettings {
                     "keys of [material] have no effect here".to_owned(),
                 )
                 .hint(format!(
-                    "plastic laws are set by {MODEL} and its keys; those of a user material are used only with {MODEL} = {UMAT}"
+                    "plastic laws are set by {MODEL} and its keys; the keys of a user material are used only with {MODEL} = {UMAT}"
                 ))),
             };
         }

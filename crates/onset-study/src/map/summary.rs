@@ -202,7 +202,7 @@ impl fmt::Display for Summary {
             if self.is_complete() {
                 ""
             } else {
-                " in the tiles that are done"
+                " in the completed tiles"
             },
             self.evaluated,
             100.0 * self.evaluated as f64 / self.states.max(1) as f64
@@ -237,7 +237,7 @@ impl fmt::Display for Summary {
             let left = self.tiles - self.tiles_done;
             write!(
                 formatter,
-                "\n{left} of {} tiles are still to do",
+                "\n{left} of {} tiles remain to be computed",
                 self.tiles
             )?;
         }

@@ -337,7 +337,7 @@ impl ModesAnswer {
                 )?,
                 None => writeln!(
                     formatter,
-                    "no zero-energy modes; weak modes are undefined, because the material's slowest waves have no energy"
+                    "no zero-energy modes; weak modes are undefined, because the frequency of the material's slowest waves is zero"
                 )?,
             }
             return if self.complete {

@@ -136,7 +136,7 @@ pub enum PlotError {
     Boundary(#[from] BoundaryError),
     /// The field cannot be shown as a map.
     #[error(
-        "the field `{field}` cannot be shown as a map\n  hint: fields that can are {}", known.join(", ")
+        "the field `{field}` cannot be shown as a map\n  hint: available fields: {}", known.join(", ")
     )]
     NotShown {
         /// Name of the field.
@@ -194,7 +194,11 @@ pub struct Unfinished {
 impl fmt::Display for Unfinished {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let tiles = counted(self.tiles, "tile");
-        write!(formatter, "{} of {tiles} are still to do", self.tiles_left)
+        write!(
+            formatter,
+            "{} of {tiles} remain to be computed",
+            self.tiles_left
+        )
     }
 }
 

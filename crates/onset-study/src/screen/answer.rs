@@ -170,7 +170,7 @@ pub struct ScreenAnswer {
     pub actual: Option<Actual>,
     /// Largest stable time steps.
     pub time_step: Option<StepLimit>,
-    /// Amplitude at which short waves show; spacings.
+    /// Smallest amplitude of observed short waves; spacings.
     pub threshold: f64,
     /// Amplitude of the short waves when growth begins; spacings.
     pub seed: f64,
@@ -496,7 +496,7 @@ impl ScreenAnswer {
             && let Some(time) = by_step
         {
             evidence.push(format!(
-                "oscillations caused by the time step are expected to become visible at t = {}",
+                "oscillations caused by the time step are expected to show at t = {}",
                 told(time)
             ));
         }
@@ -580,7 +580,8 @@ impl ScreenAnswer {
         ];
         if self.actual.is_some() && slowed.iter().any(|coefficient| *coefficient != 0.0) {
             limits.push(
-                "growth rates of modes are without viscosity and velocity smoothing".to_owned(),
+                "growth rates of modes are computed without viscosity and velocity smoothing"
+                    .to_owned(),
             );
         }
         if problem.material.is_path_dependent() {

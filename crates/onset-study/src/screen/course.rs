@@ -75,7 +75,7 @@ pub struct Event {
 pub struct StepLimit {
     /// Largest stable step of the infinite lattice in the reference state; time.
     pub lattice: f64,
-    /// Largest stable step of the body in the reference state; `None` for methods whose particles have no forces at arbitrary positions.
+    /// Largest stable step of the body in the reference state; time. `None` for methods whose particles have no forces at arbitrary positions.
     pub body: Option<f64>,
     /// Smallest value of the largest stable step during the run, until the first event; time.
     pub least: f64,
@@ -105,7 +105,7 @@ pub(super) struct Course {
     pub(super) points: [usize; 2],
     /// Number of states that were evaluated.
     pub(super) states: usize,
-    /// Share of points with fewer than nine tenths of the most neighbors.
+    /// Fraction of points with fewer than nine tenths of the largest number of neighbors.
     pub(super) cut: f64,
     /// Rates of the point whose waves had grown most when the first short waves were observed.
     pub(super) growing: Option<StateRates>,
@@ -240,7 +240,7 @@ impl<'p> Growth<'p> {
     }
 }
 
-/// Share of an interval at which an amplitude that grows exponentially crosses a limit.
+/// Fraction of an interval at which an exponentially growing amplitude crosses a limit.
 pub(super) fn crossing(from: f64, to: f64, limit: f64) -> f64 {
     match from > 0.0 && to > from {
         true => (limit / from).ln() / (to / from).ln(),
@@ -505,11 +505,11 @@ impl<'p> Follower<'p> {
             f,
         };
         let at = |point: usize| (point, self.points.places[point]);
-        // Predicted amplitudes start from the short waves at the begin of growth.
+        // Predicted amplitudes start from the short waves at the beginning of growth.
         let (grown, integral) = self.growth.largest().unwrap_or((0, 0.0));
         if !self.has_begun && integral > INTEGRAL_AT_BEGINNING {
             self.has_begun = true;
-            // Short waves that are observed already did not grow from themselves.
+            // Short waves above the threshold have already grown and are not the seed.
             let is_early =
                 self.course.observed.is_none() && most_observed <= self.question.threshold;
             if is_early && self.question.seed.is_none() {

@@ -90,7 +90,7 @@ impl FromStr for Held {
     }
 }
 
-/// Reference configuration of deformation gradients.
+/// Reference configuration from which deformation gradients are computed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Reference {
     /// Reference positions or displacements in the files, or else the first frame.
@@ -109,7 +109,7 @@ pub struct Source {
     pub files: Vec<PathBuf>,
     /// Columns, frames and time step.
     pub reading: Reading,
-    /// Reference configuration of deformation gradients.
+    /// Reference configuration from which deformation gradients are computed.
     pub reference: Reference,
     /// Particles with prescribed motion.
     pub held: Held,
@@ -173,7 +173,7 @@ impl Recording {
     /// Reads all frames once, checks them, and returns the particles in the reference configuration with the series of frames.
     ///
     /// Reading ends, with a note, at a frame that lacks particles or has infinite positions. With `has_elements`
-    /// the elements of the files have the states.
+    /// states are evaluated in the elements of the files instead of the particles.
     ///
     /// # Errors
     /// [`ScreenError`] for files that cannot be read, and for frames without times.

@@ -24,8 +24,8 @@ const WORDS: &[(&str, &str, Meaning)] = &[
         "discretization.method",
         "sph",
         OneOf(&[
-            ("total-lagrangian-sph", "kernels of material coordinates"),
-            ("updated-sph", "kernels of current coordinates"),
+            ("total-lagrangian-sph", "kernels in material coordinates"),
+            ("updated-sph", "kernels in current coordinates"),
         ]),
     ),
     ("discretization.method", "wcsph", Is("updated-sph")),
@@ -101,7 +101,7 @@ const WORDS: &[(&str, &str, Meaning)] = &[
             ("ordinary", "the linear peridynamic solid"),
             (
                 "correspondence",
-                "a law at the deformation gradient of families",
+                "one deformation gradient per family, with the law of the material",
             ),
         ]),
     ),
@@ -211,7 +211,7 @@ const HINTS: &[(&str, &str)] = &[
     ),
 ];
 
-/// Key of the smoothing length over the spacing, another way to set the support.
+/// Key of the smoothing length divided by the spacing, another way to set the support.
 ///
 /// `support = smoothing-length * R0/h` with the ratio of support radius
 /// `R0` to smoothing length `h` of the kernel, 2 for the cubic spline.

@@ -102,7 +102,7 @@ pub const GRIP_KEYS: &[Key] = &[
     key(
         "grips.ramp",
         Kind::Number("time", NotNegative),
-        "time in which the velocity rises smoothly from zero; immediately by default",
+        "rise time of the velocity, which starts smoothly from zero; 0 by default: no rise",
     ),
     key(
         "grips.until",

@@ -216,12 +216,12 @@ impl Effective {
         (first, defaults.join(", "))
     }
 
-    /// Returns the model with the parameters that are not defaults, and the defaults.
+    /// Returns two texts: the model with the parameters that are not defaults, and the defaults.
     pub fn material(&self) -> (String, String) {
         self.lines("material", "model")
     }
 
-    /// Returns the method with the settings that are not defaults, and the defaults.
+    /// Returns two texts: the method with the settings that are not defaults, and the defaults.
     pub fn discretization(&self) -> (String, String) {
         self.lines("discretization", "method")
     }

@@ -459,7 +459,7 @@ pub const STATE_KEYS: &[Key] = &[
     key(
         "state.rotation",
         Kind::Number("rad", Any),
-        "angle of the lattice against the load about the third axis, if no axis varies it",
+        "angle from the load to the lattice, about the third axis, if no axis varies it",
     ),
 ];
 

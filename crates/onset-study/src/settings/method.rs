@@ -20,9 +20,9 @@ use serde::{Deserialize, Serialize};
 pub enum Family {
     /// Kernel methods: shape functions of particles, with forces integrated at points.
     Kernel,
-    /// Smoothed particle hydrodynamics with kernels of material coordinates.
+    /// Smoothed particle hydrodynamics with kernels in material coordinates.
     TotalLagrangianSph,
-    /// Smoothed particle hydrodynamics with kernels of current coordinates.
+    /// Smoothed particle hydrodynamics with kernels in current coordinates.
     UpdatedSph,
     /// Finite elements on a periodic mesh.
     FiniteElements,
@@ -114,7 +114,7 @@ pub enum Velocities {
     Pic,
     /// APIC: points take the grid velocities with affine fields.
     Apic,
-    /// XPIC: points keep what an approximation of the full mass matrix resolves of their velocities.
+    /// XPIC: points keep the part of their velocities that an approximation of the full mass matrix resolves.
     Xpic,
     /// FMPM: an approximation of the full mass matrix replaces the lumped masses.
     Fmpm,

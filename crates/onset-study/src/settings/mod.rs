@@ -85,7 +85,7 @@ pub struct Settings {
     origins: BTreeMap<&'static str, Origin>,
     /// Keys of the discretization whose values have units.
     with_units: BTreeSet<&'static str>,
-    /// Smoothing length over the spacing, if it sets the support, with its place.
+    /// Smoothing length divided by the spacing, if it sets the support, with its place.
     smoothing_length: Option<(f64, Origin)>,
 }
 
@@ -339,7 +339,7 @@ impl Settings {
         let key = renamed::of_word(key, value);
         let (name, typed) = (key.name, value);
         let wrong = |origin: Origin| {
-            // What is tried along a range is refused with the message alone.
+            // Values tried along a range are refused with the message alone.
             let (range, hint) = match (key.kind.limits(), typed.is_measure()) {
                 (Some(_), true) => (
                     format!("; expected {}", key.expects()),

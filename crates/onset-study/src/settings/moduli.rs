@@ -87,7 +87,7 @@ fn shear_and_bulk(given: &[(&str, f64)]) -> Result<(f64, f64), String> {
     match mu > 0.0 && kappa > 0.0 && mu.is_finite() && kappa.is_finite() {
         true => Ok((mu, kappa)),
         false => Err(format!(
-            "these moduli leave no positive shear and bulk modulus: mu = {mu}, K = {kappa}"
+            "these moduli do not correspond to positive shear and bulk moduli: mu = {mu}, K = {kappa}"
         )),
     }
 }

@@ -177,7 +177,7 @@ fn every_key_changes_an_answer_or_is_refused_by_the_method() {
                     let all: Vec<String> =
                         base.iter().cloned().chain([assignment.clone()]).collect();
                     let asked = Settings::from_assignments(&all);
-                    // Without the check of the table, to find out whether the method would use the key.
+                    // Bypasses the table of keys, to test whether the method would use the key.
                     let mut forced = Settings::default();
                     for own in &all {
                         forced.assign(own).expect("known keys");
@@ -219,7 +219,7 @@ fn every_key_changes_an_answer_or_is_refused_by_the_method() {
 }
 
 #[test]
-fn settings_in_effect_are_those_that_the_method_uses() {
+fn exactly_the_settings_that_the_method_uses_are_in_effect() {
     for (family, choices) in METHODS {
         for choices in *choices {
             let all: Vec<String> = std::iter::once(format!("discretization.method={family}"))
@@ -263,7 +263,7 @@ fn settings_in_effect_are_those_that_the_method_uses() {
 }
 
 #[test]
-fn a_lattice_that_the_method_does_not_have_is_refused() {
+fn an_unsupported_lattice_is_refused() {
     let told = |assignments: &[&str]| {
         let assignments: Vec<String> = assignments
             .iter()

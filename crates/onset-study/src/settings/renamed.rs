@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn earlier_names_are_out_of_use_and_present_names_exist() {
+    fn former_names_are_not_in_use_and_their_replacements_exist() {
         for (earlier, now) in KEYS {
             assert!(!is_key(earlier) && is_key(now), "{earlier}, {now}");
         }
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn a_study_in_earlier_names_is_the_same_study() {
+    fn a_study_with_former_names_equals_the_study_with_present_names() {
         let axes = "[[axes]]\nquantity = \"stretch-1\"\nrange = [0.5, 2.0]\nstates = 4\n\
                     [[axes]]\nquantity = \"stretch-2\"\nrange = [0.5, 2.0]\nstates = 4\n";
         let earlier = format!(

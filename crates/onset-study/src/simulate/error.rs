@@ -75,7 +75,7 @@ impl SimulateError {
 fn kept(checkpoint: &Option<(PathBuf, u64)>) -> String {
     match checkpoint {
         Some((path, step)) => format!(
-            "\n  the last checkpoint, {}, is of step {step}",
+            "\n  the last checkpoint, {}, was written at step {step}",
             path.display()
         ),
         None => String::new(),

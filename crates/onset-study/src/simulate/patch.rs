@@ -13,7 +13,7 @@ use onset::motion::{Fault, PatchMotion, PatchState};
 /// Runs a patch, and writes its results into a folder if one is given.
 ///
 /// # Errors
-/// [`SimulateError`] for a question that cannot be run, a motion that breaks down, or files that cannot be written.
+/// [`SimulateError`] for a patch that cannot be run, a motion that breaks down, or files that cannot be written.
 pub fn simulate(
     problem: &Problem,
     question: &Question,

@@ -160,7 +160,7 @@ impl Question {
             return Err(refused(
                 "--cells: the patch has too many particles",
                 format!(
-                    "at most {} are run, whose waves are all computed",
+                    "at most {} particles are supported, because all waves of the patch are computed",
                     2 * MAX_WAVES / dimension
                 ),
             ));
@@ -170,7 +170,7 @@ impl Question {
 }
 
 impl Plan {
-    /// Plans the run of a question on its patch.
+    /// Plans a run on its patch.
     pub(super) fn new(
         problem: &Problem,
         question: &Question,

@@ -295,7 +295,9 @@ impl<'a> Keeper<'a> {
             Ground::Method(MethodError::SingularMoment { .. }) => {
                 "the particle has lost its neighbors: with discretization.corrected = false it would continue as a free particle"
             }
-            Ground::NotFinite => "choose a smaller --fraction: the motion outgrew its step",
+            Ground::NotFinite => {
+                "choose a smaller --fraction: the motion has become too fast for the time step"
+            }
             _ => self.course.grown,
         };
         SimulateError::Fault {

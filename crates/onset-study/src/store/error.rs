@@ -34,7 +34,7 @@ pub enum StoreError {
     },
     /// Existing store, without a choice to resume or overwrite it.
     #[error(
-        "{} exists, with {done} of {tiles} tiles done\n  hint: {}",
+        "{} exists, with {done} of {tiles} tiles complete\n  hint: {}",
         path.display(),
         if done == tiles { "it is complete; --overwrite starts afresh" }
         else { "--resume continues it, --overwrite starts afresh" }
@@ -49,7 +49,7 @@ pub enum StoreError {
     },
     /// Store of another study.
     #[error(
-        "{} holds another study: {difference}\n  hint: choose another folder with --out, or replace the store with --overwrite",
+        "{} contains another study: {difference}\n  hint: choose another folder with --out, or replace the store with --overwrite",
         path.display()
     )]
     OtherStudy {

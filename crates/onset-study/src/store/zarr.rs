@@ -460,7 +460,10 @@ impl ResultStore for ZarrStore {
         }
         let key = self.chunk(array, tile);
         let Some(column) = self.values(array, &key)? else {
-            return Err(self.damaged(&key, "it is missing, though its tile is done".to_owned()));
+            return Err(self.damaged(
+                &key,
+                "it is missing, although its tile is complete".to_owned(),
+            ));
         };
         let place = self.tiling.at(tile);
         Ok(Some(match column {

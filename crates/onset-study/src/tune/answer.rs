@@ -159,7 +159,7 @@ impl TuneAnswer {
                 }
                 all.push(found);
             }
-            // What is printed must be sufficient, too.
+            // The printed, rounded value must be sufficient too.
             let printed = tried(rounded_up(high));
             recommended = Some(high);
             if printed.is_sufficient(&limits) && !printed.masks(&limits) {

@@ -25,7 +25,7 @@ pub struct TuneQuestion {
 }
 
 impl TuneQuestion {
-    /// Creates a question for a key, the range of its values, and the range of stretches for which verdicts are compared.
+    /// Parses the key of the coefficient, the range of its values, and the range of stretches for which verdicts are compared.
     ///
     /// # Errors
     /// [`SettingError`] when the key does not exist or is not a number.

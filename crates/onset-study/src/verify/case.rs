@@ -436,7 +436,7 @@ fn steps(
                         exact(duration),
                         exact(critical)
                     ),
-                    hint: format!("leave --steps out for {fewest} steps, or give the --time-step"),
+                    hint: format!("leave --steps out for {fewest} steps, or set --time-step"),
                 });
             }
             (step, count)

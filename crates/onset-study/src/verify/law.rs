@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn rubber_is_isotropic_and_resists_more_than_volume_changes() {
+    fn rubber_is_isotropic_and_not_purely_volumetric() {
         let law = law(&[
             "material.model=neo-hooke",
             "material.mu=0.4",

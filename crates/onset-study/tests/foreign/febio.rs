@@ -164,7 +164,7 @@ fn a_law_inside_of_a_viscoelastic_material_is_found() {
 }
 
 #[test]
-fn materials_that_are_not_read_are_refused_with_their_line() {
+fn unsupported_materials_are_refused_with_their_line() {
     for (text, fact) in [
         (
             file("Ogden", "<c1>1</c1><m1>2</m1>"),

@@ -36,7 +36,7 @@ fn general_rubber_is_a_polynomial_of_the_isochoric_invariants() {
 
 /// `sum mu/alpha (sum lbar^alpha - 3) + K (J - 1 - ln J)` with up to eight terms.
 #[test]
-fn ogden_rubber_has_moduli_over_exponents_and_a_logarithmic_volume() {
+fn ogden_rubber_has_moduli_divided_by_exponents_and_a_logarithmic_volumetric_term() {
     let deck = "*MAT_OGDEN_RUBBER\n7, 1.1e-9, 0.49, 0, 0, 500., 1.\n0.6178,0.001177,-0.009807\n1.3,5.0,-2.0\n0.05, 10.\n0.02, 100.\n";
     let shear = 0.5 * (0.6178 * 1.3 + 0.001177 * 5.0 + 0.009807 * 2.0);
     agrees(&*read(LsDyna, deck, &[]), |f| {

@@ -24,7 +24,7 @@ rubber of Treloar
 ";
 
 #[test]
-fn law_42_has_moduli_over_exponents_on_two_lines() {
+fn law_42_has_moduli_divided_by_exponents_on_two_lines() {
     let shear = 0.5 * (0.6178 * 1.3 + 0.001177 * 5.0 + 0.009807 * 2.0 + 0.1 * 2.5);
     let isochoric = [
         (0.6178 / 1.3, 1.3),

@@ -460,7 +460,7 @@ fn laws_and_constants_that_cannot_be_written_are_refused_with_a_reason() {
             Radioss,
             "hyperfoam",
             &[("mu1", 1.0), ("alpha1", 2.0), ("beta1", 1e4)],
-            "Radioss: LAW62 has Poisson's ratios to 0.499",
+            "Radioss: LAW62 allows Poisson's ratios up to 0.499",
         ),
         (
             Calculix,

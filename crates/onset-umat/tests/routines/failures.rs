@@ -456,7 +456,7 @@ fn no_state_is_computed_after_a_failure_if_all_are_needed() {
         matches!(outcome, Err(UmatError::Ended { .. })),
         "{outcome:?}"
     );
-    // No process was started for the third.
+    // The state after the failure starts no process.
     assert_eq!(processes(&own), 0);
     assert_eq!(umat.along_all(&paths).len(), 3);
     assert_eq!(processes(&own), 1);

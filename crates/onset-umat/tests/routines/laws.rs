@@ -80,7 +80,7 @@ fn stretched(e: f64) -> DeformationGradient {
 }
 
 #[test]
-fn von_mises_plasticity_hardens_as_in_closed_form() {
+fn hardening_of_von_mises_plasticity_agrees_with_the_closed_form() {
     let [young, poisson, yield_stress, hardening] = STEEL;
     let shear = young / (2.0 * (1.0 + poisson));
     for increments in [1, 10] {

@@ -39,7 +39,7 @@ mod tests {
     use nalgebra::DMatrix;
 
     #[test]
-    fn a_product_by_parts_is_the_product() {
+    fn products_of_real_and_imaginary_parts_give_the_complex_product() {
         let mut random = 3;
         let mut matrix = |rows, columns| {
             let mut number = || 2.0 * uniform(&mut random) - 1.0;

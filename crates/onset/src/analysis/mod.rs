@@ -1,7 +1,7 @@
 //! Analysis of a method and a material in any number of dimensions, without the dimension as a type parameter.
 //!
-//! The rooms below are generic over a lattice of `D` dimensions. Here, and only here, `D` becomes a run-time number: [`analysis`] creates an
-//! [`Analysis`] from [`MethodChoices`] and a material. Its results have the types of the other rooms for `D = 3`, where vectors of a line or a plane are
+//! The modules below are generic over a lattice of `D` dimensions. Here, and only here, `D` becomes a run-time number: [`analysis`] creates an
+//! [`Analysis`] from [`MethodChoices`] and a material. Its results have the types of the other modules for `D = 3`, where vectors of a line or a plane are
 //! padded with zeros. Reference wave vectors are passed as slices of [`Analysis::dimension`] components.
 
 mod body;

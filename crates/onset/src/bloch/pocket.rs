@@ -677,7 +677,7 @@ mod tests {
     use crate::algebra::{Complex, array_of, uniform};
 
     #[test]
-    fn the_test_against_a_rival_agrees_with_the_growth_rate() {
+    fn the_comparison_with_a_known_growth_rate_agrees_with_the_computed_rate() {
         let mut state = 5_u64;
         let mut random = || 2.0 * uniform(&mut state) - 1.0;
         for _ in 0..1000 {
@@ -692,7 +692,7 @@ mod tests {
     /// The predicted growth rate on the crossing agrees with the pair at that place. No place of a finer grid within reach grows much faster if the
     /// crossing determines the growth.
     #[test]
-    fn growth_on_a_crossing_agrees_with_the_pair() {
+    fn the_predicted_growth_at_a_crossing_agrees_with_the_pair_of_branches() {
         let (mut foreseen, mut told) = (0, 0);
         let mut state = 5;
         let mut random = || 2.0 * uniform(&mut state) - 1.0;

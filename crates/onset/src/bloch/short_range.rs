@@ -1,6 +1,6 @@
 //! Lattice coordinates in which the forces have the same range in all directions.
 //!
-//! With kernels of current coordinates, the neighbors in a strongly sheared state lie at long and oblique reference vectors. Over the reference zone
+//! With kernels in current coordinates, the neighbors in a strongly sheared state lie at long and oblique reference vectors. Over the reference zone
 //! the spectrum then varies fast in one direction and slowly in another, and a uniform grid resolves it badly. This module maps space so that the
 //! second moment of the force constants is isotropic, and chooses a short basis there. The search runs in these coordinates, and its results are
 //! mapped back.

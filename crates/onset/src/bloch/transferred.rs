@@ -25,7 +25,7 @@ pub enum VelocityFilter {
         /// Fraction of its previous velocity that a point keeps.
         flip: f64,
     },
-    /// Points keep what an approximation of the full mass matrix of order `k` resolves of their velocity: `s' = T w + (L - L^k) s`.
+    /// Points keep the part of their velocity that an approximation of the full mass matrix of order `k` resolves: `s' = T w + (L - L^k) s`.
     Extended {
         /// Order `k` of the approximation, from 1.
         order: u32,

@@ -128,7 +128,7 @@ impl<const D: usize> AcousticMinimum<D> {
     /// use onset::formula::Formula;
     /// use onset::kinematics::DeformationGradient;
     /// use onset::material::Hyperelastic;
-    /// // A fluid: shear waves cost nothing, which is not positive, and not negative.
+    /// // A fluid: the eigenvalue of shear waves is zero, neither positive nor negative.
     /// let fluid = Formula::parse("50*(J - 1)^2")?.with(&[])?;
     /// let f = DeformationGradient::from_stretches([1.2, 0.9, 1.0])?;
     /// let minimum = Stiffness::<2>::of(&fluid.response(&f)?).minimum();

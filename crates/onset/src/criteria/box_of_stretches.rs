@@ -40,13 +40,13 @@ pub struct Critical {
 pub enum BoxEnd {
     /// The end of the range of stretches.
     Range,
-    /// The critical state: it has this stretch.
+    /// The critical state: one of its principal stretches equals this end.
     Critical,
     /// The opposite end: the critical state limits it, and the shape of the box fixes this end.
     Shape,
 }
 
-/// Grid points along an edge of a face of the box; a ray from the reference leads through each of them.
+/// Grid points along an edge of a face of the box; a ray from the reference configuration leads through each of them.
 const EDGE_POINTS: usize = 11;
 /// States evaluated along a ray.
 const STATES_PER_RAY: usize = 32;
@@ -87,7 +87,7 @@ const AT_END: f64 = 1e-7;
 /// The exponent `k = skew` is 1 for a box that is symmetric in the logarithms. The result is `None` if the law is not elliptic in the reference configuration.
 ///
 /// The principal axes are the coordinate axes, which is not a restriction for an isotropic law ([`is_isotropic`]). The box results from a dense search
-/// with local improvement and is not proved. Rays lead from the reference through grid points on the surface of the box to the first state at which
+/// with local improvement and is not proved. Rays lead from the reference configuration through grid points on the surface of the box to the first state at which
 /// ellipticity is lost, and the shortest rays are turned until they are locally shortest. The inside of the box is then searched: the measure is
 /// minimized from the low points of two grids, and the box is shrunk where the measure is not positive.
 ///
@@ -120,7 +120,7 @@ pub fn widest_safe_box(material: &dyn Hyperelastic, range: &Range) -> Option<Saf
         }
         Some(width(&found))
     };
-    // The skew is the tangent of an angle. At the extreme angles the box extends to one side of the reference only.
+    // The skew is the tangent of an angle. At the extreme angles the box extends to one side of the reference configuration only.
     let end = std::f64::consts::FRAC_PI_2;
     let step = end / SKEWS as f64;
     let angle = |n: usize| (step * (n as f64 - 0.5)).clamp(0.0, end);
@@ -343,7 +343,7 @@ impl<'a> Field<'a> {
                     Some(value(trial)).filter(|value| *value < least)
                 });
             } else if step < first && walk.value > STOP_RISE_RATIO * rise {
-                // Between neighboring states a smooth measure falls by less than it rises around them.
+                // The value is large relative to the variation between neighbors: no zero is near.
                 break;
             } else {
                 step *= 0.5;

@@ -16,9 +16,9 @@ use nalgebra::Vector3;
     serde(rename_all = "kebab-case")
 )]
 pub enum Change {
-    /// The criterion holds nearer to the reference and fails beyond the stretch.
+    /// The criterion holds nearer to the reference configuration and fails beyond the stretch.
     Lost,
-    /// The criterion fails nearer to the reference and holds beyond the stretch.
+    /// The criterion fails nearer to the reference configuration and holds beyond the stretch.
     Regained,
 }
 
@@ -42,7 +42,7 @@ pub struct Event {
 pub struct Track {
     /// Whether the criterion holds in the reference configuration.
     pub holds_at_start: bool,
-    /// Changes along the loading, nearest to the reference first.
+    /// Changes along the loading, nearest to the reference configuration first.
     pub events: Vec<Event>,
 }
 
@@ -239,20 +239,20 @@ fn event(lost: bool, before: f64, behind: f64, witness: Witness) -> Event {
 const STRIDE: usize = 8;
 /// Additional searches for finite jumps, at these fractions of the way before the loss of ellipticity.
 const BEFORE_LOSS: [f64; 4] = [0.02, 5e-3, 1e-3, 1e-5];
-/// Largest number of changes to another family of jumps once the family followed before gains no energy.
+/// Largest number of changes to another family of jumps once no jump of the current family lowers the energy.
 const FAMILIES: usize = 6;
-/// Number of growing steps outward until interval arithmetic must have proved the gain.
+/// Largest number of growing outward steps to a state at which interval arithmetic proves that the jump lowers the energy.
 const OUTWARD: i32 = 22;
 
 /// Follows rank-one convexity along one side of a path. The limit found is an upper bound ([`Event::is_upper_bound`]).
 ///
-/// Finite jumps are searched for at every eighth state up to the `elliptic` limit, where infinitesimal jumps gain energy, closely before that limit,
-/// and on both sides of jumps and kinks of the law ([`kinks`](super::kinks())). Where the stress drops with the stretch, jumps across the drop gain
-/// energy before it. Behind a step up of the energy, jumps back gain energy. The first jump found is followed back to its break-even point, where the
+/// Finite jumps are searched for at every eighth state up to the `elliptic` limit, where infinitesimal jumps lower the energy, closely before that limit,
+/// and on both sides of jumps and kinks of the law ([`kinks`](super::kinks())). Where the stress drops with the stretch, jumps across the drop lower
+/// the energy before it. Behind a step up of the energy, jumps back lower the energy. The first jump found is followed back to its break-even point, where the
 /// search is repeated for other families. Nothing is searched beyond the limit.
 ///
-/// Other jumps may gain energy nearer to the reference configuration, so the limit is an upper bound of the distance from the reference up to which the law is
-/// rank-one convex. Its tolerance refers to the jump reported. Interval arithmetic proves the gain at the limit if the law provides enclosures
+/// Other jumps may lower the energy nearer to the reference configuration, so the limit is an upper bound of the distance up to which the law is
+/// rank-one convex. Its tolerance refers to the jump reported. Interval arithmetic proves that this jump lowers the energy at the limit if the law provides enclosures
 /// ([`JumpSearch::proves`]). If the best jump leads to the edge of the reach, its largest stretch, the limit depends on the reach.
 pub fn follow_jumps(path: &LoadingPath<'_>, elliptic: &Track, reach: f64, tension: bool) -> Track {
     let mut search = JumpSearch::new(path.material(), reach);
@@ -290,7 +290,7 @@ pub fn follow_jumps(path: &LoadingPath<'_>, elliptic: &Track, reach: f64, tensio
         }
         return jumps.break_even(&places[..n], (*place, jump));
     }
-    // No finite jump gains energy up to the limit of ellipticity, where infinitesimal jumps do. Beyond it only ellipticity can be regained.
+    // No finite jump lowers the energy up to the limit of ellipticity, where infinitesimal jumps do. Beyond it only ellipticity can be regained.
     let first = elliptic.events.first().copied();
     Track {
         holds_at_start: elliptic.holds_at_start,
@@ -336,7 +336,7 @@ impl Jumps<'_, '_> {
         places
     }
 
-    /// Returns a jump at `s` that gains energy, if the search finds one.
+    /// Returns a jump at `s` that lowers the energy, if the search finds one.
     fn gaining(&self, s: f64) -> Option<Jump> {
         let state = self.path.at(s)?;
         let found = self.search.lowest_beside(&state.response, self.wave);
@@ -347,14 +347,14 @@ impl Jumps<'_, '_> {
         })
     }
 
-    /// Returns the jump at `s` in the valley of another jump, if it gains energy.
+    /// Returns the jump at `s` in the valley of another jump, if it lowers the energy.
     fn followed(&self, s: f64, jump: &Jump) -> Option<Jump> {
         let state = self.path.at(s)?;
         let found = self.search.descend(&state.response, jump);
         found.filter(Jump::gains)
     }
 
-    /// Follows a jump that gains energy back to the place where no gain is found. The `places` lie nearer to the reference configuration.
+    /// Follows a jump that lowers the energy back to the state at which it no longer does. The `places` lie nearer to the reference configuration.
     fn break_even(&self, places: &[f64], (mut behind, mut jump): (f64, Jump)) -> Track {
         let mut before = 0.0;
         for _ in 0..FAMILIES {
@@ -391,7 +391,7 @@ impl Jumps<'_, '_> {
         }
     }
 
-    /// Brackets the break-even point of a jump between a place without a gain and one where the jump gains energy: the ends of the bracket, and the
+    /// Brackets the break-even point of a jump between a state at which the jump does not lower the energy and a state at which it does: the ends of the bracket, and the
     /// jump at its outer end.
     fn bracketed(&self, before: f64, (behind, jump): (f64, Jump)) -> (f64, f64, Jump) {
         let loss = |jump: &Jump| jump.excess + jump.rounding;
@@ -399,7 +399,7 @@ impl Jumps<'_, '_> {
         let mut value = |s: f64| {
             let state = self.path.at(s)?;
             let found = self.search.descend(&state.response, &last.1);
-            // Where no jump gains energy the loss may be unknown.
+            // If no jump lowers the energy, the loss may be unknown.
             let Some(gaining) = found.filter(Jump::gains) else {
                 let lost = found.map_or(-loss(&jump), |found| loss(&found));
                 return Some(lost.max(f64::MIN_POSITIVE));
@@ -414,7 +414,7 @@ impl Jumps<'_, '_> {
         (low, last.0, last.1)
     }
 
-    /// Shift of the limit, in `ln lambda`, caused by rounding of the gain: the rounding divided by the slope of the gain along the path.
+    /// Shift of the limit, in `ln lambda`, caused by rounding of the change of energy: the rounding divided by the slope of this change along the path.
     fn undetermined(&self, s: f64, jump: &Jump) -> f64 {
         let step = SLOPE_STEP.min(0.5 * s.abs());
         let beside = self.path.at(s - step.copysign(s));
@@ -426,7 +426,7 @@ impl Jumps<'_, '_> {
         }
     }
 
-    /// Moves the state outward in small steps until interval arithmetic proves the gain. Returns the jump unchanged if no proof is found.
+    /// Moves the state outward in small steps until interval arithmetic proves that the jump lowers the energy. Returns the jump unchanged if no proof is found.
     fn proved(&self, s: f64, jump: Jump) -> (f64, Jump, bool) {
         let mut last = jump;
         for n in 0..OUTWARD {

@@ -25,7 +25,7 @@ pub fn is_isotropic(material: &dyn Hyperelastic) -> bool {
         Vector3::new(0.9, 0.1, -0.4),
     ];
     let mut answered = false;
-    // A law may be defined near the reference only.
+    // A law may be defined near the reference configuration only.
     for size in [0.2, 0.05] {
         let stretches = [
             Vector3::new(1.0 + size, 1.0 + 0.3 * size, 1.0 - 0.5 * size),

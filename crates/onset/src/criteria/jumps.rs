@@ -25,12 +25,12 @@ pub struct Jump {
 }
 
 impl Jump {
-    /// Returns true if the jump gains energy beyond rounding.
+    /// Returns true if the jump lowers the energy beyond rounding.
     pub fn gains(&self) -> bool {
         self.excess < -self.rounding
     }
 
-    /// Converts the jump to a witness; `verified` if its gain of energy is [proved](JumpSearch::proves).
+    /// Converts the jump to a witness; `verified` if its decrease of energy is [proved](JumpSearch::proves).
     pub fn witness(&self, verified: bool) -> Witness {
         Witness::Jump {
             amplitude: self.amplitude.into(),
@@ -42,7 +42,7 @@ impl Jump {
     }
 }
 
-/// Search for finite jumps that gain energy, which disproves rank-one convexity.
+/// Search for finite jumps that lower the energy, which disproves rank-one convexity.
 ///
 /// The normals and polarizations of the starts lie along the thirteen axes of a cube in the principal frame. Their amplitudes are multiples of the
 /// stretch along the polarization, with both signs. The lowest start of each pair of axes is followed downhill (quasi-Newton, `BFGS`) in amplitude
@@ -53,7 +53,7 @@ impl Jump {
 /// them are oblique. In compression jumps are bounded only by the energy, since `J` cannot fall below zero, where laws without growth toward `J = 0`
 /// have their lowest jumps.
 ///
-/// A jump that gains energy disproves rank-one convexity, to rounding or, if [`JumpSearch::proves`] returns true, in exact arithmetic. A search
+/// A jump that lowers the energy disproves rank-one convexity, to rounding or, if [`JumpSearch::proves`] returns true, in exact arithmetic. A search
 /// without result proves nothing.
 ///
 /// ```
@@ -62,7 +62,7 @@ impl Jump {
 /// use onset::criteria::JumpSearch;
 /// let law = BlatzKo::default();
 /// let search = JumpSearch::new(&law, 10.0);
-/// // In uniaxial strain 3.5 waves travel still (they do up to 3.732), but a large jump gains energy.
+/// // At the uniaxial strain 3.5 waves have real speeds (up to 3.732), but a large jump lowers the energy.
 /// let f = DeformationGradient::from_stretches([3.5, 1.0, 1.0])?;
 /// let state = law.response(&f)?;
 /// let jump = search.lowest(&state).ok_or("no jump")?;
@@ -169,7 +169,7 @@ impl<'a> JumpSearch<'a> {
 
     /// Like [`JumpSearch::lowest`], with small jumps along a wave (direction and polarization) among the starts.
     ///
-    /// If the third derivative of the energy along a wave does not vanish, jumps along this wave gain energy before its speed vanishes.
+    /// If the third derivative of the energy along a wave does not vanish, jumps along this wave lower the energy before its speed vanishes.
     pub fn lowest_beside(
         &self,
         state: &Response,
@@ -193,7 +193,7 @@ impl<'a> JumpSearch<'a> {
             .min_by(|a, b| a.excess.total_cmp(&b.excess))
     }
 
-    /// Returns the longest jump along the axes of the search that gains energy. Near a step of the energy and before a concave kink every descent
+    /// Returns the longest jump along the axes of the search that lowers the energy. Near a step of the energy and before a concave kink every descent
     /// ends in jumps as short as the distance to it.
     pub(super) fn longest(&self, state: &Response) -> Option<Jump> {
         let (left, right) = principal_axes(&state.deformation);
@@ -270,7 +270,7 @@ impl<'a> JumpSearch<'a> {
         self.descent(state, joined(&a, &n))
     }
 
-    /// Returns true if interval arithmetic proves that a jump gains energy.
+    /// Returns true if interval arithmetic proves that a jump lowers the energy.
     ///
     /// The enclosure of `W(F + a (x) N) - W(F) - P : (a (x) N)` must be negative. The result is always false for a law without enclosures, such as a
     /// user subroutine, and for volume-preserving jumps, which floating-point numbers satisfy only to rounding.

@@ -54,7 +54,7 @@ const WIDTH: f64 = 1e-12;
 /// Step beyond the end of a path, in `ln lambda`.
 const STEP_BEYOND_END: f64 = 1e-6;
 
-/// Returns the places along a loading where a law is not smooth, nearest to the reference first.
+/// Returns the places along a loading where a law is not smooth, nearest to the reference configuration first.
 ///
 /// Energy, stress `P` and tangent `dP/dF` are examined. Intervals with locally largest third differences are bisected: the half with the larger
 /// deviation from linearity is kept. For a smooth quantity this deviation falls to a quarter with each bisection, while it remains constant at a

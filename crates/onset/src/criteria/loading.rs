@@ -359,7 +359,7 @@ pub enum PathEnd {
         /// Error of the law beyond the stretch.
         source: MaterialError,
     },
-    /// The branch of states with free faces that starts at the reference turns back at a limit point: the tangent of the free faces is singular
+    /// The branch of states with free faces that starts at the reference configuration turns back at a limit point: the tangent of the free faces is singular
     /// there, and no equilibrium exists nearby beyond it.
     Fold {
         /// Stretch of the limit point, which is the last state.
@@ -843,7 +843,7 @@ fn branch(
                         PathEnd::Fold { stretch }
                     }
                     Missing::Law(source) if !source.is_of_a_jump() => {
-                        // Only rounding is left where the response grows without bound.
+                        // Next to a point where the response grows without bound, states are rounding errors.
                         let end = here.parameter;
                         states.retain(|state| {
                             state.parameter == 0.0 || (state.parameter - end).abs() > BEFORE_END

@@ -85,12 +85,12 @@ pub enum Criterion {
     /// The measure is the exact minimum of the smallest eigenvalue of the acoustic tensors in the plane. Units of stress. Source: as for
     /// [`Criterion::StrongEllipticity`].
     PlaneEllipticity,
-    /// Rank-one convexity: no layering with finite jumps costs less energy, `W(F + a (x) N) - W(F) - P : (a (x) N) > 0` for all `a`, `N`.
+    /// Rank-one convexity: no laminate with finite jumps has less energy, `W(F + a (x) N) - W(F) - P : (a (x) N) > 0` for all `a`, `N`.
     ///
     /// Source: Ball, Arch. Ration. Mech. Anal. 63 (1977) 337; Morrey (1952). The measure is the smallest
     /// `2 (W(F + a (x) N) - W(F) - P : a (x) N) / |a|^2` found by a [`JumpSearch`]. Units of stress. A negative value is a proof to rounding (or in
     /// interval arithmetic: [`JumpSearch::proves`]). A positive value means that the search found no such jump, so a limit along a loading is an
-    /// upper bound: other jumps may gain energy nearer to the reference configuration. The limit is never later than the loss of ellipticity, and it is earlier if
+    /// upper bound: other jumps may lower the energy nearer to the reference configuration. The limit is never later than the loss of ellipticity, and it is earlier if
     /// the third derivative of the energy along the critical wave does not vanish.
     RankOneConvexity,
     /// Baker-Ericksen inequalities: the larger principal stress acts along the larger principal stretch,
@@ -230,7 +230,7 @@ pub enum Witness {
         at_edge: bool,
         /// Whether the jump leads to nearly zero volume, where the law has a finite energy.
         collapses: bool,
-        /// Whether interval arithmetic proves that the jump gains energy. If false, the gain holds to rounding, or the law provides no enclosures.
+        /// Whether interval arithmetic proves that the jump lowers the energy. If false, it does to rounding, or the law provides no enclosures.
         verified: bool,
     },
 }

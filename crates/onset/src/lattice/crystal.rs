@@ -388,7 +388,7 @@ mod tests {
     }
 
     #[test]
-    fn a_supercell_is_the_same_lattice() {
+    fn a_supercell_has_the_particles_of_its_lattice() {
         let square = LatticeKind::Square.lattice::<2>(1.0).expect("a lattice");
         let crystal = Crystal::of_lattice(square);
         let large = crystal.supercell([3, 2]).expect("a crystal");

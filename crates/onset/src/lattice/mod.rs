@@ -1,6 +1,6 @@
 //! Particle lattices: their kinds, Voronoi volumes, and the first Brillouin zone.
 //!
-//! A lattice has no notion of stress.
+//! A lattice is geometry only, without stress.
 
 mod cell;
 mod crystal;

@@ -334,7 +334,7 @@ pub trait Hyperelastic: Send + Sync {
     /// Returns true for laws in rate form, such as metals that flow.
     ///
     /// Every state of such a law is reached along a path. The tangent is for loading that continues from the state, not the derivative of the stress
-    /// by the state, and need not have major symmetry.
+    /// with respect to the state, and need not have major symmetry.
     fn is_path_dependent(&self) -> bool {
         false
     }

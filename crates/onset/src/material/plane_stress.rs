@@ -122,7 +122,7 @@ impl PlaneStress {
 
     /// Reference state within the dimensions, with traction-free faces.
     fn at_rest(&self) -> Result<Option<[[f64; 3]; 3]>, MaterialError> {
-        // If it is stress-free, it is the reference itself, even for a law with only a one-sided tangent there.
+        // If it is stress-free, it is the reference configuration itself, even for a law with only a one-sided tangent there.
         let undeformed = self.law.undeformed()?;
         let Some(condensed) = self.condensed(&undeformed) else {
             return Ok(None);
@@ -284,7 +284,7 @@ impl PlaneStress {
             found.response.tangent[(i, j, k, l)]
         });
         let inverse = stiffness.try_inverse()?;
-        // The given intervals within the dimensions, an interval about the middle across them.
+        // Entries within the dimensions are the given intervals; entries across them lie in an interval about the center.
         let state = |offsets: &[Interval]| {
             let mut all = center.each(|row| row.map(Interval::point));
             for (i, row) in all.iter_mut().enumerate().take(self.dimension) {

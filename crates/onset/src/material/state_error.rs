@@ -125,7 +125,7 @@ impl std::fmt::Display for StateError {
             ),
             Trouble::Kink => (
                 ": the stresses of its two sides differ",
-                "there is no tangent, and a layering of both sides can have less energy; choose a nearby state",
+                "there is no tangent, and a laminate of states on both sides can have less energy; choose a nearby state",
             ),
         };
         write!(

@@ -10,7 +10,7 @@ use nalgebra::SVector;
 /// Largest distance of equal wave vectors, in units of the reciprocal vectors.
 const WAVE_VECTOR_TOLERANCE: f64 = 1e-4;
 
-/// Spurious mode of the reference configuration: a mode with too little energy.
+/// Spurious mode of the reference configuration: a zero-energy or weakly controlled mode.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpuriousMode<const D: usize> {
     /// Wave vector of the mode; 1/length.

@@ -58,7 +58,7 @@ pub enum Frame {
     serde(rename_all = "kebab-case")
 )]
 pub enum Background {
-    /// The imposed `F` at every point (the paper).
+    /// The imposed `F` at every point, as in the paper.
     Imposed,
     /// Interpolation of the displacements of the particles by the shape functions. The reference configuration stays free of stress.
     ///

@@ -64,8 +64,8 @@ pub(super) const JAUMANN: Law = Law {
     symmetry: Symmetry::Isotropic,
     stressed_reference: None,
     small_strains: "shear modulus mu, bulk modulus kappa",
-    source: "Jaumann's rate of the deviator, as Gray, Monaghan and Swift, Comput. Methods Appl. Mech. Engrg. 190 (2001) 6641, have it for smoothed particle \
-             hydrodynamics; defaults: Poisson's ratio 2/7, any unit of stress",
+    source: "Jaumann's rate of the deviator; in smoothed particle hydrodynamics Gray, Monaghan and Swift, Comput. Methods Appl. Mech. Engrg. 190 \
+             (2001) 6641; defaults: Poisson's ratio 2/7, any unit of stress",
     stiffness: |p| hooke(p[0], p[1]),
     make: |p| made(p, Rate::Jaumann { spin: p[3] }),
 };
@@ -74,7 +74,7 @@ pub(super) const GREEN_NAGHDI: Law = Law {
     name: "hypoelastic-green-naghdi",
     formula: "sigma = -p 1 + s, p = kappa/n (J^(-n) - 1) (-kappa ln J if n = 0), s' = 2 mu dev D + Omega s - s Omega, Omega = R' R^T",
     parameters: &[MU, KAPPA, N],
-    source: "the rate of Green and Naghdi, Arch. Ration. Mech. Anal. 18 (1965) 251, which codes have that integrate the stress in unrotated axes (Flanagan and Taylor, \
+    source: "the rate of Green and Naghdi, Arch. Ration. Mech. Anal. 18 (1965) 251, used by codes that integrate the stress in unrotated axes (Flanagan and Taylor, \
              Comput. Methods Appl. Mech. Engrg. 62 (1987) 305); defaults: Poisson's ratio 2/7, any unit of stress",
     make: |p| made(p, Rate::GreenNaghdi),
     ..JAUMANN

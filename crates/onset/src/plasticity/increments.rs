@@ -48,7 +48,7 @@ const STRESS_TOLERANCE: f64 = 1e-6;
 /// Halvings of the increment in which a criterion is lost.
 const HALVINGS: usize = 36;
 
-/// Follows a loading of a law known by increments, from the confined state through first yield, and finds where it localizes.
+/// Follows a loading of an incremental law, from the confined state through first yield, and finds where it localizes.
 ///
 /// About `increments` increments are taken up to the plastic shear strain of the loading, shorter ones near first yield. The path is known only
 /// through the response to them, so its error decreases with their number. The plastic shear strain is computed from the flow that the tangents

@@ -74,8 +74,8 @@ pub(super) const J2: Law = Law {
     symmetry: Symmetry::Isotropic,
     stressed_reference: None,
     small_strains: "shear modulus mu, bulk modulus kappa",
-    source: "von Mises, Nachr. Ges. Wiss. Goettingen (1913) 582; flow stress as Simo and Hughes, Computational Inelasticity (1998), have it; defaults: of the \
-             size of a mild steel's, GPa",
+    source: "von Mises, Nachr. Ges. Wiss. Goettingen (1913) 582; flow stress of Simo and Hughes, Computational Inelasticity (1998); defaults: typical \
+             of a mild steel, GPa",
     stiffness: |p| hooke(p[0], p[1]),
     make: |p| metal(p, [1.0; 3], 0.0),
 };
@@ -99,12 +99,12 @@ pub(super) const HILL: Law = Law {
             "deg",
             0.0,
             Admitted::Any,
-            "of the material axes, in the plane",
+            "angle from axis 1 to the first material axis, in the plane",
         ),
     ],
     domain: "all J > 0; rolled sheet, axis 3 across it, on monotonic, proportional paths; tangent of continued flow",
     symmetry: Symmetry::Orthotropic,
-    source: "Hill, Proc. R. Soc. A 193 (1948) 281; defaults: of the size of a deep-drawing steel's, GPa",
+    source: "Hill, Proc. R. Soc. A 193 (1948) 281; defaults: typical of a deep-drawing steel, GPa",
     make: |p| metal(p, [p[6], p[7], p[8]], p[9]),
     ..J2
 };

@@ -152,7 +152,7 @@ pub enum PlasticityError {
         "bands in a sheet need a path that keeps the third stress zero: uniaxial-stress or sheet-stretch without confinement"
     )]
     NotASheet,
-    /// A law known by increments fails.
+    /// An incremental law fails.
     #[error(transparent)]
     Law(#[from] MaterialError),
     /// The tangent couples shear with normal strains along the axes of the path.

@@ -134,11 +134,11 @@ pub enum End {
     ElasticNotElliptic,
     /// The stress rotates so fast per slip that the integration would take too many steps.
     TooStiff,
-    /// The law known by increments fails at the next increment.
+    /// The incremental law fails at the next increment.
     Law,
     /// No lateral strains were found that keep the lateral stresses constant.
     NoBalance,
-    /// The law known by increments stops flowing: loading and unloading have equal tangents.
+    /// The incremental law stops flowing: loading and unloading have equal tangents.
     Unloads,
     /// The reduction of the elastic tangent by flow is not of rank one.
     SeveralMechanisms,
@@ -173,7 +173,7 @@ pub struct Localization {
     pub strong_ellipticity_lost: Option<PathPoint>,
     /// Reason why the path ends.
     pub end: End,
-    /// Error of a law known by increments, if it fails at the next increment.
+    /// Error of an incremental law, if it fails at the next increment.
     pub refusal: Option<MaterialError>,
 }
 

@@ -1,4 +1,4 @@
-//! Isotropic moduli of a material, for methods that take nothing else of it.
+//! Isotropic moduli of a material, for methods that use nothing else of the law.
 
 use crate::kinematics::DeformationGradient;
 use crate::material::{FourthOrder, Hyperelastic, MaterialError};

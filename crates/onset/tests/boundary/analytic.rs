@@ -71,7 +71,7 @@ fn a_circle_is_one_closed_smooth_curve_with_the_stable_side_on_its_left() {
 }
 
 #[test]
-fn chords_are_as_near_to_the_curve_as_demanded() {
+fn chords_lie_within_the_required_distance_of_the_curve() {
     let boundary = trace(|x, y| signed(1.0 - x * x - y * y));
     for pair in boundary.curves[0].vertices.windows(2) {
         let middle = [0, 1].map(|i| 0.5 * (pair[0].point[i] + pair[1].point[i]));
@@ -305,7 +305,7 @@ fn a_curve_ends_where_a_third_phase_begins() {
 }
 
 #[test]
-fn units_of_the_parameters_do_not_matter() {
+fn boundaries_do_not_depend_on_the_units_of_the_parameters() {
     let window = Window {
         low: [-2e6, -2e-6],
         high: [2e6, 2e-6],

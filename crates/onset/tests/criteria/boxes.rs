@@ -42,7 +42,7 @@ fn the_elliptic_box_of_neo_hooke_agrees_with_the_closed_form() {
 }
 
 #[test]
-fn a_box_without_a_loss_is_as_large_as_the_range() {
+fn a_box_without_loss_of_ellipticity_fills_the_range() {
     let law = NeoHooke {
         mu: 1.0,
         lambda: 0.1,
@@ -110,7 +110,7 @@ fn assert_safe(law: &dyn Hyperelastic, safe: &SafeBox, known: &[[f64; 3]]) {
 /// worst third stretch is a zero of the derivative of `mu x^2 + mu + lambda (1 - ln(b^2 x))` with respect to `x`: `x^2 = lambda / (2 mu)`, or `b` if
 /// it is larger.
 #[test]
-fn the_widest_box_of_neo_hooke_ends_at_its_closed_form() {
+fn the_widest_box_of_neo_hooke_agrees_with_the_closed_form() {
     for lambda in [1.0, 3.0_f64] {
         let law = NeoHooke { mu: 1.0, lambda };
         let worst = |b: f64| {

@@ -204,7 +204,7 @@ fn hill_rotation_free_is_the_curvature_of_the_energy_in_the_right_stretch_tensor
 
 /// With `Fdot = w x F` the form is `tr(tau) |w|^2 - w . tau w`.
 #[test]
-fn hill_counts_rotations_and_is_lost_where_two_principal_stresses_have_a_negative_sum() {
+fn hill_includes_rotations_and_is_lost_where_two_principal_stresses_have_a_negative_sum() {
     let law = NeoHooke {
         mu: 1.0,
         lambda: 2.0,
@@ -225,7 +225,7 @@ fn hill_counts_rotations_and_is_lost_where_two_principal_stresses_have_a_negativ
         let rotation = sums[0] / (stretches[0].powi(2) + stretches[1].powi(2));
         assert!(measure.value <= rotation + 1e-12);
     }
-    // Neutral in the reference: rotations have no energy, all other rates have positive energy.
+    // Neutral in the reference configuration: rotations have no energy, all other rates have positive energy.
     let state = State::new(&law, &DeformationGradient::identity()).expect("finite");
     let measure = Criterion::Hill.measure(&state).expect("defined");
     assert!(measure.holds() && measure.value.abs() < 1e-12);
@@ -279,7 +279,8 @@ fn cauchy(law: &dyn Hyperelastic, stretches: [f64; 3]) -> [f64; 3] {
 
 /// Finite differences of the principal stresses, and `(sigma_i - sigma_j)(a_i^2 + a_j^2)/(a_i^2 - a_j^2)` for shears of the axes.
 #[test]
-fn true_stress_monotonicity_is_the_derivative_of_cauchy_stress_by_logarithmic_strain() {
+fn true_stress_monotonicity_is_the_derivative_of_cauchy_stress_with_respect_to_logarithmic_strain()
+{
     for law in &laws() {
         let mut lost = 0;
         for stretches in states(40) {

@@ -66,7 +66,7 @@ fn simple_shear_loses_ellipticity_where_its_curve_has_its_maximum() {
     assert_close(found - 1.0 / found, k, 1e-9);
     let all = limit(&shear, Criterion::StrongEllipticity, true).expect("lost");
     assert!(all <= found * (1.0 + 1e-9), "{all} {found}");
-    // Layers of two shears preserve the volume and gain energy earlier.
+    // Layers of two shears preserve the volume and lower the energy earlier.
     let track = follow(&shear, Criterion::StrongEllipticity, true).expect("defined");
     let jumps = follow_jumps(&shear, &track, 10.0, true);
     let own = jumps.limit().expect("lost");
@@ -266,7 +266,7 @@ fn the_free_face_is_traction_free_at_constant_volume() {
     assert_eq!(refused.err(), Some(LoadingError::ChangesVolume));
 }
 
-/// The load `P = 3 mu ln(lambda) / lambda` of a bar of a Hencky material is largest at the stretch e, and under pressure rotations gain energy immediately.
+/// The load `P = 3 mu ln(lambda) / lambda` of a bar of a Hencky material is largest at the stretch e, and under pressure rotations lower the energy immediately.
 /// For any large bulk modulus every loading with free faces has the limits of the incompressible law, and equally many limits with `kappa = 1e9`.
 #[test]
 fn a_huge_bulk_modulus_is_a_regular_limit() {

@@ -18,7 +18,7 @@ fn energy(law: &dyn Hyperelastic, matrix: &Matrix3<f64>) -> f64 {
 }
 
 #[test]
-fn jumps_found_gain_energy() {
+fn reported_jumps_lower_the_energy() {
     let law = BlatzKo::default();
     let search = JumpSearch::new(&law, REACH);
     let f = DeformationGradient::from_stretches([3.5, 1.0, 1.0]).expect("stretches");
@@ -33,7 +33,7 @@ fn jumps_found_gain_energy() {
 }
 
 #[test]
-fn a_polyconvex_law_has_no_jump_that_gains_energy() {
+fn a_polyconvex_law_has_no_jump_that_lowers_the_energy() {
     // Convex in F and in J.
     struct Polyconvex;
     impl onset::material::StrainEnergy for Polyconvex {
@@ -56,9 +56,9 @@ fn a_polyconvex_law_has_no_jump_that_gains_energy() {
 }
 
 /// In uniaxial strain the energy along the jump `a (x) e_2`, `a = t e_2`, is `w(1 + t)` with `w(x) = mu/2 x^2 - mu ln x + lambda/2 (L + ln x)^2`,
-/// `L = ln lambda_1`. The jump gains energy if the tangent of `w` at 1 intersects `w`, starting at a common tangent.
+/// `L = ln lambda_1`. The jump lowers the energy if the tangent of `w` at 1 intersects `w`, starting at a common tangent.
 #[test]
-fn finite_jumps_gain_energy_before_ellipticity_is_lost_in_uniaxial_strain() {
+fn finite_jumps_lower_the_energy_before_ellipticity_is_lost_in_uniaxial_strain() {
     let (mu, lambda) = (1.0, 6.0);
     let law = NeoHooke { mu, lambda };
     let held = path(&law, Mode::Uniaxial, Lateral::Held);
@@ -85,7 +85,7 @@ fn finite_jumps_gain_energy_before_ellipticity_is_lost_in_uniaxial_strain() {
     else {
         panic!("a jump is the witness");
     };
-    // At the limit the jump breaks even, and small jumps cost energy.
+    // At the limit the jump does not change the energy, and small jumps raise it.
     let response = held.at(limit.ln()).expect("a state").response;
     let (a, n) = (
         nalgebra::Vector3::from(*amplitude),
@@ -97,10 +97,10 @@ fn finite_jumps_gain_energy_before_ellipticity_is_lost_in_uniaxial_strain() {
     assert!(gained.abs() < 1e-9 * a.norm_squared(), "{gained}");
 }
 
-/// Stretches at which a jump gains energy, computed by other means (a search in five variables from random starts, closed forms), with the later loss
-/// of ellipticity. The limit must be as near to the reference, to the five known digits, and interval arithmetic must prove its gain.
+/// Stretches at which a jump lowers the energy, computed by other means (a search in five variables from random starts, closed forms), with the later loss
+/// of ellipticity. The limit must be as near to the reference configuration, to the five known digits, and interval arithmetic must prove the decrease of energy.
 #[test]
-fn jumps_are_found_where_they_gain_energy_before_ellipticity_is_lost() {
+fn jumps_that_lower_the_energy_before_ellipticity_is_lost_are_found() {
     use Lateral::{Held, PlaneStrain};
     use Mode::{Equibiaxial, Hydrostatic, Planar, Uniaxial};
     for (name, mode, lateral, tension, bound, ellipticity) in [
@@ -215,9 +215,9 @@ fn oblique_jumps_to_the_largest_stretch_of_the_range_are_found() {
     assert!(event.is_upper_bound && event.tolerance > 1e-14 && event.tolerance < 1e-9);
 }
 
-/// At this state the jump gains an energy of 12.65, far above rounding.
+/// At this state the jump lowers the energy by 12.65, far more than rounding.
 #[test]
-fn a_published_gain_is_proved_in_intervals() {
+fn a_published_jump_is_proved_to_lower_the_energy() {
     let law = library_law("generalized-blatz-ko");
     let held = path(&*law, Mode::Planar, Lateral::PlaneStrain);
     let state = held.at(2.554_975_f64.ln()).expect("a state").response;
@@ -237,7 +237,7 @@ fn a_published_gain_is_proved_in_intervals() {
 
 /// No limit is later than the limit of a brute-force search: random jumps, refined coordinate by coordinate, using energies alone.
 #[test]
-fn random_jumps_gain_no_energy_before_the_limit() {
+fn random_jumps_do_not_lower_the_energy_before_the_limit() {
     let laws = [
         ("neo-hooke", Mode::Equibiaxial, Lateral::PlaneStrain, true),
         (

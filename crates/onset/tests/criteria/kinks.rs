@@ -34,7 +34,7 @@ fn smooth_laws_have_no_kinks() {
     }
 }
 
-/// Tension-only fibers switch on where their isochoric stretch is 1: in the reference, and in uniaxial strain where
+/// Tension-only fibers switch on where their isochoric stretch is 1: in the reference configuration, and in uniaxial strain where
 /// `J^(-2/3) (lambda^2 cos^2 + sin^2) = 1` is satisfied a second time, if the angle permits.
 #[test]
 fn tension_only_fibers_have_kinks_where_they_switch() {

@@ -92,7 +92,7 @@ fn neo_hooke_in_uniaxial_strain_is_elliptic_up_to_exp_1_plus_2_mu_over_lambda() 
 }
 
 #[test]
-fn neo_hooke_in_equibiaxial_and_equitriaxial_stretch_is_elliptic_up_to_its_closed_forms() {
+fn ellipticity_of_neo_hooke_in_equibiaxial_and_equitriaxial_stretch_agrees_with_closed_forms() {
     let (mu, lambda) = (1.0, 10.0);
     let law = NeoHooke { mu, lambda };
     let g = |j: f64| mu + lambda * (1.0 - j.ln());

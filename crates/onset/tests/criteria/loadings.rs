@@ -270,10 +270,10 @@ fn a_single_free_face_loses_strong_ellipticity_at_its_fold() {
         let path = path(&Softening, mode, lateral);
         let found = track(&path, Criterion::StrongEllipticity, tension).limit();
         match (lateral, tension) {
-            // Both faces soften together there, which no wave does.
+            // At this fold a common change of both faces has no stiffness, but every wave has.
             (Lateral::Free, _) => assert_eq!(found, None),
             (_, true) => assert_close(found.expect("lost at the fold"), stretch, 1e-4),
-            // Shortly before, for waves in the plane that is compressed.
+            // Ellipticity is lost shortly before the fold, for waves in the compressed plane.
             (_, false) => {
                 let found = found.expect("lost");
                 assert!(found > stretch && found < stretch + 1e-3, "{found}");

@@ -49,7 +49,7 @@ fn assert_same_spectrum<const D: usize>(
         close(lowest[0], lowest[1], fastest.powi(2)),
         "{context} {lowest:?}"
     );
-    // A growth rate is the root of a small number.
+    // Squares are compared, because a growth rate is the square root of a number that can be close to rounding.
     let rates = [a, b].map(|s| s.growth_rate().powi(2));
     assert!(
         close(rates[0], rates[1], fastest.powi(2)),
@@ -201,7 +201,7 @@ fn sheared<'a>(
 }
 
 #[test]
-fn waves_with_eulerian_kernels_are_invariant_to_shears_that_map_the_lattice_onto_itself() {
+fn waves_with_eulerian_kernels_are_invariant_under_shears_that_map_the_lattice_onto_itself() {
     let law = ModifiedMooneyRivlin::default();
     let square = KernelMethodChoices {
         lattice: LatticeKind::Square,

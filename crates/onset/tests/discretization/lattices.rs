@@ -153,7 +153,7 @@ fn coincident_or_nonfinite_points_have_no_voronoi_volumes() {
 }
 
 #[test]
-fn the_lattice_laplacian_is_a_squared_length_for_long_waves_and_periodic() {
+fn the_lattice_laplacian_is_periodic_and_tends_to_the_squared_wave_number_of_long_waves() {
     for kind in [LatticeKind::Square, LatticeKind::Hexagonal] {
         let lattice = kind.lattice::<2>(0.8).expect("a lattice");
         let k = Vector2::new(0.9, -1.7);

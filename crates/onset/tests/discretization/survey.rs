@@ -98,7 +98,7 @@ fn smallest_on_grid(case: &Case, survey: &Survey<'_, 2>, resolution: usize) -> f
 }
 
 #[test]
-fn a_survey_of_many_states_shows_the_same_of_equally_soft_waves_as_a_single_state() {
+fn surveys_and_single_states_report_the_same_one_of_equally_soft_waves() {
     let mut finite = 0;
     for lattice in [LatticeKind::Square, LatticeKind::Hexagonal] {
         for approximation in [Approximation::Shepard, Approximation::Mls] {

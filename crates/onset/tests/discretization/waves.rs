@@ -87,7 +87,7 @@ proptest! {
     }
 
     #[test]
-    fn gradients_by_the_wave_vector_agree_with_finite_differences(case in case(), k in wave_vector()) {
+    fn derivatives_with_respect_to_the_wave_vector_agree_with_finite_differences(case in case(), k in wave_vector()) {
         let d = matrix(&case);
         let h = 1e-3;
         for axis in 0..2 {
@@ -196,14 +196,14 @@ proptest! {
     }
 
     #[test]
-    fn a_plane_state_keeps_its_leading_block(f in planar_state()) {
+    fn a_plane_state_is_determined_by_its_leading_block_and_its_remaining_diagonal(f in planar_state()) {
         prop_assert!(f.is_block_diagonal::<2>());
         prop_assert_eq!(f.with_leading::<2>(&f.leading::<2>()), f);
     }
 }
 
 #[test]
-fn waves_on_stress_points_make_the_matrix_non_periodic() {
+fn stress_points_that_move_with_the_plane_wave_make_the_matrix_non_periodic() {
     let discretization = KernelMethodChoices {
         frame: Frame::Eulerian,
         linearization: onset::method::Linearization::Paper,

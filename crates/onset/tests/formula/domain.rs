@@ -146,11 +146,11 @@ fn a_state_on_a_kink_or_a_jump_has_no_stress() {
         let text = format!("{RUBBER} + {part}");
         let found = trouble(&text, [2.0, 0.5, 1.0]);
         assert_eq!(found.map(|found| found.0), Some(expected), "{text}");
-        // To rounding: the product of these is not one.
+        // The product of these stretches is one only to rounding.
         let (a, b) = (1.1, 1.0 / 1.1);
         let found = trouble(&text, [a, b, 1.0]);
         assert_eq!(found.map(|found| found.0), Some(expected), "{text}");
-        // A nearby state has a stress at any distance.
+        // Any state next to the kink has a stress.
         assert_eq!(
             trouble(&text, [2.0, 0.5 * (1.0 + 1e-12), 1.0]),
             None,
@@ -179,7 +179,7 @@ fn equal_stresses_on_both_sides_are_not_a_kink() {
         "heaviside(J - 1)*(J - 1)^2",
         "if(J < 1, 2*(J - 1)^2, 5*(1 - J)^2)",
         "exp(macaulay(I3 - 1)^2) - 1",
-        // The form of these does not reveal it.
+        // In these formulas the smoothness follows from the values, not from the form.
         "if(J < 1, J - 1 - ln(J), (J^2 - 1)/2 - ln(J))",
         "if(J < 1, J^2 - 2*J + 1, 0)",
         "(max(J, 1) - 1)^2",

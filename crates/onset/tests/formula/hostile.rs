@@ -174,13 +174,13 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, rng_seed: RngSeed::Fixed(5), ..ProptestConfig::default() })]
 
     #[test]
-    fn no_text_panics_the_parser(pieces in prop::collection::vec(prop::sample::select(PIECES), 0..25)) {
+    fn no_text_makes_the_parser_panic(pieces in prop::collection::vec(prop::sample::select(PIECES), 0..25)) {
         survives(&pieces.concat());
         survives(&pieces.join(" "));
     }
 
     #[test]
-    fn no_characters_panic_the_parser(text in "\\PC{0,60}") {
+    fn no_characters_make_the_parser_panic(text in "\\PC{0,60}") {
         survives(&text);
     }
 }

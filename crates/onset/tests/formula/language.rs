@@ -67,7 +67,7 @@ fn every_variable_equals_its_definition() {
             }
         };
         for name in VARIABLES.iter().flat_map(|group| group.names) {
-            // Symmetric formulas in these are tested with the library.
+            // Symmetric formulas in the stretches are tested with the library.
             if name.starts_with("lambda") {
                 continue;
             }
@@ -167,7 +167,7 @@ fn operators_have_the_usual_precedence() {
         ("max(1, min(5, 3), 2)", 3.0),
         ("sqrt(2^4)", 4.0),
     ] {
-        // For variables, which are not folded, and for constants.
+        // Both with variables, which are not folded, and with constants.
         let helpers = text
             .rfind(';')
             .filter(|at| !text[at + 1..].trim().is_empty());

@@ -313,7 +313,7 @@ fn check_proof(
             (change, change < -noise - 0.1 * scale)
         };
         let all_gain = |sizes: &[f64]| sizes.iter().all(|size| change(*size).1);
-        // Only larger jumps cross a kink near the state; their gain grows as they become smaller.
+        // Only larger jumps cross a kink near the state; the relative decrease of energy grows as they become smaller.
         let is_kink = change(1e-5).0 < 5.0 * change(1e-4).0;
         let gains = all_gain(&[1e-4, 1e-5, 1e-6, 1e-7])
             && (!is_kink || all_gain(&[1e-8, 1e-9, 1e-10, 1e-11]));

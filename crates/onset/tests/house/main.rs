@@ -1,4 +1,4 @@
-//! The order of the rooms of the core, as the book draws it.
+//! The order of the modules of the core, as drawn in the book.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -47,7 +47,7 @@ fn imports(file: &Path) -> Vec<String> {
 }
 
 #[test]
-fn a_room_imports_only_rooms_below_it() {
+fn a_module_imports_only_modules_below_it() {
     let rooms = rooms();
     let declared = fs::read_to_string("src/lib.rs").expect("the root of the crate");
     for line in declared.lines().filter(|line| line.ends_with(';')) {

@@ -150,7 +150,7 @@ fn reciprocals<const D: usize>(lattice: &BravaisLattice<D>) -> Vec<SVector<f64, 
     all.map(|x| lattice.reciprocal() * x).collect()
 }
 
-/// What is wrong with the weakest wave of a random method; `None` where nothing is compared.
+/// Failure of the weakest wave of a random method; `None` if there is no failure or nothing is compared.
 fn checked<const D: usize>(random: &mut Random) -> Option<String> {
     let (law, material) = material(random);
     let (name, drawn) = method::<D>(random)?;

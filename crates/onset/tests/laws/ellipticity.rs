@@ -81,7 +81,7 @@ fn the_planar_elliptic_domain_of_blatz_ko_is_inequality_62() {
 }
 
 #[test]
-fn the_boundary_of_inequality_62_is_met_to_eleven_digits() {
+fn the_boundary_of_inequality_62_agrees_to_eleven_digits() {
     let law = &laws()[1].law;
     for (scale, sign) in [(0.5, 1.0), (1.0, 1.0), (1.7, -1.0)] {
         for (distance, expected) in [(1e-11, false), (-1e-11, true)] {

@@ -16,7 +16,7 @@ fn stretched(stretches: [f64; 3]) -> DeformationGradient {
 /// Values of a law at three stretches: energy, `P11`, `P33`, `A1111` and `A1122`.
 type Row = (&'static str, [f64; 3], [f64; 5]);
 
-/// Computed by mpmath: the pressure integrated from the reference (for Mie-Grueneisen the differential equation of the isentrope with its integrating
+/// Computed by mpmath: the pressure integrated from the reference configuration (for Mie-Grueneisen the differential equation of the isentrope with its integrating
 /// factor, not the form used in the program), derivatives by differences of the integrals.
 #[rustfmt::skip]
 const WITH_50_DIGITS: [Row; 9] = [
@@ -76,7 +76,7 @@ fn the_bulk_modulus_of_murnaghan_is_linear_in_the_pressure_and_tait_compression_
     }
 }
 
-/// Isentrope and Hugoniot have equal slope and curvature: `dK/dp = 4 s - 1` in the reference (Ruoff, J. Appl. Phys. 38 (1967) 4976). Under
+/// Isentrope and Hugoniot have equal slope and curvature: `dK/dp = 4 s - 1` in the reference configuration (Ruoff, J. Appl. Phys. 38 (1967) 4976). Under
 /// compression the shock, which heats, has the higher pressure.
 #[test]
 fn the_isentrope_of_mie_and_grueneisen_touches_the_hugoniot_to_second_order_and_lies_below_it() {

@@ -185,7 +185,7 @@ fn laws_with_branches_or_without_mirror_symmetry_are_correct() {
 }
 
 #[test]
-fn a_number_without_parity_has_no_hessian() {
+fn sums_of_even_and_odd_numbers_have_no_hessian() {
     let [f11, f12, ..] = Mirrored::variables(1.3, 0.8);
     assert_eq!(f11 + f12, Mirrored::Neither);
     assert_eq!((f11 + f12) * f11, Mirrored::Neither);

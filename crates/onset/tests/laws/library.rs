@@ -161,7 +161,7 @@ fn tangents_are_symmetric_stresses_balanced_and_in_plane_parts_agree() {
     }
 }
 
-/// Rotations of the reference that leave the response unchanged, along material axes.
+/// Rotations of the reference configuration that leave the response unchanged, along material axes.
 fn group(symmetry: Symmetry, random: &mut Random) -> Vec<Matrix3<f64>> {
     let about = |axis: usize, angle: f64| {
         let axis = Vector3::ith_axis(axis);

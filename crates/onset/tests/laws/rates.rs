@@ -127,7 +127,7 @@ fn the_spatial_tangent_is_the_push_forward_of_the_tangent() {
             pushed,
             scale,
         );
-        // Its acoustic tensor is Q(N) of the reference for n = F^-T N, per current volume.
+        // Its acoustic tensor is Q(N) of the reference configuration for n = F^-T N, per current volume.
         let reference = nalgebra::Vector3::new(0.3, -0.8, 0.52);
         let spatial = f.try_inverse().expect("invertible").transpose() * reference;
         let acoustic = |tensor: &FourthOrder, n: &nalgebra::Vector3<f64>| {

@@ -1,4 +1,4 @@
-//! Shares of a window of states.
+//! Fractions of a window of states.
 
 use crate::{method, nodal};
 use onset::kinematics::DeformationGradient;

@@ -45,7 +45,7 @@ fn bars_with_lumped_masses_are_slow_by_the_sine_over_its_argument() {
 }
 
 #[test]
-fn bars_with_consistent_masses_are_as_fast_as_their_closed_form() {
+fn frequencies_of_bars_with_consistent_masses_agree_with_the_closed_form() {
     // omega^2 = 6 c^2/h^2 (1 - cos kh) / (2 + cos kh).
     let wavelengths = [2.0, 4.0, 8.0, 16.0];
     let found = errors(&bars(ElementMass::Consistent), &wavelengths);

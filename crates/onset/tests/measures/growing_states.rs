@@ -17,7 +17,7 @@ fn moduli(matrix: DMatrix<Complex>) -> Vec<f64> {
     values.iter().map(|z| z.norm()).collect()
 }
 
-/// How many solutions of the equations of a wave grow, and how many of an integrator.
+/// Number of growing solutions of the equations of a wave, and of an integrator.
 fn growing(
     waves: &WaveSystem<2>,
     integrator: Integrator,
@@ -64,7 +64,7 @@ fn the_damped_step_of_a_growing_state_is_the_step_of_its_waves_that_do_not_grow(
             _ => 0.01,
         };
         assert!(step > least, "{integrator:?}: {step}");
-        // A little below no wave gains a growing solution; clearly above some do.
+        // Slightly below the step no wave has a growing solution; clearly above it some waves do.
         let gained = |step: f64| {
             let counts = grid.iter().map(|k| growing(&waves, integrator, step, k));
             counts.filter(|(exact, discrete)| discrete > exact).count()

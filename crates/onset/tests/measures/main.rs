@@ -1,4 +1,4 @@
-//! What is measured of discretizations: against closed forms, brute force, and other paths to the same numbers.
+//! Measures of discretizations, compared with closed forms, brute force, and other computations of the same numbers.
 
 mod fidelity;
 mod frequencies;

@@ -56,7 +56,7 @@ fn onsets_agree_with_a_scan_of_the_path() {
 }
 
 #[test]
-fn a_faithful_method_has_the_ratio_one() {
+fn onsets_of_a_faithful_method_and_its_material_have_the_ratio_one() {
     let material = ModifiedMooneyRivlin::default();
     let method = method::<2>(KernelMethodChoices {
         quadrature: Quadrature::StressPoints,

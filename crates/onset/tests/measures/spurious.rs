@@ -155,7 +155,7 @@ fn minima_are_listed_once_and_are_minima() {
 
 #[test]
 fn a_larger_cell_has_the_same_modes_in_the_reference_configuration() {
-    // Two by two squares: the three wave vectors with two modes each are folded to k = 0, where everything is free then.
+    // Two by two squares: the three wave vectors with two modes each are folded to k = 0, where no displacement has energy.
     let cell = on_crystal::<2>(&KernelMethodChoices {
         cells: 2,
         ..nodal(LatticeKind::Square)
@@ -200,7 +200,7 @@ fn weakly_controlled_modes_are_also_found_in_the_reference_configuration() {
         let total: SVector<_, 2> = at_rest.displacements.iter().sum();
         assert!(total.iter().all(|z| z.norm() < 1e-6), "no translation");
     }
-    // Where they are controlled nothing else of a larger cell counts as weak.
+    // A sufficient penalty leaves no weak modes, in the larger cell either.
     assert!(of_cell(0.3, 1).modes.is_empty() && of_cell(0.3, 2).modes.is_empty());
 }
 
@@ -268,7 +268,7 @@ fn the_weakest_wave_of_a_survey_is_followed_to_its_bottom() {
 
 /// For forces without an energy all modes of a small cell are evaluated: the weakest mode is not the lowest mode above the translations.
 #[test]
-fn the_weakest_mode_without_energy_is_the_mode_of_the_undisturbed_lattice() {
+fn the_weakest_zero_energy_mode_is_the_mode_of_the_undisturbed_lattice() {
     let material = ModifiedMooneyRivlin::default();
     let of_cell = |cells: usize, perturbation: f64| {
         let square = Crystal::of(LatticeKind::Square, 1.0).expect("a crystal");
@@ -420,7 +420,7 @@ fn a_quadrature_rule_gives_the_same_modes_in_a_larger_cell() {
 }
 
 #[test]
-fn two_particles_in_a_cell_can_move_against_each_other_without_energy() {
+fn relative_motion_of_two_particles_in_a_cell_can_have_zero_energy() {
     // Nodal integration on a honeycomb: the three neighbors of a particle have threefold symmetry, and their gradients cancel.
     let honeycomb = on_crystal::<2>(&nodal(LatticeKind::Honeycomb));
     let modes = found(&honeycomb, 0.5).modes;

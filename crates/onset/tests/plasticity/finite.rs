@@ -84,7 +84,7 @@ fn the_elastic_range_has_stress_and_tangent_of_henckys_energy() {
 }
 
 #[test]
-fn the_consistent_tangent_is_the_derivative_of_first_piola_by_the_deformation() {
+fn the_consistent_tangent_is_the_derivative_of_the_first_piola_stress() {
     let mut numbers = Numbers(22);
     for strength in STRENGTHS {
         for (friction, dilatancy) in [(0.0, 0.0), (0.6, 0.3)] {

@@ -312,7 +312,7 @@ fn kinematic_hardening_in_pure_shear_adds_its_modulus() {
 
 /// In triaxial compression clay approaches the critical state, `q = M p`, where the plastic modulus vanishes.
 #[test]
-fn clay_ends_in_the_critical_state() {
+fn cam_clay_approaches_the_critical_state() {
     let law = CamClay::new(elasticity(), 1.1, 4.0, 0.05).expect("a law");
     let own = Loading {
         confinement: 2.5,

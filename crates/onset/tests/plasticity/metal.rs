@@ -308,7 +308,7 @@ fn hills_ratios_are_the_plastic_strain_ratios_in_tension() {
             lateral.abs() < 2e-2 * (cauchy[(0, 0)] - cauchy[(2, 2)]),
             "{angle}: {cauchy}"
         );
-        // The other ratios have other lateral stresses.
+        // With other ratios the lateral stress does not vanish.
         let off = law(
             "hill-1948",
             &[

@@ -77,7 +77,7 @@ fn implicit_step(law: &DruckerPrager, strain: &Matrix3<f64>, state: &State) -> (
 }
 
 #[test]
-fn the_closed_return_solves_the_equations_of_the_implicit_step() {
+fn the_closed_form_return_mapping_solves_the_equations_of_the_implicit_step() {
     let mut numbers = Numbers(2);
     for strength in STRENGTHS {
         for (friction, dilatancy) in [(0.0, 0.0), (0.6, 0.3)] {
@@ -212,7 +212,7 @@ fn excessive_softening_and_exhausted_strength_are_rejected() {
 }
 
 #[test]
-fn plastic_moduli_are_the_slopes_of_the_strength_and_at_least_the_lowest_modulus() {
+fn plastic_moduli_are_the_slopes_of_the_hardening_curve_and_at_least_the_lowest_modulus() {
     for strength in STRENGTHS {
         let mut lowest = f64::INFINITY;
         for n in 0..4000 {

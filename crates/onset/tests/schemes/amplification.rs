@@ -165,7 +165,7 @@ fn only_stable_waves_bound_the_step() {
 }
 
 #[test]
-fn waves_without_energy_and_strong_damping_leave_the_step_of_the_other_waves() {
+fn zero_energy_and_strongly_damped_waves_do_not_change_the_step_of_other_waves() {
     let k = SVector::from([1.0, 2.0]);
     // A squared frequency that is rounding, and an oscillation whose limit in forward Euler is c / omega^2.
     let system = held([1e-17, 20.0], [1e-10, 1e-3]);

@@ -294,7 +294,7 @@ fn smoothing_on_a_chain_with_two_neighbors_at_the_midpoints_is_the_central_diffe
 }
 
 #[test]
-fn frequencies_are_invariant_to_rotations_of_the_setup_and_of_the_body() {
+fn frequencies_are_invariant_under_rotations_of_the_setup_and_of_the_body() {
     let turn = turned::<2>();
     let state = sheared::<2>();
     let turned_state = state.with_leading(&(turn * state.leading::<2>() * turn.transpose()));

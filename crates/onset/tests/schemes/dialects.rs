@@ -568,7 +568,7 @@ fn the_penalty_of_smd_has_regularized_denominators() {
 }
 
 #[test]
-fn the_part_of_waves_that_is_not_carried_is_the_stress_on_moving_kernels() {
+fn the_part_of_waves_that_follows_positions_is_the_stress_on_moving_kernels() {
     let entries = [[1.08, 0.1], [-0.04, 0.95]];
     let f = DeformationGradient::plane_strain(entries, 1.0).expect("a state");
     let map = Matrix2::new(1.08, 0.1, -0.04, 0.95);

@@ -185,7 +185,7 @@ fn assert_turns<const D: usize>(mesh: ElementMesh, formulation: Formulation) {
 }
 
 #[test]
-fn frequencies_are_invariant_to_rotations_of_the_setup_and_of_the_body() {
+fn frequencies_are_invariant_under_rotations_of_the_setup_and_of_the_body() {
     for mesh in [
         ElementMesh::Triangles,
         ElementMesh::TrianglesAlternating,
@@ -708,7 +708,7 @@ fn energy_of_mean_dilatation(
 const CELLS: i32 = 3;
 
 #[test]
-fn forces_with_a_mean_dilatation_are_the_slopes_of_its_energy_at_large_displacements() {
+fn forces_with_a_mean_dilatation_are_derivatives_of_the_energy_at_large_displacements() {
     let (material, state) = (BlatzKo::new(MU).expect("a law"), sheared::<2>());
     let squares = elements::<2>(ElementMesh::Quadrilaterals, mean_dilatation());
     let patch = PeriodicPatch::new(squares.crystal(), [CELLS as usize; 2]);
@@ -777,7 +777,7 @@ fn assert_quadratic<const D: usize>(mesh: ElementMesh) {
 }
 
 #[test]
-fn quadratic_elements_pass_the_battery_and_have_the_long_waves_of_the_material() {
+fn quadratic_elements_pass_the_scheme_checks_and_reproduce_the_long_wave_limit() {
     assert_quadratic::<1>(ElementMesh::Bars);
     for mesh in [
         ElementMesh::Quadrilaterals,
@@ -804,7 +804,7 @@ fn quadratic_bars_have_the_two_branches_of_textbooks() {
 }
 
 #[test]
-fn lumped_masses_of_quadratic_elements_have_the_shares_of_textbooks() {
+fn lumped_masses_of_quadratic_elements_have_the_textbook_fractions() {
     // Zienkiewicz and Taylor: triangles of six nodes 3/57 and 16/57; quadrilaterals of eight nodes with 3 by 3 points 3/76 and 16/76.
     for (mesh, corner, middle, elements_at_corner) in [
         (ElementMesh::Quadrilaterals, 3.0 / 76.0, 16.0 / 76.0, 4.0),

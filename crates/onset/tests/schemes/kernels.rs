@@ -314,8 +314,9 @@ fn irregularity_lifts_the_zero_energy_modes_of_nodal_integration_by_its_square()
             *small > 0.0 && (twice / small - 4.0).abs() < 0.1,
             "{small} {twice}"
         );
-    } // But weakly: with offsets of up to a tenth of the spacing the softest has less than a hundredth of the omega^2 of a shear
-    // wave of its length, mu pi^2 / rho.
+    }
+    // With offsets of up to a tenth of the spacing, omega^2 of the softest mode is still less than a hundredth of omega^2 of a shear wave
+    // of its length, mu pi^2 / rho.
     let shear = 2.0 * (0.1256 + 0.01012) * std::f64::consts::PI.powi(2);
     let softest = spectrum(0.1)[2];
     assert!(

@@ -277,7 +277,7 @@ fn linear_functions_of_an_updated_grid_stiffen_long_waves_by_the_stress() {
 }
 
 #[test]
-fn the_number_of_invisible_velocities_is_the_excess_of_particles_over_nodes() {
+fn the_dimension_of_the_null_space_is_the_excess_of_particles_over_nodes() {
     fn checked<const D: usize>(per_side: usize) {
         for functions in FUNCTIONS {
             let choices = MaterialPointChoices {
@@ -304,7 +304,8 @@ fn the_number_of_invisible_velocities_is_the_excess_of_particles_over_nodes() {
 }
 
 #[test]
-fn visible_velocities_obey_the_grid_equations_with_the_ratio_of_consistent_to_lumped_mass() {
+fn velocities_outside_the_null_space_obey_the_grid_equations_with_the_ratio_of_consistent_to_lumped_mass()
+ {
     // u_i = sum m_q N_iq U_q / m_i obeys m u'' = -(M/m) K u with the consistent mass matrix M.
     let of = |formulation| {
         let choices = MaterialPointChoices {
@@ -523,7 +524,7 @@ fn rotating_the_state_rotates_the_stiffness_and_preserves_frequencies() {
 }
 
 #[test]
-fn the_search_treats_invisible_velocities_as_zero_instead_of_growth() {
+fn the_search_reports_no_growth_for_velocities_in_the_null_space() {
     for functions in FUNCTIONS {
         let choices = MaterialPointChoices {
             functions,

@@ -274,7 +274,7 @@ fn families_on_a_lattice_have_zero_energy_modes_at_half_reciprocal_vectors() {
 }
 
 #[test]
-fn the_penalty_lifts_these_modes_in_proportion_to_its_coefficient() {
+fn the_penalty_lifts_the_zero_energy_modes_of_families_in_proportion_to_its_coefficient() {
     let crystal = cubic::<2>();
     for coefficient in [0.1, 0.2, 1.0] {
         let control = ZeroEnergyControl::Penalty { coefficient };

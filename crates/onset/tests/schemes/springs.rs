@@ -163,7 +163,7 @@ fn springs_pass_the_battery() {
 }
 
 #[test]
-fn two_equal_masses_have_the_extremes_of_the_chain_with_one_mass() {
+fn a_cell_of_two_equal_masses_has_the_extreme_frequencies_of_the_chain_with_one_mass() {
     let system = waves(&Chain::of_two([1.0; 2], [1.0; 2], 0.0));
     let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 1.0);
     let summary = search.summary_of(&system);

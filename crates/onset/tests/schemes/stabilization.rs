@@ -152,7 +152,7 @@ fn the_penalty_uses_youngs_modulus_along_each_bond_from_the_full_compliance() {
 }
 
 #[test]
-fn the_penalty_is_invariant_to_a_rotation_of_law_and_lattice() {
+fn the_penalty_is_invariant_under_a_rotation_of_law_and_lattice() {
     let at = |angle: f64, degrees: f64, k: Vector2<f64>| {
         let (sine, cosine) = angle.sin_cos();
         let turn = Matrix2::new(cosine, -sine, sine, cosine);

@@ -698,7 +698,7 @@ fn assert_same_steps<const D: usize>(
         let wave = patch.waves().iter().find(|wave| wave.turns.contains(&1));
         let wave = patch.stepped(wave.expect("a wave"), Stepper::KICK_DRIFT_KICK, dt);
         let mut state = patch.seed(&wave.expect("a wave"), 0.02);
-        // Affine fields that do not occur in waves.
+        // Affine fields are added that no wave contains.
         let count = code.x.len();
         if transfer == Transfer::Affine {
             for (n, own) in state.deformations[count * D * D..].iter_mut().enumerate() {
@@ -828,7 +828,7 @@ fn xpic_and_fmpm_of_the_first_order_are_pic() {
 fn xpic_of_high_order_is_flip_without_the_velocities_that_the_grid_does_not_resolve() {
     let of = |transfer| points::<2>(choices(transfer, GridFunctions::QuadraticSpline));
     let method = of(Transfer::Extended { order: 100 });
-    // One node in a cell of four points: the other velocities are gone after a step.
+    // One node in a cell of four points: velocities in the null space of the grid vanish in one step.
     assert_eq!(method.crystal().sites().len(), 1);
     assert_eq!(of(FLIP).crystal().sites().len(), 4);
     let [own, flip] = [&method, &of(FLIP)].map(|method| stepped(method, &state::<2>()));
@@ -845,7 +845,7 @@ fn xpic_of_high_order_is_flip_without_the_velocities_that_the_grid_does_not_reso
 }
 
 #[test]
-fn fmpm_of_high_order_steps_the_waves_of_the_consistent_mass_matrix() {
+fn fmpm_of_high_order_has_the_waves_of_the_consistent_mass_matrix() {
     let material = ModifiedMooneyRivlin::default();
     let (functions, f) = (
         GridFunctions::QuadraticSpline,

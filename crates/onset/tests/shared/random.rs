@@ -8,7 +8,7 @@ pub struct Random(u64);
 impl Random {
     pub fn new(seed: u64) -> Self {
         let mut random = Self(seed);
-        // The first numbers of near seeds are near.
+        // Similar seeds have similar first numbers, which are skipped.
         (0..8).for_each(|_| _ = random.number());
         random
     }

@@ -38,7 +38,7 @@ proptest! {
     #![proptest_config(config(12))]
 
     #[test]
-    fn results_are_invariant_to_primitive_vectors_and_rotations(
+    fn results_do_not_depend_on_primitive_vectors_and_rotations(
         choices in any(),
         f in deformation(),
         k in wave_vector(),

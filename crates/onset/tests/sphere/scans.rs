@@ -21,7 +21,7 @@ fn smallest(q: &Matrix3<f64>) -> f64 {
     }
     let root = (h * h - p * p * p).sqrt();
     let real = (h + root).cbrt() + (h - root).cbrt();
-    // The other two have half of its negative as their real parts.
+    // The roots add up to zero, so the real parts of the complex pair are minus half of the real root.
     mean + real.min(-0.5 * real)
 }
 

@@ -350,7 +350,7 @@ fn tensile() -> Vec<Variant> {
         ),
         plate(NEO_HOOKE, "spacing=0.5", 0.02, "--time 30 --amplitude 1e-4"),
         plate(BLATZ_KO, "", 0.05, "--time 35 --amplitude 1e-4"),
-        // Gradients of strain are part of the short waves, and let them show earlier than expected.
+        // Strain gradients contribute to the measured short waves, which are therefore observed earlier than expected.
         Variant(
             "numerical",
             "model=mooney-rivlin c10=0.15 c01=0.05 lambda=0.6",

@@ -343,7 +343,7 @@ impl Block<'_> {
                 return Err(Trouble::new(
                     *line,
                     format!(
-                        "{} numbers where this law has {own} constants",
+                        "{} numbers, but this law has {own} constants here",
                         fields.len()
                     ),
                     "check the form of the law and N",

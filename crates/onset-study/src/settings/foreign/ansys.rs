@@ -130,7 +130,7 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
                 unread.relaxation = Some(Relaxation {
                     part: None,
                     is_long_term: false,
-                    by: "as ANSYS has it",
+                    by: "the convention of ANSYS",
                 });
             }
         } else if field(0) == "TBDATA" && !is_open {
@@ -228,7 +228,7 @@ impl Table {
             return Err(Trouble::new(
                 self.line,
                 format!(
-                    "{} constants, where this law has {count}",
+                    "{} constants, but this law has {count}",
                     self.constants.len()
                 ),
                 "check the form of the law and NPTS",

@@ -262,8 +262,8 @@ fn head(block: &Block<'_>) -> Result<(f64, usize, Unread), Trouble> {
         if compressibilities.iter().any(|d| *d != 0.0) {
             return Err(Trouble::new(
                 card.line,
-                "D1, D2 or D3 is set, and the manual does not give their energy",
-                "give Poisson's ratio PR instead of them",
+                "D1, D2 or D3 is set, whose energy the manual does not give",
+                "give Poisson's ratio PR instead",
             ));
         }
         if table != 0.0 {

@@ -294,7 +294,7 @@ fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         law.unread.relaxation = Some(Relaxation {
             part: Some(relaxing),
             is_long_term: false,
-            by: "as LAW62 has it",
+            by: "the convention of LAW62",
         });
     }
     Ok(law)
@@ -420,7 +420,7 @@ fn networks(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     };
     let mut numbers = Vec::new();
     for (n, count) in lines.iter().enumerate() {
-        let own = block.card(2 + n, "expected C_ij and D_i as Flag_HE has them")?;
+        let own = block.card(2 + n, "expected the constants C_ij and D_i of Flag_HE")?;
         numbers.extend_from_slice(&own.numbers::<5>(20)?[..*count]);
     }
     let constants: Vec<_> = powers
@@ -493,7 +493,8 @@ pub(super) fn write(sheet: &Sheet) -> Result<write::Block, Refusal> {
             let ratios = ratios.collect::<Result<Vec<f64>, Refusal>>()?;
             if ratios.iter().any(|ratio| *ratio > LARGEST_RATIO) {
                 return Err(Refusal::Constants(
-                    "LAW62 has Poisson's ratios to 0.499, and a beta is larger".to_owned(),
+                    "LAW62 allows Poisson's ratios up to 0.499, which a beta of the law exceeds"
+                        .to_owned(),
                 ));
             }
             let moduli: Vec<f64> = terms.iter().map(|[mu, _, _]| *mu).collect();

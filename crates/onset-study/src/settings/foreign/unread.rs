@@ -20,7 +20,7 @@ pub(super) struct Relaxation {
     pub part: Option<f64>,
     /// Whether the constants are long-term moduli.
     pub is_long_term: bool,
-    /// Option that determines this, or the default.
+    /// Option or convention of the program that determines this, in words.
     pub by: &'static str,
 }
 
@@ -58,9 +58,9 @@ impl Unread {
                 true => (
                     "long-term",
                     "instantaneous",
-                    "which govern waves and time steps",
+                    "which governs waves and time steps",
                 ),
-                false => ("instantaneous", "long-term", "which govern slow loading"),
+                false => ("instantaneous", "long-term", "which governs slow loading"),
             };
             let value =
                 part.filter(|part| (0.0..1.0).contains(part))

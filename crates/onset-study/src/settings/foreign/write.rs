@@ -341,7 +341,7 @@ impl Sheet {
         match poisson < 0.5 && poisson != 0.0 {
             true => Ok(poisson),
             false => Err(Refusal::Constants(format!(
-                "the bulk modulus {bulk} has no Poisson's ratio between 0 and 0.5 in double precision"
+                "the bulk modulus {bulk} corresponds to no Poisson's ratio between 0 and 0.5 in double precision"
             ))),
         }
     }
@@ -397,7 +397,7 @@ pub(super) fn ratio(beta: f64) -> Result<f64, Refusal> {
     match ratio.is_finite() && ratio < 0.5 {
         true => Ok(ratio),
         false => Err(Refusal::Constants(format!(
-            "beta = {beta} has no Poisson's ratio below 0.5"
+            "beta = {beta} corresponds to no Poisson's ratio below 0.5"
         ))),
     }
 }

@@ -42,7 +42,7 @@ impl PartialEq for HandedLaw {
 /// This model is not in the list of models that can be selected by name.
 static MODEL: OwnModel = OwnModel {
     name: "function",
-    formula: "energy, stress and tangent of a function of the calling program",
+    formula: "energy, stress and tangent computed by a function of the calling program",
     source: "your own",
     keys: &[],
     required: &[],

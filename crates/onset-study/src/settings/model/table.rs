@@ -33,7 +33,7 @@ fn check(settings: &MaterialSettings) -> Result<(), SettingError> {
                 origin.clone(),
                 format!("a table has no parameter `{name}`"),
             )
-            .hint("its only one is material.kappa, the bulk modulus"));
+            .hint("its only parameter is material.kappa, the bulk modulus"));
         }
     }
     settings.require("table").map(|_| ())

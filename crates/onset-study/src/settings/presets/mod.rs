@@ -64,13 +64,13 @@ mod tests {
     use crate::verify::CODES;
 
     #[test]
-    fn every_preset_builds_a_method_and_sets_no_key_in_vain() {
+    fn every_preset_builds_a_method_and_sets_no_unused_key() {
         for preset in PRESETS {
             let settings = Settings::from_assignments(&[format!("{METHOD}={}", preset.name)])
                 .unwrap_or_else(|error| panic!("{}: {error}", preset.name));
             for (name, value) in preset.keys {
                 let key = Key::named(name).expect("a key");
-                // A form is unread while its coefficient is zero, which the user sets.
+                // The form of the penalty is not read while its coefficient, which the user sets, is zero.
                 let is_form = *name == "discretization.penalty-form";
                 assert!(
                     is_form || settings.unmet(key).is_none(),

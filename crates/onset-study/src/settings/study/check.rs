@@ -239,7 +239,7 @@ impl Study {
     }
 
     fn kinematics_error(&self, corner: &[f64], error: &KinematicsError) -> SettingError {
-        // The axis is at fault without which the state would be admissible.
+        // An axis is at fault if the state would be admissible without it.
         let is_to_blame = |number: &usize| {
             let name = self.axes[*number].name();
             let undeformed = StateSettings::default().value(name);

@@ -1,4 +1,4 @@
-//! One material and one discretization of a study, for questions about single states.
+//! One material and one discretization of a study, for commands that evaluate single states.
 
 use super::super::notes::note;
 use super::super::{
@@ -34,7 +34,7 @@ impl Settings {
 }
 
 impl Study {
-    /// Notes that the state of the study applies only to its maps, because the question defines the state.
+    /// Notes that the state of the study applies only to its maps, because the command defines the state.
     pub(in crate::settings) fn note_unread_state(&self) {
         let keys = self.origins.keys.iter();
         for (name, origin) in keys.filter(|(name, _)| name.starts_with("state.")) {
@@ -102,8 +102,8 @@ impl Settings {
 }
 
 impl MaterialSettings {
-    /// Reads the material of a study file, and applies assignments, for questions about the law alone. Keys of a discretization cannot be assigned,
-    /// and those of the file are ignored.
+    /// Reads the material of a study file, and applies assignments, for commands that use only the law. Keys of a discretization cannot be assigned,
+    /// and such keys of the file are ignored.
     ///
     /// # Errors
     /// [`SettingError`] like [`Settings::of_file`], for an assignment outside the material, and for plane stress, which needs a body.

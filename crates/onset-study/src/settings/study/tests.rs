@@ -548,7 +548,7 @@ fn setting(key: &Key) -> (String, serde_json::Value) {
         Kind::Numbers(..) => vec![1.5, -2.0].into(),
         Kind::Whole(least, _) if key.parts().0 == "material" => least.into(),
         _ if key.is_parameter() => default_of(key).into(),
-        // A number without a default is computed.
+        // Some numbers have no default: they are computed unless set.
         _ if key.default_json().is_null() => 0.5.into(),
         _ => key.default_json(),
     };
@@ -588,7 +588,7 @@ fn needed(key: &Key) -> String {
         "discretization.vectors" => "",
         _ => "discretization.vectors = [1, 0, 0, 1]\n",
     };
-    // If a key has several conditions, only the first is used, which is narrower.
+    // If a key has several conditions, only the first, the narrowest, is used.
     let mut keys = std::collections::BTreeSet::new();
     let needs = cases.first().into_iter().flatten();
     let needs = needs.filter(|need| keys.insert(need.key));

@@ -76,7 +76,7 @@ fn rates(
     let own = own.ok_or_else(|| {
         refused(
             "the code has a pressure that depends on the density alone, and a deviator that is integrated with the spin",
-            "choose --set material.model=hypoelastic-jaumann --set material.n=1, with material.spin=-1 as the code has it, or a purely volumetric law, such as --energy \"K*(J-ln(J))\" --set material.K=1",
+            "choose --set material.model=hypoelastic-jaumann --set material.n=1, with material.spin=-1 as in the code, or a purely volumetric law, such as --energy \"K*(J-ln(J))\" --set material.K=1",
         )
     })?;
     if own.volumetric.slope <= 0.0 {

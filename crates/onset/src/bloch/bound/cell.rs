@@ -9,7 +9,7 @@ use nalgebra::{SMatrix, SVector};
 ///
 /// In cones the remainders of the polynomials are larger, but narrow cones start with more boxes in the rest of the zone.
 const CONE_LENGTHS: [f64; 2] = [0.125, 0.25];
-/// Largest share of the box budget for the initial boxes.
+/// Largest fraction of the box budget for the initial boxes.
 const INITIAL_BOX_SHARE: f64 = 0.05;
 
 /// Coordinates of a box.

@@ -43,7 +43,7 @@ impl Measure {
 ///
 /// For the scaled measure, `P = K / c^2` and `Q = |k|_h^2 M`. Long waves are `k = t (b_a + sum_j s_j b_j)`. There, both are written in a basis of
 /// free displacements, which cost no energy at `k = 0` (translations among them), and other displacements; the free displacements are divided by `t`.
-/// Both matrices are then smooth up to `t = 0`, where the condition is that of the long-wave limit, including relaxation.
+/// Both matrices are then smooth up to `t = 0`, where the condition becomes the condition of the long-wave limit, including relaxation.
 #[derive(Clone, Debug)]
 pub(super) struct Pencil<const D: usize> {
     lattice: BravaisLattice<D>,

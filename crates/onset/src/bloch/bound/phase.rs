@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn small_arguments_do_not_cancel() {
+    fn small_arguments_cause_no_cancellation() {
         // `f_2 -> -p^2 / 2` and `f_1 -> i p`.
         let [first, second] = [1, 2].map(|m| derivatives(m, 1e-9, 3.0)[0][0]);
         assert!((second - Complex::new(-4.5, 0.0)).norm() < 1e-8);

@@ -506,7 +506,7 @@ pub(super) fn principal<const D: usize>(
     if D == 2 && m[(0, 1)] != 0.0 {
         let (mean, half) = (0.5 * (m[(0, 0)] + m[(1, 1)]), 0.5 * (m[(0, 0)] - m[(1, 1)]));
         let radius = (half * half + m[(0, 1)] * m[(0, 1)]).sqrt();
-        // The longer of the two forms of the axis of the higher value, for accuracy.
+        // Eigenvector of the larger eigenvalue; of its two forms the one without cancellation.
         let (x, y) = if half > 0.0 {
             (half + radius, m[(0, 1)])
         } else {

@@ -234,7 +234,7 @@ impl<const D: usize> ZoneSearch<D> {
         Some(Self::of_lattice(lattice, self.speed_squared))
     }
 
-    /// Search and matrix in isotropic coordinates, if the reference lattice is too oblique for kernels of current coordinates.
+    /// Search and matrix in isotropic coordinates, if the reference lattice is too oblique for kernels in current coordinates.
     fn short_ranged(
         &self,
         matrix: &DynamicalMatrix<D>,

@@ -658,7 +658,7 @@ mod tests {
     }
 
     #[test]
-    fn a_flat_sum_has_the_spectra_and_branches_of_its_system() {
+    fn flat_sums_and_their_systems_have_equal_spectra_and_branches() {
         for seed in 1..20 {
             for is_hermitian in [true, false] {
                 assert_alike::<1>(seed, 1 + seed as usize % 4, is_hermitian);

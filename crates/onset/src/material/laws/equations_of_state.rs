@@ -5,7 +5,7 @@
 //!
 //! - Murnaghan: a bulk modulus that is linear in the pressure, `kappa + n p`.
 //! - Tait: a compression that is logarithmic in the pressure, `1 - J = c ln(1 + p/(kappa c))`.
-//! - Mie and Grueneisen: the isentrope through the reference of a solid with `U_s = c0 + s u_p` and `Gamma rho = Gamma_0 rho_0`, derived at
+//! - Mie and Grueneisen: the isentrope through the reference state of a solid with `U_s = c0 + s u_p` and `Gamma rho = Gamma_0 rho_0`, derived at
 //!   `MieGrueneisen`.
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
@@ -81,7 +81,7 @@ pub(in super::super) const TAIT: Law = Law {
     ],
     domain: "all J > 0; liquids and polymers, mostly at J < 1; polyconvex; with mu = 0 a fluid, not strongly elliptic",
     source: "Tait, Challenger Reports, Physics and Chemistry 2 (1888), in Tammann's form (Dymond and Malhotra, Int. J. Thermophys. 9 (1988) 941); for \
-             water tait-c = 0.315 / ln 10 (Li, J. Geophys. Res. 72 (1967) 2665); what codes of smoothed particle hydrodynamics call Tait's is `murnaghan`; \
+             water tait-c = 0.315 / ln 10 (Li, J. Geophys. Res. 72 (1967) 2665); the equation that codes of smoothed particle hydrodynamics call Tait's is `murnaghan`; \
              defaults: kappa = 100 mu, any unit of stress",
     make: |p| {
         let volume = Tait {
@@ -114,11 +114,11 @@ pub(in super::super) const MIE_GRUENEISEN: Law = Law {
             "Grueneisen's parameter in the reference configuration",
         ),
     ],
-    domain: "J > 1 - 1/s, where a shock of infinite strength would lead; solids under strong compression, without heat conduction; in tension the \
-             pressure turns back near J = 1 + 1/s; with mu = 0 a fluid, not strongly elliptic",
+    domain: "J > 1 - 1/s, the limit of an infinitely strong shock; solids under strong compression, without heat conduction; in tension the \
+             pressure is lowest near J = 1 + 1/s; with mu = 0 a fluid, not strongly elliptic",
     source: "the isentrope through the reference configuration, Davison, Fundamentals of Shock Wave Propagation in Solids (2008), of the Hugoniot of \
-             Rice, McQueen and Walsh, Solid State Physics 6 (1958) 1, with Gamma rho constant; kappa = rho0 c0^2; defaults: of the size of tantalum's, GPa \
-             (measured ones: Marsh, LASL Shock Hugoniot Data, 1980)",
+             Rice, McQueen and Walsh, Solid State Physics 6 (1958) 1, with Gamma rho constant; kappa = rho0 c0^2; defaults: typical of tantalum, GPa \
+             (measured constants: Marsh, LASL Shock Hugoniot Data, 1980)",
     make: |p| {
         let volume = MieGrueneisen::new(p[1], p[2], p[3]);
         boxed(Ok(WithDeviator { mu: p[0], volume }))

@@ -31,8 +31,8 @@ pub(in super::super) const COMPRESSIBLE: Law = Law {
     symmetry: Symmetry::Isotropic,
     stressed_reference: None,
     small_strains: "shear modulus 2 (c10 + c01), Lame's first constant lambda + 4 c01",
-    source: "Mooney, J. Appl. Phys. 11 (1940) 582; volumetric part as Simo and Pister, Comput. Methods Appl. Mech. Eng. 46 (1984) 201, have it for \
-             neo-Hooke; defaults: shear modulus 1, c01 / c10 = 1/4",
+    source: "Mooney, J. Appl. Phys. 11 (1940) 582; volumetric part of the neo-Hookean law of Simo and Pister, Comput. Methods Appl. Mech. Eng. 46 \
+             (1984) 201; defaults: shear modulus 1, c01 / c10 = 1/4",
     stiffness: |p| {
         let mu = 2.0 * (p[0] + p[1]);
         hooke(mu, p[2] + 4.0 * p[1] + mu / 1.5)

@@ -300,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn roots_are_alone_in_their_neighborhoods() {
+    fn each_neighborhood_contains_a_single_root() {
         let rest = [0.0; 2];
         let edge = [0.0, PI];
         for (cells, of) in [

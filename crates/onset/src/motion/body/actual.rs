@@ -35,7 +35,7 @@ const RESIDUAL: f64 = 1e-8;
 const SYMMETRIC: f64 = 1e-9;
 /// Largest number of particles: the search for neighbors takes time in proportion to its square.
 const PARTICLES: usize = 50_000;
-/// Smallest share of a rigid motion's mode in rigid motions.
+/// A mode counts as a rigid motion if at least this fraction of it consists of rigid motions.
 const RIGID: f64 = 0.99;
 
 /// Body in an actual state.

@@ -28,7 +28,7 @@ pub struct DeformationTheory {
 }
 
 impl DeformationTheory {
-    /// Creates the law from the shear strength of the tension test, as for the von Mises law.
+    /// Creates the law. As for the von Mises law, `hardening` is the shear strength that follows from a tension test.
     ///
     /// # Errors
     /// [`PlasticityError::Parameter`] if the hardening parameters are not admissible.

@@ -45,7 +45,7 @@ pub enum Integration {
     /// Two Gauss points along each axis of quadrilaterals and bricks; one point in simplices, where the gradient is constant.
     Full,
     /// The points of full integration with the mean dilatation of the element, `sum_q V_q W((theta / J_q)^(1/D) F_q)`, `theta = sum_q V_q J_q / V`
-    /// (Simo, Taylor and Pister 1985; at small strains B-bar, Hughes 1980), for nearly incompressible laws. As full integration for simplices.
+    /// (Simo, Taylor and Pister 1985; at small strains B-bar, Hughes 1980), for nearly incompressible laws. For simplices the same as full integration.
     MeanDilatation,
     /// One point with the mean gradient of the element (uniform strain).
     OnePoint,

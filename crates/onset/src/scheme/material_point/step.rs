@@ -345,7 +345,7 @@ impl<const D: usize> PatchTransfer<D> for Step<'_, D> {
         }
         let seen: Vec<Seen<D>> = places.iter().map(|place| self.seen(place)).collect();
         let mut grid = self.to_the_grid(points, &seen, dt)?;
-        // Velocities that points take and keep beyond the velocities of the nodes after the forces.
+        // Velocities of the nodes that XPIC adds to those after the forces.
         let mut beyond = Vec::new();
         match transfer {
             Transfer::FullMass { order } => {

@@ -201,7 +201,7 @@ impl<const D: usize> CurrentPairs<D> {
         self.is_smoothed() && self.smoothed_motion == SmoothedMotion::Everything
     }
 
-    /// Share of the velocity of another particle in the smoothed velocity.
+    /// Weight of the velocity of another particle in the smoothed velocity.
     #[inline(always)]
     pub(crate) fn smoothing_share<R: Real>(&self, mass: R, densities: [R; 2], weight: R) -> R {
         smoothing_share(self.smoothing, mass, densities, weight)

@@ -407,7 +407,7 @@ impl<const D: usize> UpdatedSph<D> {
         }
     }
 
-    /// Shares of neighbors in the displacement of positions, if only positions follow smoothed velocities.
+    /// Weights of neighbors in the displacement of positions, if only positions follow smoothed velocities.
     ///
     /// They are computed for a particle and its neighbors, or for all particles if densities are sums over positions.
     fn smoothing(

@@ -26,7 +26,7 @@ pub enum SmoothedMotion {
     Positions,
 }
 
-/// Share of the velocity of a neighbor, `epsilon m_J / rho_IJ W_IJ`, with the mean density of the two particles.
+/// Weight of the velocity of a neighbor, `epsilon m_J / rho_IJ W_IJ`, with the mean density of the two particles.
 pub(in super::super) fn smoothing_share<R: Real>(
     epsilon: f64,
     mass: R,

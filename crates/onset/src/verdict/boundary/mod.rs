@@ -91,7 +91,7 @@ impl Default for Fineness {
 pub struct Vertex {
     /// Values of the two parameters.
     pub point: [f64; 2],
-    /// Half the length of the bracket, in the larger of the two parameters' units.
+    /// Half width of the bracket that contains the vertex, as a fraction of the window, times the larger side of the window.
     pub accuracy: f64,
     /// Whether two smooth branches meet here.
     pub is_corner: bool,
