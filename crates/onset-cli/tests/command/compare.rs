@@ -64,6 +64,53 @@ fn twenty_methods_are_compared_in_one_table() {
     assert_eq!(page.matches("<tr>").count(), 21);
 }
 
+/// The second of three values in the table of the book is for the metal. Fractions of the window need more states and are not compared.
+#[test]
+fn the_methods_side_by_side_have_the_values_of_the_book() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    let answer = onset(&[
+        "compare",
+        &format!("{root}/comparisons/table-2d.toml"),
+        "--json",
+        "--set",
+        "material.model=j2",
+        "--set",
+        "compare.states=2",
+    ]);
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    let document = answer.document();
+    let rows = document["rows"].as_array().expect("rows");
+    let page = std::fs::read_to_string(format!("{root}/book/src/how-to/side-by-side.md"));
+    let page = page.expect("a page");
+    let of_book: Vec<Vec<&str>> = page
+        .lines()
+        .filter(|line| line.starts_with("| ") && !line.starts_with("| method"))
+        .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
+        .collect();
+    assert_eq!(rows.len(), of_book.len());
+    for (row, told) in rows.iter().zip(&of_book) {
+        assert_eq!(row["name"], told[0]);
+        let row = &row["measured"];
+        let metal = |column: usize| told[column].split(", ").nth(1).expect("three values");
+        let value = |key: &str| row[key].as_f64().expect("a number");
+        let zero = told[1].trim_matches('*');
+        assert_eq!(format!("{}", value("zero_modes")), zero, "{}", told[0]);
+        assert_eq!(format!("{:.2}", value("weakest")), metal(2), "{}", told[0]);
+        let error = 100.0 * number(row, "/dispersion/1/error");
+        let printed: f64 = metal(3).parse().expect("a number");
+        assert!((error - printed).abs() <= 0.5, "{}: {error}", told[0]);
+        let onset = &row["onsets"][0]["method"];
+        let onset = match onset["at"].as_f64() {
+            Some(at) if at < 1.002 => "**1**".to_owned(),
+            Some(at) => format!("{at:.2}"),
+            None if onset == "at-rest" => "**1**".to_owned(),
+            None => "-".to_owned(),
+        };
+        assert_eq!(onset, metal(4), "{}", told[0]);
+        assert_eq!(format!("{:.2}", value("courant")), told[6], "{}", told[0]);
+    }
+}
+
 #[test]
 fn the_row_of_a_method_that_cannot_be_evaluated_gives_the_reason() {
     let text = "[[methods]]\nname = 'good'\n[[methods]]\nname = 'lonely, \"far\"'\nsupport = 0.5\n";

@@ -1,4 +1,4 @@
-//! What the waves of a state mean for implicit and static solvers.
+//! Consequences of the waves of a state for implicit and static solvers.
 
 use crate::number::told_below;
 use crate::settings::Units;
@@ -12,11 +12,11 @@ use std::collections::BTreeMap;
 pub struct ImplicitAnswer {
     /// Eigenvalues of the tangent for waves: `positive`, `zero` for a method with zero-energy modes, or `negative`.
     pub tangent: &'static str,
-    /// Steps below which the eigenvalues of Newton's matrix are positive, by integrator; time. Empty if the tangent has no negative one: all steps.
+    /// Largest steps for which all eigenvalues of Newton's matrix are positive, by integrator; time. Empty if they are positive for every step.
     pub largest_steps: BTreeMap<&'static str, f64>,
-    /// Steps beyond which the growth of the fastest growing wave decays in discrete time, by integrator; time. Empty without growth.
+    /// Largest steps for which the fastest growing wave grows in discrete time, by integrator; time. Empty without growth.
     ///
-    /// Integrators that show it with every step are left out.
+    /// Integrators with growth for every step are left out.
     pub hiding_steps: BTreeMap<&'static str, f64>,
 }
 

@@ -1,8 +1,8 @@
-//! Implicit integrators: steps for which Newton's method meets a positive definite matrix, and steps so long that they hide growth.
+//! Implicit integrators: steps with a positive definite matrix of Newton's method, and long steps that hide growth.
 
 /// Implicit integrators, with the parameters that codes use by default.
 ///
-/// All but backward Euler belong to the generalized-alpha family (Chung, Hulbert, J. Appl. Mech. 60 (1993) 371):
+/// Newmark's and the two alpha methods belong to the generalized-alpha family (Chung, Hulbert, J. Appl. Mech. 60 (1993) 371):
 /// `(1 - alpha_m) a' + alpha_m a + omega^2 ((1 - alpha_f) u' + alpha_f u) = 0` with Newmark's `u' = u + dt v + dt^2 ((1/2 - beta) a + beta a')` and
 /// `v' = v + dt ((1 - gamma) a + gamma a')`.
 ///
@@ -53,7 +53,7 @@ impl ImplicitIntegrator {
         Self::BackwardEuler,
     ];
 
-    /// Name in answers.
+    /// Name of the integrator in text and JSON.
     pub fn name(self) -> &'static str {
         match self {
             Self::Newmark => "newmark",
@@ -90,7 +90,7 @@ impl ImplicitIntegrator {
         }
     }
 
-    /// Shortest step beyond which a solution that grows at a rate `s` (1/time) decays in discrete time. Time; infinite if it grows for every step.
+    /// Largest step for which a solution that grows at a rate `s` (1/time) grows in discrete time too. Time; infinite if it grows for every step.
     ///
     /// At this step the amplification factor is -1. For backward Euler, `(1 - s dt)^-1`, it is `2/s`.
     pub fn shortest_hiding_step(self, growth_rate: f64) -> f64 {

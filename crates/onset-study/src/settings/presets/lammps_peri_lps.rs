@@ -11,5 +11,5 @@ pub(super) const PRESET: Preset = Preset {
         ("discretization.influence", "inverse"),
         ("discretization.partial-volumes", "inside"),
     ],
-    note: "bonds do not break; short-range forces are left out; in periodic boxes fix PERI_NEIGH of this version takes bonds across the boundary as long as the box, which weakens the forces there",
+    note: "bonds do not break, and short-range forces are left out; fix PERI_NEIGH of this version measures bonds across a periodic boundary wrongly, and the forces there are too small",
 };
