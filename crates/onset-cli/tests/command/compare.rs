@@ -78,7 +78,7 @@ fn the_methods_side_by_side_have_the_values_of_the_book() {
         "compare.states=2",
     ]);
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
-    let document = answer.document();
+    let document: Value = serde_json::from_str(&answer.stdout).expect("a document");
     let rows = document["rows"].as_array().expect("rows");
     let page = std::fs::read_to_string(format!("{root}/book/src/how-to/side-by-side.md"));
     let page = page.expect("a page");

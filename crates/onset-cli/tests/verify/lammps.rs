@@ -499,8 +499,8 @@ fn the_rubber_strip_moves_as_in_lammps() {
     assert!(volumes.contains(&ratio), "{ratio} {volumes:?}");
 }
 
-/// Force on the particle in the middle of a free block in LAMMPS, per mass and amplitude of a wave in all particles. The middle does not notice the faces:
-/// it is more than two horizons away from them.
+/// Force on the particle in the middle of a free block in LAMMPS, per mass and amplitude of a wave in all particles. The middle and all its neighbors have
+/// complete families.
 fn force_in_the_middle(program: &Path, wave_vector: [f64; 3], along: [f64; 3]) -> [f64; 3] {
     const SIDE: i32 = 13;
     const AMPLITUDE: f64 = 1e-5;

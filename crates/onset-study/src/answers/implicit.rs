@@ -1,29 +1,28 @@
 //! Consequences of the waves of a state for implicit and static solvers.
 
-use crate::number::told_below;
+use crate::number::{told_above, told_below};
 use crate::settings::Units;
+use onset::bloch::SpectrumSummary;
 use onset::time_step::ImplicitIntegrator;
-use onset::verdict::{Assessment, Verdict};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Tangent of the discrete system at a state, and the steps of implicit integrators, for an infinite lattice.
+/// Tangent of the discrete system at a state, and the steps of implicit integrators without damping, for an infinite lattice.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ImplicitAnswer {
-    /// Eigenvalues of the tangent for waves: `positive`, `zero` for a method with zero-energy modes, or `negative`.
+    /// Sign of the smallest eigenvalue of the tangent for waves: `positive`, `zero` or `negative`.
     pub tangent: &'static str,
-    /// Largest steps for which all eigenvalues of Newton's matrix are positive, by integrator; time. Empty if they are positive for every step.
+    /// Largest steps for which all eigenvalues of Newton's matrix are positive, by integrator; time. Empty if no wave of finite length grows.
     pub largest_steps: BTreeMap<&'static str, f64>,
-    /// Largest steps for which the fastest growing wave grows in discrete time, by integrator; time. Empty without growth.
+    /// Largest steps for which the fastest growing wave grows in discrete time, by integrator; time. Empty if no wave of finite length grows.
     ///
-    /// Integrators with growth for every step are left out.
-    pub hiding_steps: BTreeMap<&'static str, f64>,
+    /// Integrators with growth for every step are left out. Slower waves grow in longer steps too.
+    pub growing_steps: BTreeMap<&'static str, f64>,
 }
 
 impl ImplicitAnswer {
     /// Returns `None` for a state that flutters: the symmetric part of its tangent does not decide.
-    pub(super) fn new(assessment: &Assessment<3>) -> Option<Self> {
-        let spectrum = &assessment.spectrum;
+    pub(super) fn new(spectrum: &SpectrumSummary<3>) -> Option<Self> {
         if spectrum.flutters {
             return None;
         }
@@ -36,47 +35,44 @@ impl ImplicitAnswer {
         let lowest = spectrum.lowest.omega_squared.re;
         let rate = spectrum.growth_rate();
         Some(Self {
-            tangent: match (grows, assessment.verdict) {
+            tangent: match (grows, spectrum.softest.scaled > spectrum.tolerance) {
                 (true, _) => "negative",
-                (false, Verdict::ZeroEnergy) => "zero",
-                (false, _) => "positive",
+                (false, true) => "positive",
+                (false, false) => "zero",
             },
             largest_steps: of(&|own| own.largest_definite_step(lowest)),
-            hiding_steps: of(&|own| own.shortest_hiding_step(rate)),
+            growing_steps: of(&|own| own.largest_growing_step(rate)),
         })
     }
 
     /// Names and texts of the lines of an answer.
     pub(super) fn lines(&self, units: Units) -> Vec<(&'static str, String)> {
-        let steps = |steps: &BTreeMap<&'static str, f64>| {
-            let one = |(name, step): (&&str, &f64)| {
-                format!("{} ({name})", units.of(told_below(*step), "s"))
-            };
+        let steps = |steps: &BTreeMap<&'static str, f64>, told: &dyn Fn(f64) -> String| {
+            let one =
+                |(name, step): (&&str, &f64)| format!("{} ({name})", units.of(told(*step), "s"));
             steps.iter().map(one).collect::<Vec<_>>().join(", ")
         };
         let tangent = match self.tangent {
             "positive" => {
                 "the tangent, and with it Newton's matrix for every step, has only positive eigenvalues"
             }
-            "zero" => {
-                "the tangent is singular: zero-energy modes, which a static solver needs a control for"
-            }
+            "zero" => "the tangent is singular: some waves have no stiffness",
             _ => {
-                "the tangent has negative eigenvalues: static equilibrium at this state is not stable, and Newton's method may diverge"
+                "the tangent has negative eigenvalues: static equilibrium is not stable, and Newton's method may diverge"
             }
         };
         let mut lines = vec![("implicit solvers", tangent.to_owned())];
         if !self.largest_steps.is_empty() {
             let text = format!(
-                "Newton's matrix has only positive eigenvalues for steps below {}",
-                steps(&self.largest_steps)
+                "without damping Newton's matrix has only positive eigenvalues for steps below {}",
+                steps(&self.largest_steps, &told_below)
             );
             lines.push(("", text));
         }
-        if !self.hiding_steps.is_empty() {
+        if !self.growing_steps.is_empty() {
             let text = format!(
-                "growth is hidden, the growing mode decays, with steps beyond {}",
-                steps(&self.hiding_steps)
+                "the fastest growing wave decays for steps above {}; slower waves still grow",
+                steps(&self.growing_steps, &told_above)
             );
             lines.push(("", text));
         }

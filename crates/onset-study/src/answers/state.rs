@@ -505,7 +505,7 @@ fn discretization_answer(
         body: BodyStepAnswer::new(problem, f)?,
         implicit: match discrete_time {
             Some(_) => None,
-            None => ImplicitAnswer::new(assessment),
+            None => ImplicitAnswer::new(spectrum),
         },
         discrete_time,
         damped_time_steps_of: (!steps.is_empty()).then(|| {

@@ -1,6 +1,6 @@
 //! Implicit integrators: steps with a positive definite matrix of Newton's method, and long steps that hide growth.
 
-/// Implicit integrators, with the parameters that codes use by default.
+/// Implicit integrators, each with one choice of its parameters.
 ///
 /// Newmark's and the two alpha methods belong to the generalized-alpha family (Chung, Hulbert, J. Appl. Mech. 60 (1993) 371):
 /// `(1 - alpha_m) a' + alpha_m a + omega^2 ((1 - alpha_f) u' + alpha_f u) = 0` with Newmark's `u' = u + dt v + dt^2 ((1/2 - beta) a + beta a')` and
@@ -15,7 +15,7 @@
 pub enum ImplicitIntegrator {
     /// Newmark's method with `beta = 1/4`, `gamma = 1/2` (trapezoidal rule, average acceleration).
     Newmark,
-    /// Method of Hilber, Hughes and Taylor with `alpha = -0.05`, as for transient problems in Abaqus.
+    /// Method of Hilber, Hughes and Taylor with `alpha = -0.05`, the transient fidelity of Abaqus.
     HhtAlpha,
     /// Generalized-alpha method with the spectral radius 1/2 for infinitely fast oscillations.
     GeneralizedAlpha,
@@ -93,7 +93,7 @@ impl ImplicitIntegrator {
     /// Largest step for which a solution that grows at a rate `s` (1/time) grows in discrete time too. Time; infinite if it grows for every step.
     ///
     /// At this step the amplification factor is -1. For backward Euler, `(1 - s dt)^-1`, it is `2/s`.
-    pub fn shortest_hiding_step(self, growth_rate: f64) -> f64 {
+    pub fn largest_growing_step(self, growth_rate: f64) -> f64 {
         let squared = self.parameters().map_or(4.0, |own| {
             let damping = own.gamma - 0.5;
             // Equals the condition u' = -u, v' = -v, a' = -a, with gamma - 2 beta = -(gamma - 1/2)^2 / 2.

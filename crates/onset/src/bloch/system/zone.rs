@@ -1138,7 +1138,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             return least_of_all(ends);
         }
         // Shells around `k = 0`, half an octave apart: the minimum of a function that vanishes with `k` can lie at any distance from `k = 0`.
-        // The value of `k^2 - k^4` on the nearest of them is at least 0.89 times the largest value, enough to be followed.
+        // On the best shell `k^2 - k^4` is at least 8/9 of its maximum, enough to be followed.
         let step = self.search.reference().reciprocal() / self.waves.resolution() as f64;
         let places = self.shell();
         let shells: Vec<(f64, Vec<Candidate<D>>)> =
