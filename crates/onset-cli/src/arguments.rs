@@ -140,6 +140,8 @@ const LIMIT_EXAMPLES: &str = "Examples:
   onset limit --time-step 0.1 --vary discretization.penalty --range 0,10 --set discretization.method=tlsph";
 const COMPARE_EXAMPLES: &str = "Examples:
   onset compare comparisons/methods-2d.toml --out results
+  onset compare --set discretization.method=tlsph --vary discretization.penalty=0,0.1,0.5,1
+  onset compare --vary discretization.kernel=cubic-spline,wendland-c2 --vary discretization.support=1.6,2,2.4
   onset compare STUDY.toml --set compare.states=24
   onset compare comparisons/methods-1d.toml --format csv";
 const RECOMMEND_EXAMPLES: &str = "Examples:
@@ -1096,7 +1098,12 @@ pub struct CardArguments {
 #[derive(Debug, Args)]
 pub struct CompareArguments {
     /// Comparison file with a material and `[[methods]]`, or a study whose method is compared with the built-in methods; - for standard input.
-    pub file: PathBuf,
+    #[arg(required_unless_present = "variations")]
+    pub file: Option<PathBuf>,
+    /// Compare variants of a method: a key of [discretization] with its values, separated by commas (lists of numbers by semicolons). Given several times, the
+    /// values are combined. Without FILE, --set defines the method.
+    #[arg(long = "vary", value_name = "KEY=VALUES")]
+    pub variations: Vec<String>,
     /// Folder for compare.html, compare.csv, compare.svg and compare.png; nothing is written without it.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

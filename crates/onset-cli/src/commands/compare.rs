@@ -5,7 +5,7 @@ use crate::arguments::{BlockArguments, CompareArguments, RecommendArguments};
 use crate::printing::print;
 use onset_study::compare::{PANELS, Recommendation, Table, Thresholds};
 use onset_study::output::Output;
-use onset_study::settings::{Comparison, Trust};
+use onset_study::settings::{Comparison, SettingError, Trust};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -15,8 +15,22 @@ const FILES: [&str; 4] = ["compare.html", "compare.csv", "compare.svg", "compare
 /// Compares the methods of a file.
 pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
     let trust = arguments.trust.trust();
-    let (file, assignments) = (&arguments.file, arguments.assignments.clone());
-    let comparison = read(Some(file), &arguments.block, None, assignments, &trust)?;
+    let comparison = match arguments.variations.is_empty() {
+        true => read(
+            arguments.file.as_deref(),
+            &arguments.block,
+            None,
+            arguments.assignments.clone(),
+            &trust,
+        )?,
+        false => {
+            let assignments = arguments.assignments.clone();
+            let read = Read::of(arguments.file.as_deref(), &arguments.block, assignments)?;
+            let (name, text) = (&read.name, &read.text);
+            let varied = Comparison::varied(name, text, &read.assignments, &arguments.variations);
+            of_law(varied, read, &trust)?
+        }
+    };
     let output = arguments.out.as_deref();
     let output = output.map(|out| Output::at(out, &FILES)).transpose()?;
     let table = evaluated(&comparison)?;
@@ -82,9 +96,17 @@ fn read(
         }
     }
     let comparison = Comparison::parse(&read.name, &read.text, &read.assignments);
-    let mut comparison = comparison
-        .map_err(|error| read.failure(error))?
-        .allowing(trust);
+    of_law(comparison, read, trust)
+}
+
+/// Comparison with the notes on the law that was read, if the user allows its library.
+fn of_law(
+    comparison: Result<Comparison, SettingError>,
+    read: Read,
+    trust: &Trust,
+) -> Result<Comparison, Failure> {
+    let comparison = comparison.map_err(|error| read.failure(error))?;
+    let mut comparison = comparison.allowing(trust);
     comparison.common.material = read.law(comparison.common.material, trust)?;
     Ok(comparison)
 }

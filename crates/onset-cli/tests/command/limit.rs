@@ -109,6 +109,38 @@ fn the_largest_modulus_of_runge_kutta_methods_follows_from_their_stability_on_th
 }
 
 #[test]
+fn the_answer_about_a_state_has_the_steps_of_implicit_solvers() {
+    let sph = "set lattice=square set method";
+    let unstable = document(&format!("state --stretch 1.05,1 {sph}=updated-sph"));
+    let rate = number(&unstable, "/discretization/growth_rate");
+    let implicit = &unstable["discretization"]["implicit"];
+    assert_eq!(implicit["tangent"], "negative");
+    for (pointer, times_rate) in [
+        ("/largest_steps/newmark", 2.0),
+        ("/largest_steps/backward-euler", 1.0),
+        ("/growing_steps/backward-euler", 2.0),
+        ("/growing_steps/generalized-alpha", 108.0_f64.sqrt()),
+    ] {
+        let found = number(implicit, pointer) * rate;
+        assert!(
+            (found / times_rate - 1.0).abs() < 1e-9,
+            "{pointer}: {found}"
+        );
+    }
+    assert!(implicit["growing_steps"]["newmark"].is_null());
+    let tangent = |line: &str| document(line)["discretization"]["implicit"]["tangent"].clone();
+    let total = format!("state --stretch 1.05,1 {sph}=total-lagrangian-sph");
+    assert_eq!(tangent(&format!("{total} set penalty=0.5")), "positive");
+    let rest = format!("state --stretch 1,1 {sph}=total-lagrangian-sph");
+    assert_eq!(tangent(&rest), "zero");
+    // Stress resists the zero-energy modes of nodal integration in current coordinates.
+    let resisted = "state --stretch 0.95,0.95 set frame=eulerian set quadrature=nodal";
+    assert_eq!(tangent(resisted), "positive");
+    let transfer = "state --stretch 1,1 set method=material-points set unknowns=particles set grid-functions=quadratic-spline set transfer=apic";
+    assert!(document(transfer)["discretization"]["implicit"].is_null());
+}
+
+#[test]
 fn strong_damping_allows_steps_beyond_the_undamped_limit() {
     // The spectral radius of the amplification matrix exceeds one first at k = pi.
     let line = "state --stretch 1,1,1 set method=updated-sph set lattice=chain set support=1.9 set viscosity=2 set viscosity-switch=always";

@@ -122,6 +122,9 @@ const SHARED: &[&str] = &[
     "support",
 ];
 
+/// Largest number of variants of methods in one comparison.
+const MOST_VARIANTS: usize = 200;
+
 /// Example of methods for messages.
 const EXAMPLE: &str = "for example\n\n    [[methods]]\n    name = \"SPH\"\n    frame = \"eulerian\"\n    quadrature = \"nodal\"\n\n    \
                        [[methods]]\n    name = \"total-Lagrangian SPH\"\n    quadrature = \"nodal\"\n";
@@ -143,18 +146,111 @@ impl Comparison {
         text: &str,
         assignments: &[S],
     ) -> Result<Self, SettingError> {
-        Self::read(name, text, assignments, true)
+        Self::read(name, text, assignments, &[], true)
+    }
+
+    /// Reads settings or a comparison, and replaces each method by its variants: `variations` such as `discretization.penalty=0,0.1,0.5` list the
+    /// values of a key of `[discretization]`, separated by commas, or lists of numbers separated by semicolons. Several variations are combined.
+    ///
+    /// # Errors
+    /// [`SettingError`] for a key or a value that the methods do not accept, two equal variants, and more than 200 variants.
+    pub fn varied<S: AsRef<str>>(
+        name: &str,
+        text: &str,
+        assignments: &[S],
+        variations: &[S],
+    ) -> Result<Self, SettingError> {
+        Self::read(name, text, assignments, variations, true)
+    }
+
+    /// Replaces each method by its variants, and checks all methods.
+    fn vary<S: AsRef<str>>(&mut self, variations: &[S]) -> Result<(), SettingError> {
+        for variation in variations {
+            self.vary_key(variation.as_ref())?;
+        }
+        if !variations.is_empty() {
+            for candidate in &self.candidates {
+                candidate.settings.check(&[])?;
+                candidate.settings.check_admitted()?;
+            }
+        }
+        self.check_dimensions()
+    }
+
+    /// Replaces each method by its variants for the values of one key.
+    fn vary_key(&mut self, variation: &str) -> Result<(), SettingError> {
+        let origin = Origin::CommandLine(format!("--vary {variation}"));
+        let refused = |message: String, hint: &str| {
+            Err(SettingError::new(origin.clone(), message).hint(hint.to_owned()))
+        };
+        const WRITTEN: &str =
+            "write --vary KEY=VALUE,VALUE, for example --vary discretization.penalty=0,0.1,0.5";
+        let Some((key, values)) = variation.split_once('=') else {
+            return refused(format!("`{variation}` has no values"), WRITTEN);
+        };
+        let key = key.trim();
+        if key.starts_with("material.") || key.starts_with("compare.") {
+            return refused(
+                format!("`{key}` is the same for all methods of a comparison"),
+                "vary a key of [discretization]; `onset limit` and `onset map` vary parameters of the law",
+            );
+        }
+        let separator = if values.contains(';') { ';' } else { ',' };
+        let values: Vec<&str> = values.split(separator).map(str::trim).collect();
+        if values.iter().any(|value| value.is_empty()) {
+            return refused(format!("`{variation}` has an empty value"), WRITTEN);
+        }
+        let count = self.candidates.len() * values.len();
+        if count > MOST_VARIANTS {
+            return refused(
+                format!(
+                    "{count} methods are too many to compare; expected at most {MOST_VARIANTS}"
+                ),
+                "list fewer values",
+            );
+        }
+        let short = key.strip_prefix("discretization.").unwrap_or(key);
+        let mut variants: Vec<Candidate> = Vec::new();
+        for candidate in &self.candidates {
+            for value in &values {
+                let mut settings = candidate.settings.clone();
+                if short == "support" {
+                    settings = settings.with_other_support();
+                }
+                let kind = Key::named(key).map(|key| key.kind);
+                settings.set(key, &Value::typed(value, kind), origin.clone())?;
+                let own = match short {
+                    "method" => (*value).to_owned(),
+                    _ => format!("{short} {value}"),
+                };
+                let name = match candidate.name.as_str() {
+                    "" => own,
+                    before => format!("{before}, {own}"),
+                };
+                if variants.iter().any(|other| other.name == name) {
+                    return refused(format!("`{value}` is listed twice"), "list each value once");
+                }
+                variants.push(Candidate {
+                    name,
+                    settings,
+                    origin: origin.clone(),
+                });
+            }
+        }
+        self.candidates = variants;
+        Ok(())
     }
 
     /// Checks `[compare]` and `[[methods]]` of a study that is mapped; settings that its axes vary may be missing.
     pub(super) fn check(name: &str, text: &str) -> Result<(), SettingError> {
-        Self::read::<&str>(name, text, &[], false).map(drop)
+        Self::read::<&str>(name, text, &[], &[], false).map(drop)
     }
 
     fn read<S: AsRef<str>>(
         name: &str,
         text: &str,
         assignments: &[S],
+        variations: &[S],
         settled: bool,
     ) -> Result<Self, SettingError> {
         let file = File::new(name, text);
@@ -217,6 +313,15 @@ impl Comparison {
         }
         let methods = methods.filter(|(_, items): &(_, &DeArray<'_>)| !items.is_empty());
         let has_method = comparison.common.origin("discretization.method").is_some();
+        if !variations.is_empty() && methods.is_none() {
+            comparison.candidates.push(Candidate {
+                name: String::new(),
+                settings: comparison.common.clone(),
+                origin: Origin::Combination,
+            });
+            comparison.vary(variations)?;
+            return Ok(comparison);
+        }
         if (is_study || has_method) && methods.is_none() {
             if settled {
                 comparison.with_known_methods()?;
@@ -246,6 +351,7 @@ impl Comparison {
         }
         comparison.check_dimensions()?;
         comparison.check_common_is_read()?;
+        comparison.vary(variations)?;
         Ok(comparison)
     }
 
