@@ -111,7 +111,7 @@ fn the_largest_modulus_of_runge_kutta_methods_follows_from_their_stability_on_th
 #[test]
 fn the_answer_about_a_state_has_the_steps_of_implicit_solvers() {
     let sph = "set lattice=square set method";
-    let unstable = document(&format!("state --stretch 1.05,1 {sph}=updated-sph"));
+    let unstable = document("state --stretch 2.9,1");
     let rate = number(&unstable, "/discretization/growth_rate");
     let implicit = &unstable["discretization"]["implicit"];
     assert_eq!(implicit["tangent"], "negative");
@@ -128,6 +128,13 @@ fn the_answer_about_a_state_has_the_steps_of_implicit_solvers() {
         );
     }
     assert!(implicit["growing_steps"]["newmark"].is_null());
+    let flutter = document(&format!("state --stretch 1.05,1 {sph}=updated-sph"));
+    assert_eq!(flutter["discretization"]["flutter"], true);
+    let implicit = &flutter["discretization"]["implicit"];
+    let lowest = number(&flutter, "/discretization/minimum_omega_squared/re");
+    let definite = number(implicit, "/largest_steps/newmark");
+    assert!((definite * (-lowest).sqrt() / 2.0 - 1.0).abs() < 1e-9);
+    assert_eq!(implicit["growing_steps"], serde_json::json!({}));
     let tangent = |line: &str| document(line)["discretization"]["implicit"]["tangent"].clone();
     let total = format!("state --stretch 1.05,1 {sph}=total-lagrangian-sph");
     assert_eq!(tangent(&format!("{total} set penalty=0.5")), "positive");

@@ -10,39 +10,43 @@ use std::collections::BTreeMap;
 /// Tangent of the discrete system at a state, and the steps of implicit integrators without damping, for an infinite lattice.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ImplicitAnswer {
-    /// Sign of the smallest eigenvalue of the tangent for waves: `positive`, `zero` or `negative`.
+    /// Sign of the smallest real part of the eigenvalues of the tangent for waves: `positive`, `zero` or `negative`.
     pub tangent: &'static str,
-    /// Largest steps for which all eigenvalues of Newton's matrix are positive, by integrator; time. Empty if no wave of finite length grows.
+    /// Largest steps for which all eigenvalues of Newton's matrix have positive real parts, by integrator; time. Empty if they do for every step.
     pub largest_steps: BTreeMap<&'static str, f64>,
-    /// Largest steps for which the fastest growing wave grows in discrete time, by integrator; time. Empty if no wave of finite length grows.
+    /// Largest steps for which the fastest growing wave grows in discrete time, by integrator; time. Empty if no wave grows, or if this wave flutters.
     ///
     /// Integrators with growth for every step are left out. Slower waves grow in longer steps too.
     pub growing_steps: BTreeMap<&'static str, f64>,
 }
 
 impl ImplicitAnswer {
-    /// Returns `None` for a state that flutters: the symmetric part of its tangent does not decide.
-    pub(super) fn new(spectrum: &SpectrumSummary<3>) -> Option<Self> {
-        if spectrum.flutters {
-            return None;
-        }
-        let grows = !spectrum.is_stable();
-        let of = |step: &dyn Fn(ImplicitIntegrator) -> f64| {
-            let all = ImplicitIntegrator::ALL.into_iter().filter(|_| grows);
-            let steps = all.map(|own| (own.name(), step(own)));
-            steps.filter(|(_, step)| step.is_finite()).collect()
-        };
+    pub(super) fn new(spectrum: &SpectrumSummary<3>) -> Self {
+        let softest = spectrum.softest.scaled;
         let lowest = spectrum.lowest.omega_squared.re;
-        let rate = spectrum.growth_rate();
-        Some(Self {
-            tangent: match (grows, spectrum.softest.scaled > spectrum.tolerance) {
-                (true, _) => "negative",
-                (false, true) => "positive",
-                (false, false) => "zero",
-            },
-            largest_steps: of(&|own| own.largest_definite_step(lowest)),
+        let fastest = spectrum.fastest_growing.omega_squared;
+        // Waves that flutter have complex factors, which reach -1 for no step.
+        let rate = match fastest.im == 0.0 {
+            true => spectrum.growth_rate(),
+            false => 0.0,
+        };
+        let of = |step: &dyn Fn(ImplicitIntegrator) -> f64| {
+            let steps = ImplicitIntegrator::ALL.map(|own| (own.name(), step(own)));
+            let finite = steps.into_iter().filter(|(_, step)| step.is_finite());
+            finite.collect::<BTreeMap<_, _>>()
+        };
+        let (tangent, largest_steps) = if softest < -spectrum.tolerance {
+            ("negative", of(&|own| own.largest_definite_step(lowest)))
+        } else if softest > spectrum.tolerance {
+            ("positive", BTreeMap::new())
+        } else {
+            ("zero", BTreeMap::new())
+        };
+        Self {
+            tangent,
+            largest_steps,
             growing_steps: of(&|own| own.largest_growing_step(rate)),
-        })
+        }
     }
 
     /// Names and texts of the lines of an answer.

@@ -235,7 +235,7 @@ pub struct DiscretizationAnswer {
     /// Waves considered in these steps: all waves, or in an unstable state the waves that do not grow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damped_time_steps_of: Option<&'static str>,
-    /// Tangent and steps of implicit and static solvers; `null` for methods that define their time step, and for states that flutter.
+    /// Tangent and steps of implicit and static solvers; `null` for methods that define their time step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub implicit: Option<ImplicitAnswer>,
     /// Lower bound of the scaled measure of all waves.
@@ -505,7 +505,7 @@ fn discretization_answer(
         body: BodyStepAnswer::new(problem, f)?,
         implicit: match discrete_time {
             Some(_) => None,
-            None => ImplicitAnswer::new(spectrum),
+            None => Some(ImplicitAnswer::new(spectrum)),
         },
         discrete_time,
         damped_time_steps_of: (!steps.is_empty()).then(|| {
