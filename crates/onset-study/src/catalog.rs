@@ -602,7 +602,7 @@ const ROWS: &[Row] = &[
         &[
             (
                 "published",
-                "along each bond -alpha/2 E V_I V_J W_IJ / X_IJ^2 (delta_I + delta_J), delta_I = (F_I X_IJ - x_IJ).x_IJ / |x_IJ|",
+                "force along each bond: -alpha/2 E V_I V_J W_IJ / X_IJ^2 (delta_I + delta_J), delta_I = (F_I X_IJ - x_IJ).x_IJ / |x_IJ|",
                 "Ganzenmueller, Comput. Methods Appl. Mech. Engrg. 286 (2015) 87",
             ),
             (

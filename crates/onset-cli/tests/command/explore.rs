@@ -343,7 +343,7 @@ fn other_users_of_the_machine_are_refused() {
             page.token.as_str()
         );
     }
-    // Files belong to the program and contain no secret.
+    // The served files are part of the program and must not contain the token.
     assert!(!page.get("/", &[]).1.contains(&page.token));
 }
 

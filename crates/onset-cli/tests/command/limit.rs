@@ -201,7 +201,7 @@ fn a_limit_is_printed_with_its_notes() {
         unstable.stderr
     );
     assert!(
-        unstable.stdout.contains("with no critical step."),
+        unstable.stdout.contains("which does not limit the step."),
         "{}",
         unstable.stdout
     );

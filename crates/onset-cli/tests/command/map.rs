@@ -271,7 +271,7 @@ fn square_of(settings: &str, low: f64, high: f64, states: usize) -> String {
 #[test]
 fn a_finer_adaptive_map_agrees_with_a_regular_map_at_common_states() {
     let settings = "[discretization]\nsupport = 1.9\nframe = 'eulerian'\ncurrent-lattice = 'regular'\nlinearization = 'exact'";
-    // Every 8th of 256 states, starting with the first: the windows are shifted by 3.5 of their cells.
+    // Every 8th of 256 states, starting with the first: the coarse window is shifted by 3.5 cells of the finer map.
     let shift = 3.5 * 1.8 / 256.0;
     let finer = square_of(settings, 0.2, 2.0, 256);
     let study = square_of(settings, 0.2 - shift, 2.0 - shift, 32);

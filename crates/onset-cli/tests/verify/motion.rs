@@ -515,7 +515,7 @@ fn whole(run: &str) -> (Place, Vec<(String, Vec<u8>)>, Duration) {
 }
 
 #[test]
-fn a_killed_run_is_resumed_to_the_same_bytes() {
+fn a_resumed_run_writes_the_same_bytes_after_a_kill() {
     goes_on_when_killed(RUN);
     goes_on_when_killed(POINTS);
 }
@@ -570,7 +570,7 @@ fn goes_on_when_killed(run: &str) {
 
 #[cfg(unix)]
 #[test]
-fn an_interrupted_run_ends_cleanly_and_is_resumed_to_the_same_bytes() {
+fn an_interrupted_run_ends_cleanly_and_writes_the_same_bytes_when_resumed() {
     let (_place, files, _) = whole(RUN);
     let place = Place::new();
     let arguments = into(place.path());

@@ -123,7 +123,7 @@ impl DiscreteTimeAnswer {
             let frequency = self.frequency.unwrap_or(0.0);
             let growth = match growth > 0.0 {
                 true => format!(
-                    "a wave grows at the rate {}, with the frequency {}, along {} (reference)",
+                    "a wave grows at the rate {}, with the frequency {} and the reference wave vector {}",
                     rate(growth),
                     rate(frequency),
                     units.of(vector(&self.wave_vector), "1/m")

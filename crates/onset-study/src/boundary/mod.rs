@@ -296,7 +296,8 @@ pub struct CurveSummary {
     pub right: Phase,
     /// Whether the curve is closed.
     pub closed: bool,
-    /// Reasons why an open curve starts and ends: `edge`, `phase`, `meets`, `lost`, `budget`; `null` for a closed curve.
+    /// Reasons why an open curve starts and ends: `edge` (edge of the window), `phase` (a third phase begins), `meets` (another curve or itself), `lost`
+    /// (no continuation found), `budget` (too many states); `null` for a closed curve.
     pub ends: Option<[&'static str; 2]>,
     /// Arc length in the coordinates of the axes.
     pub length: f64,

@@ -381,7 +381,7 @@ impl Display for CardAnswer {
         if self.material.incompressible {
             writeln!(
                 formatter,
-                "(Incompressible: no boxes of three stretches, which change the volume.)"
+                "(An incompressible law has no boxes: three independent stretches would change the volume.)"
             )?;
         } else if self.material.in_plane {
             writeln!(

@@ -595,12 +595,12 @@ impl LimitAnswer {
         }
         if step.is_infinite() {
             return Some(format!(
-                "Its present value is {value}, with no critical step."
+                "Its present value is {value}, which does not limit the step."
             ));
         }
         if step == 0.0 {
             return Some(format!(
-                "Its present value is {value}, with no stable step."
+                "Its present value is {value}, for which no step is stable."
             ));
         }
         Some(format!(

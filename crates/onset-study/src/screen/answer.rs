@@ -626,7 +626,7 @@ impl ScreenAnswer {
         };
         let expectation = match self.expected {
             Some(time) => format!(
-                "They are expected to show at t = {}, and {observed}",
+                "They are expected to show at t = {}, and are {observed}",
                 short(time)
             ),
             None => format!("They are {observed}, earlier than expected"),
@@ -681,13 +681,13 @@ impl ScreenAnswer {
                 let scheme = question.stepping.name();
                 let of = match limit.and_then(|limit| limit.body) {
                     Some(_) => format!(
-                        "the largest stable step of this body in {scheme}, which the particles {at} limit"
+                        "the largest stable step of this body in {scheme}, set by the particles {at}"
                     ),
                     None => format!("the largest stable step of the lattice in {scheme}"),
                 };
                 let from = self.first.as_ref();
                 format!(
-                    "First cause: the time step. From t = {} on, {} is above {}, {of}. Oscillations are expected to show at t = {expected}, and {observed}. A step of {} is safe.",
+                    "First cause: the time step. From t = {} on, {} is above {}, {of}. Oscillations are expected to show at t = {expected}, and are {observed}. A step of {} is safe.",
                     from.map_or("?".to_owned(), |event| short(event.time)),
                     told(step),
                     short(critical),

@@ -420,7 +420,7 @@ impl BodySettings {
         .hint("choose bar, or a lattice of more dimensions")
     }
 
-    /// Returns the grips, in lengths.
+    /// Returns the grips, with the corners of their boxes converted from spacings to lengths.
     ///
     /// # Errors
     /// [`SettingError`] when a key is missing or has a wrong number of components.

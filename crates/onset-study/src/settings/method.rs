@@ -35,7 +35,7 @@ pub enum Family {
 }
 
 impl Family {
-    /// The words of the families.
+    /// Values of `discretization.method`, in the order of the variants.
     pub const WORDS: &'static [&'static str] = &[
         "kernel",
         "total-lagrangian-sph",
@@ -400,7 +400,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.corrected-forces",
         Kind::Switch,
-        "updated SPH: stresses act along corrected gradients too (LAMMPS' *GRADIENT_CORRECTION); with discretization.corrected",
+        "updated SPH: stresses act along corrected gradients too (LAMMPS' *GRADIENT_CORRECTION); requires discretization.corrected",
     )
     .only_with(UPDATED_SPH),
     key(

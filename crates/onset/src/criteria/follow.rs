@@ -399,7 +399,8 @@ impl Jumps<'_, '_> {
         let mut value = |s: f64| {
             let state = self.path.at(s)?;
             let found = self.search.descend(&state.response, &last.1);
-            // If no jump lowers the energy, the loss may be unknown.
+            // Without a jump that lowers the energy the value is positive. If the descent finds no jump at all, the gain of the given jump stands in for its
+            // unknown size.
             let Some(gaining) = found.filter(Jump::gains) else {
                 let lost = found.map_or(-loss(&jump), |found| loss(&found));
                 return Some(lost.max(f64::MIN_POSITIVE));

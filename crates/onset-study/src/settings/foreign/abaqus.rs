@@ -480,7 +480,7 @@ fn marlow(block: &Block<'_>, blocks: &[Block<'_>]) -> Result<ForeignLaw, Trouble
         return Err(Trouble::new(
             volume.line,
             "a table of volumetric tests is not read",
-            "give Poisson's ratio instead, *HYPERELASTIC, MARLOW, POISSON=0.49, or --set material.kappa",
+            "give Poisson's ratio instead (*HYPERELASTIC, MARLOW, POISSON=0.49), or --set material.kappa",
         ));
     }
     let poisson = block.parameters.iter().find(|(name, _)| name == "POISSON");

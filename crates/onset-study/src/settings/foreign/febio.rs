@@ -49,7 +49,7 @@ struct Law<'d, 't> {
 
 /// Reads the law of the material with the given number or name, or the first law.
 pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Trouble> {
-    // A block may be a part of a file, with several materials and no element around them. The line of the declaration is kept.
+    // A block may be a part of a file, with several materials and no root element. Line breaks before it are kept, so that errors name the right line.
     let body = match text.trim_start().starts_with("<?") {
         true => text.split_once("?>").map_or("", |(_, body)| body),
         false => text,

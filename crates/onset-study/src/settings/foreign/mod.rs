@@ -286,7 +286,7 @@ fn number(field: &str, line: usize) -> Result<f64, Trouble> {
         Trouble::new(
             line,
             format!("`{text}` is not a number"),
-            "expected constants with commas between them",
+            "expected a number, such as 1.5 or 2E-3",
         )
     })
 }
