@@ -399,8 +399,8 @@ impl Jumps<'_, '_> {
         let mut value = |s: f64| {
             let state = self.path.at(s)?;
             let found = self.search.descend(&state.response, &last.1);
-            // Without a jump that lowers the energy the value is positive. If the descent finds no jump at all, the gain of the given jump stands in for its
-            // unknown size.
+            // Without a jump that lowers the energy the value is positive. If the descent finds no jump at all, the gain of the given jump replaces the
+            // unknown loss.
             let Some(gaining) = found.filter(Jump::gains) else {
                 let lost = found.map_or(-loss(&jump), |found| loss(&found));
                 return Some(lost.max(f64::MIN_POSITIVE));

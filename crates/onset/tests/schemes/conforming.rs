@@ -376,7 +376,7 @@ fn the_long_wave_limit_is_accurate_for_nearly_free_relaxation() {
         .expect("waves");
     let stiffness = system.long_wave_stiffness();
     for direction in [[1.0, 0.0], [0.991, 0.133], [0.6, -0.8]].map(SVector::from) {
-        // The waves are so long that they are slower than the relative motion of the particles of a cell.
+        // At this wavelength the waves are slower than the relative motion of the particles of a cell.
         let k: SVector<f64, 2> = direction * 2e-5;
         let along = system.omega_squared(&k)[0].re / k.norm_squared();
         let tensor = stiffness.acoustic_tensor(&direction) / direction.norm_squared();
