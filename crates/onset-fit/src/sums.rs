@@ -80,11 +80,11 @@ pub(crate) enum Sum<R> {
 pub(crate) struct Curvatures<R> {
     /// Curvatures `f''` at the three stretches.
     pub own: [R; 3],
-    /// Quotients `(a_i - a_j)/(e_i - e_j)`, by the third index.
+    /// Quotients `(a_i - a_j)/(e_i - e_j)`; entry `k` is for the other two indices.
     pub quotients: [R; 3],
     /// Parts `f''_i - k_ij - k_ik + k_jk` with `k_ij = (e_i + e_j)/2` times the quotient.
     pub parts: [R; 3],
-    /// Sums of two parts, `f''_i + f''_j - 2 k_ij`, by the third index.
+    /// Sums of two parts, `f''_i + f''_j - 2 k_ij`; entry `k` is for the other two indices.
     pub pairs: [R; 3],
 }
 

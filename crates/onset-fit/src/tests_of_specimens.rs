@@ -115,7 +115,7 @@ impl Equations {
         Self { all }
     }
 
-    /// Number of different conditions of all tests: points of the same state are one.
+    /// Number of different conditions of all tests: several points of one state count once.
     pub fn len(&self) -> usize {
         let bits = |own: &Equation| {
             let [a, b, c] = own.logs.map(f64::to_bits);

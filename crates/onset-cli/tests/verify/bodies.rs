@@ -365,11 +365,11 @@ fn a_particle_beyond_the_domain_of_its_law_is_reported() {
 fn steps_above_the_critical_step_are_refused_or_blamed_for_the_failure() {
     let place = Body::new(&pulled());
     let refused = told(&place, "--steps 10 --fraction 1.5", 2);
-    assert!(refused.contains("of the largest stable one"), "{refused}");
+    assert!(refused.contains("of the largest stable step"), "{refused}");
     let line = "--steps 3000 --fraction 2 --supercritical --amplitude 1e-6 --quiet";
     let failed = told(&place, line, 1);
     assert!(
-        failed.contains("the step is above the largest stable one"),
+        failed.contains("the step is above the largest stable step"),
         "{failed}"
     );
 }

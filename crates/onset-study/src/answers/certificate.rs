@@ -141,7 +141,9 @@ impl ProofAnswer {
         } else {
             let reason = self.reason.unwrap_or("no reason");
             if reason == Reason::Method.name() {
-                return format!("{certainty} ({reason}): its waves are searched without a proof");
+                return format!(
+                    "{certainty} ({reason}): the waves of this method are searched without a proof"
+                );
             }
             match self.smallest_seen {
                 Some(seen) => {

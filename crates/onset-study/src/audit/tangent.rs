@@ -330,7 +330,7 @@ fn small_strain_update(
         .any(|(other, state)| state.stress_error(&other.cauchy, &state.sample.cauchy) > TOLERANCE);
     let lacking = measured.iter().map(|state| {
         let full = Convention::JaumannKirchhoff.tangent(&state.change, &state.change.gradient);
-        // `|sigma_ij delta_kl|` is `sqrt(3) |sigma|`.
+        // The missing term is `sigma_ij delta_kl`, with the norm `sqrt(3) |sigma|`.
         3.0_f64.sqrt() * state.sample.cauchy.norm() / onset_umat::voigt_of_tensor(&full).norm()
     });
     Ok(depends.then(|| lacking.fold(0.0, f64::max)))

@@ -396,7 +396,7 @@ mod tests {
         assert_eq!(place(&[-0.5, 0.0]), "(1/2, 0)");
         assert_eq!(place(&[-0.5, -0.5]), "(1/2, 1/2)");
         assert_eq!(place(&[1.0 / 3.0, -1.0 / 3.0]), "(1/3, -1/3)");
-        // One of k and -k.
+        // `k` and `-k` have the same name.
         assert_eq!(place(&[-0.2, 0.3]), place(&[0.2, -0.3]));
         assert_eq!(place(&[-0.5, -0.28044]), "(1/2, 0.2804)");
         assert_eq!(place(&[0.0, 0.0]), "(0, 0)");

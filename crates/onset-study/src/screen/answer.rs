@@ -49,7 +49,7 @@ pub enum Cause {
     Physical,
     /// Waves of the discretization grow in a strongly elliptic material.
     Numerical,
-    /// The time step exceeds the largest stable one.
+    /// The time step exceeds the largest stable step.
     TimeStep,
     /// Short waves that no force resists.
     ZeroEnergy,
@@ -473,12 +473,12 @@ impl ScreenAnswer {
                     told(limit.lattice)
                 ),
                 None => format!(
-                    "{} of the infinite lattice (a body of this method can have less)",
+                    "{} of the infinite lattice (a body can have a shorter one with this method)",
                     told(limit.lattice)
                 ),
             };
             evidence.push(format!(
-                "time step {}; largest stable one in {}: {of_body}, and at least {} during the run",
+                "time step {}; largest stable step in {}: {of_body}, and at least {} during the run",
                 told(step),
                 question.stepping.name(),
                 told(limit.least)
@@ -636,7 +636,7 @@ impl ScreenAnswer {
         let above = step.filter(|(_, limit)| limit.exceeded.is_some());
         let limit = match (self.at_the_limit, self.cause, above) {
             (false, Cause::None | Cause::Forced, Some((step, limit))) => format!(
-                " The time step {} is above the largest stable one, {}{}.",
+                " The time step {} is above the largest stable step, {}{}.",
                 told(step),
                 short(limit.least),
                 match self.cause {

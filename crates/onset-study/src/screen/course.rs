@@ -683,7 +683,7 @@ impl<'p> Follower<'p> {
         Actual::new(self.problem, asked, self.run, nearest, &deformations).map(Some)
     }
 
-    /// Adds the growth caused by the time step; returns the ratio of the step to the largest stable one of the body.
+    /// Adds the growth caused by the time step; returns the ratio of the step to the largest stable step of the body.
     fn step(&mut self, before: f64, interval: f64, squared: f64, extra: f64) -> Option<f64> {
         let (limit, mode) = self.limited.as_ref()?;
         let (stepping, step) = self.question.stepping()?;

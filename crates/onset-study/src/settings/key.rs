@@ -131,7 +131,7 @@ impl Kind {
 pub struct Key {
     /// Dotted name of the key.
     pub name: &'static str,
-    /// Kind of value that it accepts.
+    /// Kind of value that the key accepts.
     pub kind: Kind,
     /// Meaning of the key, as documentation and schema show it.
     pub meaning: &'static str,
@@ -598,7 +598,7 @@ impl Key {
         self.name.split_once('.').unwrap_or(("", self.name))
     }
 
-    /// Unit or dimension of a number; `1` if dimensionless.
+    /// Unit or dimension of a key that takes a number, `1` if dimensionless; `None` for other keys.
     pub fn unit(&self) -> Option<&'static str> {
         match self.kind {
             Kind::Number(unit, _) => Some(unit),

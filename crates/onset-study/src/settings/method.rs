@@ -62,7 +62,7 @@ pub enum Bonds {
     /// Stress at the deformation gradient of each bond, acting on its neighbors.
     #[serde(rename = "bond-associated-form-ii")]
     BondAssociatedFormII,
-    /// Stress at the mean deformation gradient of the families at the ends of a bond, corrected along it.
+    /// Stress at the mean deformation gradient of the families at the ends of a bond, corrected along the bond.
     BondAveraged,
 }
 
@@ -72,7 +72,7 @@ pub enum Bonds {
 pub enum Shear {
     /// The whole stress acts along gradients.
     Stress,
-    /// The shear acts between pairs of particles.
+    /// The shear stress acts between pairs of particles.
     Pairs,
 }
 

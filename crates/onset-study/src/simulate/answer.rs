@@ -382,7 +382,7 @@ impl fmt::Display for SimulateAnswer {
         let share = match self.critical_time_step {
             0.0 => "no step is stable".to_owned(),
             critical => format!(
-                "{} of the largest stable one",
+                "{} of the largest stable step",
                 told(self.time_step / critical)
             ),
         };

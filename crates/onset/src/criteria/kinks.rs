@@ -28,7 +28,7 @@ pub struct Kink {
     pub stretch: f64,
     /// Lowest derivative of the energy that jumps.
     pub kind: Discontinuity,
-    /// Norm of this jump over all components, relative to the tangent.
+    /// Norm of the jump of this derivative over all components, relative to the tangent.
     pub jump: f64,
     /// Jump of the energy density. Units of stress.
     pub energy: f64,

@@ -500,7 +500,7 @@ fn exponent(block: &Block<'_>) -> Trouble {
 
 /// Foam energy `2 mu_i/alpha_i^2 (sum lambda^alpha_i - 3 + (J^(-alpha_i beta_i) - 1)/beta_i)` with `beta_i = nu_i/(1 - 2 nu_i)`.
 fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
-    // An argument of fits: "valid only when testData = ON" (Abaqus Scripting Reference Guide, Hyperfoam object).
+    // Abaqus uses POISSON only in fits: "valid only when testData = ON" (Abaqus Scripting Reference Guide, Hyperfoam object).
     if let Some(nu) = block.value("POISSON") {
         return Err(Trouble::new(
             block.line,

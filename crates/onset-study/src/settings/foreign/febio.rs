@@ -469,7 +469,7 @@ pub(super) fn write(sheet: &Sheet) -> Result<Block, Refusal> {
             ("Ogden", own.collect())
         }
         Form::Gent(mu, limit) => ("Gent", vec![named("G", *mu), named("Jm", *limit)]),
-        // Its material Arruda-Boyce evaluates another series.
+        // FEBio's material Arruda-Boyce evaluates another series.
         Form::ArrudaBoyce(..) | Form::Foam(_) => return Err(Refusal::Lacks),
     };
     if kind != "polynomial" {

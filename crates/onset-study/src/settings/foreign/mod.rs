@@ -158,7 +158,7 @@ pub struct Reading {
     pub assignments: Vec<String>,
     /// Remarks for the reader.
     pub notes: Vec<String>,
-    /// Name of a law whose energy is a table, too long to print.
+    /// Name of a law whose energy is a table, too long to print; `None` for other laws.
     pub name: Option<String>,
 }
 
