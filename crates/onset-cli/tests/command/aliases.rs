@@ -176,7 +176,7 @@ fn moduli_determine_a_law_and_its_state_lists_them() {
         210.0 * 0.3 / (1.3 * 0.4),
         1e-13,
     );
-    // C1212 and C1111 at F = 1.
+    // Moduli C1212 and C1111 at F = 1.
     assert_close(
         number(&answer, "/material/tangent/0/1/0/1"),
         210.0 / 2.6,

@@ -8,7 +8,7 @@ const LAW: &str = "--set material.model=neo-hooke --set material.mu=1 --set mate
 
 #[test]
 fn the_largest_modulus_of_a_chain_of_bars_follows_from_its_wave_speed() {
-    // h / c >= dt: E (1 - nu) / ((1 + nu) (1 - 2 nu)) <= rho h^2 / dt^2.
+    // The condition h / c >= dt limits Young's modulus: E (1 - nu) / ((1 + nu) (1 - 2 nu)) <= rho h^2 / dt^2.
     let law = "--set material.model=neo-hooke --set material.young=1 --set material.poisson=0.3";
     let line = format!("limit --vary material.young --time-step 0.01 {law} {BARS}");
     let answer = document(&line);
@@ -89,7 +89,7 @@ fn the_largest_modulus_of_runge_kutta_methods_follows_from_their_stability_on_th
     // P-wave modulus, 2 mu + lambda.
     let largest =
         |integrator: &str| 2.0 * number(&document(&line(integrator)), "/admitted/0/to/value") + 2.0;
-    // (omega dt)^2 of each integrator over the value 4 of leapfrog.
+    // Limits of (omega dt)^2, divided by the limit 4 of leapfrog.
     let leapfrog = largest("leapfrog");
     for (name, ratio) in [
         ("rk4", 2.0),

@@ -161,7 +161,7 @@ fn a_map_agrees_with_the_state_command() {
     let place = Place::new(STUDY);
     place.computed("a.zarr", "");
     let store = opened(&place, "a.zarr");
-    // The last state of the first tile.
+    // Stretches of the last state of the first tile.
     let center = |n: f64| 0.2 + 1.8 * 7.5 / n;
     let stretch = format!("{:?},{:?}", center(36.0), center(34.0));
     let state = crate::document(&format!(

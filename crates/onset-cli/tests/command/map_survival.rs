@@ -74,7 +74,7 @@ fn stopped_by(name: &str) {
     let place = Place::new(STUDY);
     place.computed("whole.zarr", "");
     let child = started(&place, "interrupted.zarr", "");
-    // Interrupted as soon as the first tile is finished.
+    // The map is interrupted as soon as its first tile is finished.
     while done(&place, "interrupted.zarr") == 0 {
         std::thread::sleep(Duration::from_millis(1));
     }

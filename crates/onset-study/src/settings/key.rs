@@ -173,7 +173,7 @@ pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
         key(
             "material.plane",
             Kind::Words(&["strain", "stress", "membrane"]),
-            "in two dimensions plane strain, plane stress (a thin sheet whose thickness is computed) or membrane (a two-dimensional law, as for cloth); in one, uniaxial strain or uniaxial stress",
+            "in two dimensions plane strain, plane stress (a thin sheet whose thickness is computed) or membrane (a two-dimensional law, as for cloth); in one dimension, uniaxial strain or uniaxial stress",
         ),
     ];
     keys.extend(parameter_keys());

@@ -523,7 +523,7 @@ fn check_ellipticity(random: &mut Random, seen: &mut [usize; 3]) {
         }
         Ellipticity::Undecided => assert!(truth.to_f64().value().abs() <= 2.0 * minimum.rounding),
     }
-    // Value and verdict.
+    // The verdict agrees with the value.
     let number = minimum.significant();
     let of_number = if number > 0.0 {
         Ellipticity::Elliptic

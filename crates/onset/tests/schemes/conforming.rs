@@ -279,14 +279,14 @@ fn smoothing_on_a_chain_with_two_neighbors_at_the_midpoints_is_the_central_diffe
             },
         ))
     };
-    // Unit E / (rho h^2).
+    // Unit of omega^2: E / (rho h^2).
     let unit = 2.7 / (1.3 * 0.9 * 0.9);
     let plain = of(0.0);
     for angle in [0.2_f64, 1.0, PI / 2.0, 2.8] {
         let found = plain.omega_squared(&Vector1::new(angle / 0.9))[0].re;
         assert!((found - unit * angle.sin().powi(2)).abs() < 1e-12);
     }
-    // The halves of a cell at the shortest wave: from the value at the node to zero, over h/2.
+    // Gradient of the shortest wave in half of a cell: from the value at the node to zero, over h/2.
     let w = weight(0.9) / weight(0.0);
     let slope = 2.0 * (1.0 - 2.0 * w) / (1.0 + 2.0 * w);
     let found = of(c).omega_squared(&Vector1::new(PI / 0.9))[0].re;

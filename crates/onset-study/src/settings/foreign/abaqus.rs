@@ -470,7 +470,7 @@ fn marlow(block: &Block<'_>, blocks: &[Block<'_>]) -> Result<ForeignLaw, Trouble
         return Err(Trouble::new(
             block.line,
             format!("MARLOW needs the table of one test, {} found", tests.len()),
-            "write *UNIAXIAL TEST DATA (or BIAXIAL, PLANAR) below it, with nominal stress, nominal strain on each line",
+            "write *UNIAXIAL TEST DATA (or BIAXIAL, PLANAR) below the keyword, with nominal stress, nominal strain on each line",
         ));
     };
     if let Some(volume) = blocks

@@ -352,7 +352,7 @@ fn yeoh(law: &Law<'_, '_>) -> Result<ForeignLaw, Trouble> {
         .map(|(n, c)| ((n + 1, 0), c / (n + 1) as f64))
         .collect();
     let note = own[1..].iter().any(|c| *c != 0.0).then(|| {
-        "FEBio documents the energy sum c_i x^i, x = I1bar - 3, and evaluates the stress of sum c_i x^i/i; the evaluated law is read"
+        "FEBio documents the energy sum c_i x^i, x = I1bar - 3, and evaluates the stress of sum c_i x^i/i; onset reads the law that FEBio evaluates"
             .to_owned()
     });
     Ok(law.polynomial(&constants)?.noted(note))
@@ -419,7 +419,7 @@ fn arruda_boyce(law: &Law<'_, '_>) -> Result<ForeignLaw, Trouble> {
     let energy = Energy::Formula(energy);
     let own = ForeignLaw::new(law.line, law.title(), energy, constants, (mu, volume));
     Ok(own.noted(Some(
-        "FEBio documents the series of Arruda and Boyce, and evaluates its i-th term i times; the evaluated law is read".to_owned(),
+        "FEBio documents the series of Arruda and Boyce, and evaluates its i-th term i times; onset reads the law that FEBio evaluates".to_owned(),
     )))
 }
 
