@@ -156,19 +156,19 @@ pub struct ScreenAnswer {
     pub observed: Option<Event>,
     /// Wavelength of the fastest-growing wave in the reference configuration, in spacings; `null` unless the cause is numerical.
     pub wavelength: Option<f64>,
-    /// Growth rate of this wave; 1/time. `null` unless the cause is numerical or the time step.
+    /// Growth rate of the fastest-growing wave or oscillation; 1/time. `null` unless the cause is numerical or the time step.
     pub growth: Option<f64>,
     /// Facts that support the cause.
     pub evidence: Vec<String>,
     /// Suggested changes, and commands that examine the decisive state.
     pub remedy: Vec<String>,
-    /// Changes of the discretization, with the time at which its waves then show.
+    /// Changes of the discretization, with the time at which growing waves then show.
     pub changes: Vec<Remedy>,
     /// Limits of the theory in this run.
     pub limits: Vec<String>,
     /// Lowest modes of the body in one frame; `null` if they were not requested.
     pub actual: Option<Actual>,
-    /// Largest stable time steps.
+    /// Largest stable time steps; `null` for runs whose step is not judged.
     pub time_step: Option<StepLimit>,
     /// Smallest amplitude of observed short waves; spacings.
     pub threshold: f64,

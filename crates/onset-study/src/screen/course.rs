@@ -79,13 +79,13 @@ pub struct StepLimit {
     pub body: Option<f64>,
     /// Smallest value of the largest stable step during the run, until the first event; time.
     pub least: f64,
-    /// Time at which the step of the run first exceeds this limit; `None` if it stays below.
+    /// Time at which the step of the run first exceeds the largest stable step; `None` if it never does.
     pub exceeded: Option<f64>,
-    /// Growth rate of the fastest oscillation at that time; 1/time.
+    /// Growth rate of the fastest oscillation when the step first exceeds the largest stable step; 1/time.
     pub growth: f64,
-    /// Particle that limits the step.
+    /// Particle that limits the step; `None` for methods whose particles have no forces at arbitrary positions.
     pub particle: Option<usize>,
-    /// Reference position of this particle; length.
+    /// Reference position of `particle`; length. `None` without such a particle.
     pub place: Option<[f64; 3]>,
 }
 

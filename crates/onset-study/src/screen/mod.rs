@@ -93,7 +93,7 @@ pub struct Run {
     pub volumes: Option<Vec<f64>>,
     /// Particles whose motion is prescribed.
     pub held: Vec<bool>,
-    /// Nodes of each element, if states are evaluated in the elements instead of the particles.
+    /// Nodes of each element; `None` if states are evaluated in the particles.
     pub cells: Option<Vec<Vec<usize>>>,
     /// Rounding of positions in the file; length.
     pub rounding: f64,

@@ -22,7 +22,7 @@ pub struct Measured {
     pub rate: Rate,
     /// Difference from the predicted rate, relative to that rate; for a zero-energy mode, relative to the largest frequency of the patch.
     pub difference: f64,
-    /// Uncertainty of the rate, relative to the same quantity.
+    /// Uncertainty of the rate, relative to the scale of `difference`.
     pub uncertainty: f64,
     /// Root mean square of the residual, divided by the largest amplitude of the record.
     pub residual: f64,

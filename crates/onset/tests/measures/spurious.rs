@@ -76,8 +76,8 @@ fn nodal_integration_on_the_hexagonal_lattice_has_zero_energy_modes_at_m_and_k()
 
 #[test]
 fn nodal_integration_has_seventeen_zero_energy_wave_vectors_on_cubes_and_one_on_a_chain() {
-    // The gradient vanishes where sin x (w1 + 2 w2 (b + c) + 4 w3 b c) = 0 and its cyclic permutations hold, with the cosines a, b, c and the values
-    // w = W'/q at the three distances. With all sines zero there are 7 wave vectors. With one sine zero (cosine -1) there are 6, at
+    // The gradient vanishes where sin x (w1 + 2 w2 (b + c) + 4 w3 b c) = 0 and its cyclic permutations hold. Here a, b, c are the cosines, and
+    // w1, w2, w3 the values of W'/q at the three distances. With all sines zero there are 7 wave vectors. With one sine zero (cosine -1) there are 6, at
     // a = b = -0.786. With no sine zero there are 4, at a = b = c = -0.898.
     let cubes = method::<3>(nodal(LatticeKind::SimpleCubic));
     let modes = found(&cubes, 0.5);

@@ -64,7 +64,7 @@ pub struct TotalLagrangianChoices {
     pub penalty: f64,
     /// Form of the penalty, which fixes its denominators.
     pub penalty_form: PenaltyForm,
-    /// Artificial viscosity, if any.
+    /// Artificial viscosity; `None` for no viscosity.
     pub viscosity: Option<ArtificialViscosity>,
     /// Coefficient `epsilon` of XSPH; zero for no velocity smoothing.
     pub velocity_smoothing: f64,
