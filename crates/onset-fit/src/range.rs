@@ -453,7 +453,7 @@ pub struct Limit {
     pub mode: Mode,
     /// Criterion that is lost.
     pub criterion: Criterion,
-    /// Stretch at which it is lost.
+    /// Stretch at which the criterion is lost.
     pub stretch: f64,
 }
 

@@ -14,7 +14,7 @@ pub struct Point {
     /// Stretch along the load; the amount of shear `gamma` in simple shear, the volume ratio `J` in a volumetric test.
     pub stretch: f64,
     /// Lateral stretch along axis 2 (and 3, if they are equal); for compressible laws. In equibiaxial and planar tests it is the stretch through the
-    /// thickness.
+    /// thickness. `None` if it was not measured.
     pub lateral: Option<f64>,
     /// Nominal stress along the load, or pressure in a volumetric test; units of stress.
     pub stress: f64,

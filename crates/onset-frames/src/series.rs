@@ -88,7 +88,7 @@ pub struct Recognized {
     pub format: Format,
     /// Files that the user named, after wildcards.
     pub files: Vec<PathBuf>,
-    /// Number of frames that will be read, or `None` if it is unknown until then.
+    /// Number of frames that will be read; `None` if it is unknown before they are read.
     pub frames: Option<usize>,
     /// Columns of the first frame with their use.
     pub columns: Vec<ColumnUse>,

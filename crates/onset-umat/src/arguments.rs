@@ -62,7 +62,7 @@ impl Arguments {
         self.range(name).start
     }
 
-    /// Index in [`NAMES`] of an argument that was written beyond its ends.
+    /// Index in [`NAMES`] of an argument that was written beyond its ends; `None` if no argument was.
     pub fn overrun(&self) -> Option<usize> {
         let is_changed = |n: &usize| self.numbers[*n].to_bits() != GUARD.to_bits();
         let margin = |start: usize| start..start + MARGIN_VALUES;

@@ -47,7 +47,7 @@ pub struct WitnessAnswer {
     pub wave_vector: Vec<f64>,
     /// Lower and upper bound of the measure.
     pub measure: [f64; 2],
-    /// In 3D: polarization that confirms the direction.
+    /// Polarization that confirms the direction in 3D; `null` in one and two dimensions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub polarization: Option<Vec<f64>>,
     /// Lower bound of the growth rate, in units of sound speed over spacing; for the material, in units of sound speed times wave number.

@@ -76,7 +76,7 @@ pub struct StateAnswer {
     pub material_3d: Option<SpaceAnswer>,
     /// The discretization, as searched in floating point.
     pub discretization: DiscretizationAnswer,
-    /// Proofs, if they were requested.
+    /// Proofs; `null` if they were not requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub certificate: Option<CertificateAnswer>,
 }

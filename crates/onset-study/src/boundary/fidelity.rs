@@ -73,9 +73,9 @@ pub struct Rays {
     pub only_discretization: usize,
     /// Number of rays along which the discretization is undefined before it loses stability.
     pub undefined: usize,
-    /// Ray with the largest distance of the onsets, `[sum (lambda_i^num - lambda_i^exact)^2]^(1/2)`, relative to the exact stretch.
+    /// Ray with the largest distance of the onsets, `[sum (lambda_i^num - lambda_i^exact)^2]^(1/2)`, relative to the exact stretch. `null` if no ray has both onsets.
     pub worst: Option<WorstRay>,
-    /// Ray with the largest error of the Cauchy stress at onset, relative to the exact stress.
+    /// Ray with the largest error of the Cauchy stress at onset, relative to the exact stress. `null` if no ray has both onsets.
     pub worst_stress: Option<WorstStress>,
 }
 

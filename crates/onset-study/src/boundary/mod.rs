@@ -276,7 +276,7 @@ pub struct Summary {
     pub notes: Vec<String>,
 }
 
-/// Phases of a window without boundaries; `None` if a change of phase was detected.
+/// Phases of a window without boundaries; a phase is `null` if a change of phase was detected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Throughout {
     /// Phase of the material.

@@ -148,7 +148,7 @@ pub struct ScreenAnswer {
     pub sentence: String,
     /// Whether a change of the limit by 2 % would change the cause.
     pub at_the_limit: bool,
-    /// Place and time at which the cause begins. For a time step, it then exceeds the largest stable step.
+    /// Place and time at which the cause begins; for a time step, at which it exceeds the largest stable step. `null` without a cause.
     pub first: Option<Event>,
     /// Time at which short waves are expected to show; `null` if they are not expected.
     pub expected: Option<f64>,

@@ -35,7 +35,7 @@ pub const THRESHOLD: f64 = 0.05;
 /// Default width of the bins of stretch.
 pub const BIN: f64 = 0.001;
 
-/// Time stepping scheme of a code and alternative names for it, as `--stepping` reads them.
+/// Time stepping scheme of a code and alternative names for it, as `--stepping` reads them; `None` for other names.
 pub fn stepping_named(name: &str) -> Option<Stepping> {
     let own = match name {
         "central-differences" | "leapfrog" | "symplectic-euler" | "kick-drift-kick" => {

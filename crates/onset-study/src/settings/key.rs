@@ -530,7 +530,7 @@ fn free_parameter(name: &str) -> &'static Key {
 }
 
 impl Key {
-    /// Returns the key with a name: one of [`study_keys`], or `material.` with a parameter name of a user-defined model (letters, digits and `_`, a
+    /// Returns the key with the given name, or `None`: one of [`study_keys`], or `material.` with a parameter name of a user-defined model (letters, digits and `_`, a
     /// letter first).
     pub fn named(name: &str) -> Option<&'static Self> {
         let name = aliases::of_key(name);

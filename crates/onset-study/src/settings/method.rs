@@ -284,7 +284,7 @@ impl Default for MethodSettings {
 pub(crate) const STEP_OF_RATES: &str = "discretization.time-step";
 
 impl MethodSettings {
-    /// Time step for growth rates of material points with a transfer: as set, or half of the largest stable step.
+    /// Time step for growth rates of material points with a transfer: as set, or half of the largest stable step; `None` if neither is known.
     pub fn step_of_rates(&self, largest: Option<f64>) -> Option<f64> {
         match self.time_step {
             0.0 => largest.map(|step| 0.5 * step),

@@ -65,7 +65,7 @@ impl Track {
         }
     }
 
-    /// Perturbation at the limit.
+    /// Perturbation at the first change; `None` if the criterion does not change.
     pub fn witness(&self) -> Option<&Witness> {
         self.events.first().map(|event| &event.witness)
     }

@@ -222,12 +222,12 @@ pub fn library() -> &'static [Law] {
 }
 
 impl Law {
-    /// Returns the law with a given name.
+    /// Returns the law with the given name, or `None`.
     pub fn named(name: &str) -> Option<&'static Self> {
         LIBRARY.iter().find(|law| law.name == name)
     }
 
-    /// Returns the parameter with a given name.
+    /// Returns the parameter with the given name, or `None`.
     pub fn parameter(&self, name: &str) -> Option<&'static Parameter> {
         self.parameters
             .iter()

@@ -24,7 +24,7 @@ pub(super) enum Test {
 }
 
 impl Test {
-    /// Returns the test of an Abaqus keyword.
+    /// Returns the test of an Abaqus keyword; `None` for other keywords.
     pub fn of_keyword(keyword: &str) -> Option<Self> {
         match keyword {
             "UNIAXIALTESTDATA" => Some(Self::Uniaxial),
