@@ -639,7 +639,7 @@ fn course(
     Course::of_mode(mode, arguments.lateral, from, to).map_err(|known| {
         let asked = arguments.lateral.map_or("", Lateral::name);
         Failure::input(format!(
-            "--lateral {asked} is not supported with {} loading\n  hint: it supports {known}",
+            "--lateral {asked} is not supported with {} loading\n  hint: supported: {known}",
             mode.name()
         ))
     })

@@ -87,7 +87,7 @@ fn unknown_loadings_are_refused_with_the_available_ones() {
     for (line, fact) in [
         (
             "path --mode uniaxial --lateral plane-stress --to 2",
-            "it supports free, plane-strain, held",
+            "supported: free, plane-strain, held",
         ),
         ("path --mode twist --to 2", "expected one of uniaxial"),
         ("path --mode uniaxial --to 2,1", "one imposed stretch"),

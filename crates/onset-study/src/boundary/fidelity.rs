@@ -48,11 +48,11 @@ pub struct Apart {
     pub distance: f64,
     /// Largest distance of a point on the material's boundary from the boundary of the discretization.
     pub from_material: f64,
-    /// Point on the material's boundary with this distance.
+    /// Point on the material's boundary that is farthest from the boundary of the discretization.
     pub from_material_at: [f64; 2],
     /// Largest distance of a point on the boundary of the discretization from the material's boundary.
     pub from_discretization: f64,
-    /// Point on the boundary of the discretization with this distance.
+    /// Point on the boundary of the discretization that is farthest from the material's boundary.
     pub from_discretization_at: [f64; 2],
     /// Unit of the distances.
     ///

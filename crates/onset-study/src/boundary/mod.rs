@@ -98,7 +98,7 @@ pub struct Boundaries {
     pub discretization: Boundary,
     /// Phases of a window without boundaries.
     pub throughout: Throughout,
-    /// Fidelity of the discretization, if requested.
+    /// Fidelity of the discretization; `null` if it was not requested.
     pub fidelity: Option<Fidelity>,
     /// Notes on law and method.
     pub notes: Vec<String>,
@@ -270,7 +270,7 @@ pub struct Summary {
     pub is_complete: bool,
     /// Points where the phase changes, but no curve could be traced.
     pub unresolved: Vec<[f64; 2]>,
-    /// Fidelity of the discretization, if requested.
+    /// Fidelity of the discretization; `null` if it was not requested.
     pub fidelity: Option<Fidelity>,
     /// Notes on law and method.
     pub notes: Vec<String>,

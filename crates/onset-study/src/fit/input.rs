@@ -96,7 +96,7 @@ pub struct Reading {
 pub struct Tests {
     /// Tests in the order of the files.
     pub tests: Vec<Test>,
-    /// Unit of all stresses, if the tables name one.
+    /// Unit of all stresses; `None` if the tables name no unit.
     pub unit: Option<String>,
     /// Remarks for the reader.
     pub notes: Vec<String>,

@@ -110,7 +110,7 @@ pub struct Admitted {
 pub struct LimitAnswer {
     /// The key of the setting.
     pub key: &'static str,
-    /// Unit of the setting, if values have units.
+    /// Unit of the setting; `null` if values have no units.
     pub unit: Option<&'static str>,
     /// The time step that must be stable. Time.
     pub time_step: f64,

@@ -9,9 +9,9 @@ use crate::algebra::array_of;
 pub enum Admitted {
     /// All numbers up to the largest magnitude of the unit: 1e20 with a dimension, 1e6 without, one turn for angles.
     Any,
-    /// Positive numbers between that magnitude and its reciprocal.
+    /// Positive numbers between the largest magnitude of the unit and its reciprocal.
     Positive,
-    /// Numbers from zero up to that magnitude.
+    /// Numbers from zero up to the largest magnitude of the unit.
     NotNegative,
     /// Numbers from 0 to 1.
     Fraction,
