@@ -428,7 +428,7 @@ fn foams_are_fitted_with_their_lateral_stretches() -> Outcome {
 }
 
 #[test]
-fn a_stable_law_is_proved_and_an_unstable_one_has_no_constants() -> Outcome {
+fn a_stable_law_is_proved_and_an_unstable_law_has_no_constants() -> Outcome {
     let tests = data("treloar")?;
     let proved = fit(&tests, &of("yeoh")?, &Options::default())?;
     assert!(proved.stable.is_none());

@@ -88,7 +88,7 @@ fn each_rule_excludes_the_methods_that_it_describes() {
 }
 
 #[test]
-fn methods_are_ranked_by_error_times_cost_with_excluded_ones_last() {
+fn methods_are_ranked_by_error_times_cost_with_excluded_methods_last() {
     let with = |change: fn(&mut Measured)| {
         let mut measured = good();
         change(&mut measured);

@@ -121,7 +121,7 @@ fn strong_damping_allows_steps_beyond_the_undamped_limit() {
 }
 
 #[test]
-fn a_method_that_defines_its_step_is_limited_by_it() {
+fn a_method_that_defines_its_step_is_limited_by_this_step() {
     let method = "set method=material-points set lattice=chain set unknowns=particles set transfer=apic set grid-functions=quadratic-spline";
     let line = format!("limit --vary material.mu --time-step 0.1 {LAW} {method}");
     let mu = number(&document(&line), "/admitted/0/to/value");

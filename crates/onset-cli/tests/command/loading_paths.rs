@@ -83,7 +83,7 @@ fn a_path_is_written_as_a_table_and_a_figure() {
 }
 
 #[test]
-fn unknown_loadings_are_refused_with_the_available_ones() {
+fn unknown_loadings_are_refused_with_the_available_loadings() {
     for (line, fact) in [
         (
             "path --mode uniaxial --lateral plane-stress --to 2",

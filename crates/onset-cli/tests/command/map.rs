@@ -311,7 +311,7 @@ fn a_section_through_a_map_of_three_axes_equals_the_map_of_two_axes() {
 }
 
 #[test]
-fn an_adaptive_map_of_three_axes_has_the_verdicts_of_a_regular_one() {
+fn an_adaptive_map_of_three_axes_has_the_verdicts_of_a_regular_map() {
     let study = "[[axes]]\nquantity = \"stretch-1\"\nrange = [0.5, 2.5]\nstates = 16\n\
                  [[axes]]\nquantity = \"stretch-2\"\nrange = [0.5, 2.5]\nstates = 15\n\
                  [[axes]]\nquantity = \"stretch-3\"\nrange = [0.8, 1.2]\nstates = 9\n\
@@ -396,7 +396,7 @@ fn a_map_stores_exactly_the_outputs_in_its_study() {
 }
 
 #[test]
-fn an_unknown_output_is_refused_with_the_available_ones() {
+fn an_unknown_output_is_refused_with_the_available_outputs() {
     let place = Place::new(STUDY);
     let answer = place.map("none.zarr", "--set map.outputs=growth");
     assert_eq!(answer.code, Some(2));

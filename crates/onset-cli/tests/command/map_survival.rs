@@ -227,7 +227,7 @@ fn together(place: &Place, store: &str, parts: &[&str]) {
 }
 
 #[test]
-fn a_store_written_by_four_processes_is_identical_to_one_written_by_a_single_process() {
+fn a_store_written_by_four_processes_is_identical_to_a_store_of_a_single_process() {
     let place = Place::new(STUDY);
     place.computed("whole.zarr", "");
     let whole = tree(&place.store("whole.zarr"));

@@ -376,7 +376,7 @@ fn the_sixth_order_integrator_conserves_the_energy_of_conservative_methods() {
 }
 
 #[test]
-fn below_the_critical_step_noise_stays_bounded_and_above_it_grows() {
+fn noise_stays_bounded_below_the_critical_step_and_grows_above() {
     let chain = &Subject::all(&[1])[9..11];
     for subject in chain {
         let rest = subject.stretch(1.0, 1.0);

@@ -163,7 +163,7 @@ fn memory_is_limited() {
 /// A process may wait for its children without processor time, so that the system must end an endless child.
 #[test]
 #[cfg(target_os = "linux")]
-fn processes_started_by_a_umat_end_with_it() {
+fn processes_started_by_a_umat_end_with_the_umat() {
     let own = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("forks.so");
     std::fs::copy(library(&HOSTILE), &own).expect("a copy");
     let umat = Umat::new(UmatSettings {

@@ -127,7 +127,7 @@ fn a_rotation_along_the_path_only_rotates_the_stress_of_a_plastic_material() {
 }
 
 #[test]
-fn the_tangent_is_elastic_before_yield_and_plastic_after_it() {
+fn the_tangent_is_elastic_before_yield_and_plastic_after_yield() {
     let umat = plastic(1);
     let [young, poisson, yield_stress, hardening] = STEEL;
     let shear = young / (2.0 * (1.0 + poisson));

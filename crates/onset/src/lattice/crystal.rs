@@ -379,7 +379,7 @@ mod tests {
     use nalgebra::SMatrix;
 
     #[test]
-    fn every_particle_of_the_honeycomb_has_three_nearest_neighbors_and_six_next_ones() {
+    fn every_particle_of_the_honeycomb_has_three_nearest_and_six_second_neighbors() {
         let honeycomb = Crystal::<2>::of(LatticeKind::Honeycomb, 1.3).expect("a crystal");
         assert!((honeycomb.nearest_distance() - 1.3).abs() < 1e-12);
         for place in honeycomb.sites() {

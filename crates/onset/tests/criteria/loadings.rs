@@ -50,7 +50,7 @@ fn a_blatz_ko_bar_contracts_with_a_poisson_ratio_of_one_quarter() {
 }
 
 #[test]
-fn nearly_incompressible_bars_approach_the_incompressible_ones() {
+fn nearly_incompressible_bars_approach_incompressible_bars() {
     for (lambda, tolerance) in [(1e3, 2e-2), (1e5, 2e-4), (1e7, 2e-6)] {
         let law = NeoHooke { mu: 1.0, lambda };
         let bar = path(&law, Mode::Uniaxial, Lateral::Free);
