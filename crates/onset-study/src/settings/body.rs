@@ -366,7 +366,7 @@ impl BodySettings {
                         origin.clone(),
                         "`body.height` has no effect in two dimensions",
                     )
-                    .hint("leave it out"));
+                    .hint("leave body.height out"));
                 }
                 Ok(Shape::Ring {
                     radius: needed("body.radius")?,

@@ -407,7 +407,7 @@ fn stepped(
         None => Ok((stepper, transfer)),
         Some(_) => Err(refused(
             format!("--integrator has no effect: the {transfer} transfer defines the step"),
-            "leave it out; or set discretization.transfer=continuous, for equations in continuous time",
+            "leave --integrator out, or set discretization.transfer=continuous for equations in continuous time",
         )),
     }
 }
