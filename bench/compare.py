@@ -5,7 +5,7 @@
 
 import os
 
-# Before NumPy is loaded: its batches already occupy all cores.
+# Set before NumPy is loaded, because the batches already occupy all cores.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import argparse

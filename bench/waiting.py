@@ -68,7 +68,7 @@ class Program:
             [self.path, *arguments], cwd=self.folder, env=environment, capture_output=True, text=True
         )
         wall, after = time.perf_counter() - begin, os.times()
-        # Exit code 3: a verdict in --fail-on.
+        # Exit code 3 reports a verdict listed in --fail-on.
         if done.returncode not in (0, 3):
             raise SystemExit(f"onset {shlex.join(arguments)}: exit code {done.returncode}\n{done.stderr}")
         used = after.children_user + after.children_system - before.children_user - before.children_system

@@ -154,7 +154,7 @@ def factors(xp, point, f, sigma, a, factor):
     to_self = []
     for i in two:
         for k in two:
-            # (grad phi_I)_j a_ijkl + sigma_il (grad phi_I)_k
+            # Sum of (grad phi_I)_j a_ijkl and sigma_il (grad phi_I)_k.
             elastic = [
                 factor * (sum(a[i][j][k][l] * gradient[j] for j in two) + sigma[i][l] * gradient[k])
                 for l in two

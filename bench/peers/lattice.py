@@ -5,7 +5,7 @@ import numpy as np
 # Primitive vectors a_i as rows, reciprocal vectors b_i as rows: a_i . b_j = 2 pi delta_ij.
 VECTORS = np.array([[1.0, 0.0], [0.5, 0.5 * np.sqrt(3.0)]])
 RECIPROCAL = 2.0 * np.pi * np.linalg.inv(VECTORS).T
-# D_mx.
+# Support D_mx in units of the spacing.
 SUPPORT = 2.0
 # The particle, and the centroid of one of the two triangles, in lattice coordinates. The other centroid is its mirror
 # image about the particle: it contributes the complex conjugate.

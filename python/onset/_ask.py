@@ -1183,7 +1183,7 @@ def map_into(
 
 def _elsewhere(executor: Executor, study: Study, folder: str, tiles: int) -> None:
     """Computes all tiles with an executor."""
-    # Unique for each run: a scheduler with a cache must not reuse the results of an earlier store.
+    # The mark is unique, because a scheduler with a cache must not reuse the results of an earlier store.
     run = uuid4().hex
     futures = [executor.submit(_tile, study, folder, tile, run) for tile in range(tiles)]
     try:

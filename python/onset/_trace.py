@@ -150,7 +150,7 @@ class Symbol:
         if method != "__call__" or options:
             return NotImplemented
         if any(isinstance(own, np.ndarray) and own.ndim > 0 for own in inputs):
-            # Each element of the array separately.
+            # Each element of the array is traced separately.
             parts = np.broadcast(*(_objects(own) for own in inputs))
             results = [_called(ufunc.__name__, part) for part in parts]
             return np.array(results + [None], dtype=object)[:-1].reshape(parts.shape).view(Tensor)
@@ -319,7 +319,7 @@ def written(symbol: Symbol) -> str:
     order: list[Symbol] = []
 
     def count(root: Symbol) -> None:
-        # Without recursion: sums may be long.
+        # No recursion, because sums may be long.
         stack = [(root, False)]
         while stack:
             part, is_done = stack.pop()

@@ -218,7 +218,7 @@ def answered(ask: Callable[[], onset.Answer]) -> tuple[int, str]:
 def test_python_and_command_line_give_identical_documents_and_messages() -> None:
     chance = random.Random(17)
     weights = [weight for weight, _ in PERCENTAGES]
-    # Each call at least once, the others at random by percentage.
+    # Each call is made at least once, further calls at random by percentage.
     makers = [make for _, make in PERCENTAGES] + chance.choices([make for _, make in PERCENTAGES], weights, k=CASES - len(PERCENTAGES))
     calls = [make(chance) for make in makers]
     with ThreadPoolExecutor(2) as pool:
@@ -321,7 +321,7 @@ def test_a_study_built_from_objects_gives_the_same_store_as_its_file(tmp_path: P
     assert study.shape == (10, 12)
     study.save(tmp_path / "study.toml")
     command("map", str(tmp_path / "study.toml"), "--out", str(tmp_path / "there.zarr"))
-    # Tiles in parts, the remaining tiles with `resume`.
+    # Tiles are computed in parts, and the remaining tiles with `resume`.
     onset.map_into(tmp_path / "here.zarr", study, tiles=(1, 3))
     onset.map_into(tmp_path / "here.zarr", study, tiles="2/2")
     with pytest.raises(onset.InputError, match="for example 1/8"):

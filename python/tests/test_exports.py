@@ -29,7 +29,7 @@ def wave_vector(method: onset.Method, *turns: float) -> np.ndarray:
         SPH.replace(penalty=0.2),
         onset.Method("updated-sph", lattice="hexagonal", kernel="cubic-spline", support=2.2),
         onset.Method("total-lagrangian-sph", lattice="honeycomb", kernel="cubic-spline", support=3.0),
-        # omega^2 is complex.
+        # Method with complex omega^2.
         onset.Method(lattice="square", frame="eulerian", support=1.6),
     ],
 )
@@ -51,7 +51,7 @@ def test_forces_on_a_supercell_agree_with_the_plane_wave(method: onset.Method, t
         for phase in (0.0, 0.7):
             moved = mode.at(phase)[same, :2].ravel()
             size = np.max(np.abs(waves.omega_squared)) * np.max(np.abs(moved))
-            # Re(omega^2 u exp(-i p)); Im(u exp(-i p)) is the displacement a quarter of a period later.
+            # Expected: Re(omega^2 u exp(-i p)), where Im(u exp(-i p)) is the displacement a quarter period later.
             later = mode.at(phase + 0.5 * np.pi)[same, :2].ravel()
             expected = omega_squared.real * moved - omega_squared.imag * later
             np.testing.assert_allclose((forces @ moved).real, expected, atol=1e-9 * size)
@@ -203,7 +203,7 @@ def test_the_band_file_agrees_with_the_bands(tmp_path: Path, method: onset.Metho
     assert not np.any(spatial[:, 2])
     distance = np.array([point["distance"] for point in file["phonon"]])
     steps = np.linalg.norm(np.diff(q @ reciprocal, axis=0), axis=1)
-    steps[241] = 0.0  # The jump.
+    steps[241] = 0.0  # Jump of the path between two segments.
     np.testing.assert_allclose(np.diff(distance), steps, atol=1e-12)
     # Masses of one cell, and orthonormal eigenvectors of the mass-scaled stiffness matrix.
     masses = np.array([point["mass"] for point in file["points"]])

@@ -30,7 +30,7 @@ pub fn run(quick: bool) -> Result<(), String> {
     let onset = current.join(target).join("release/onset");
     waiting(&interpreter, &onset, quick)?;
     bodies(&cargo, &interpreter, quick)?;
-    // Compiled before it is timed.
+    // The program is compiled before it is timed.
     step(
         "the map",
         Command::new(&cargo).args([

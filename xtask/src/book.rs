@@ -50,7 +50,7 @@ pub fn tools() -> Result<PathBuf, String> {
         Command::new(cargo)
             .args(["install", "mdbook", "--locked", "--no-default-features"])
             .args(["--version", VERSION, "--root", TOOLS])
-            // It builds a single book, so that a short compilation matters more than its speed.
+            // The program builds a single book, so that a short compilation matters more than its speed.
             .env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "0")
             .env("CARGO_PROFILE_RELEASE_LTO", "off")
             .env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16"),

@@ -12,7 +12,7 @@ const INSTALLATIONS: &[&[&str]] = &[
         "-c",
         "apt-get update && apt-get install --yes gfortran",
     ],
-    // Without a password prompt, as on machines of continuous integration.
+    // For machines of continuous integration, where no password is needed.
     &["sudo", "-n", "apt-get", "install", "--yes", "gfortran"],
     &["dnf", "install", "--assumeyes", "gcc-gfortran"],
     &["brew", "install", "gcc"],

@@ -118,7 +118,7 @@ const SUBJECTS: &[Subject] = &[
         claim: "a simulation that is killed at any time is resumed to the same bytes",
         package: "onset-cli",
         program: "verify",
-        test: "a_killed_run_is_resumed_to_the_same_bytes",
+        test: "a_resumed_run_writes_the_same_bytes_after_a_kill",
         cases: 200,
     },
     Subject {

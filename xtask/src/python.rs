@@ -21,7 +21,7 @@ pub fn environment(name: &str, requirements: &Path) -> Result<PathBuf, String> {
     let folder = current.join(".venv").join(name);
     let interpreter = interpreter_in(&folder);
     let installed = folder.join(INSTALLED);
-    // Written last, so that an incomplete environment is created again.
+    // This file is written last, so that an incomplete environment is created again.
     if interpreter.exists() && std::fs::read_to_string(&installed).is_ok_and(|text| text == wanted)
     {
         return Ok(interpreter);

@@ -82,7 +82,7 @@ pub fn test() -> Result<(), String> {
         Command::new(&interpreter)
             .args(["-m", "pytest", "-q", "-p", "no:cacheprovider"])
             .args(["--numprocesses", "auto"])
-            // Outside the folder of the package, which would be imported without its compiled part.
+            // The tests run outside the folder of the package, which would be imported without its compiled part.
             .current_dir("python/tests")
             .env("ONSET_COMMAND", &command)
             .env("ONSET_UMAT_HOST", &command),

@@ -255,7 +255,7 @@ pub fn source(file: &Path) -> Result<(String, String), Failure> {
 /// Error for an unreadable study, with a hint at a likely mistake.
 fn unreadable(name: &str, error: std::io::Error) -> Failure {
     let hint = if name.parse::<f64>().is_ok() {
-        // A number instead of a file indicates a list with a blank.
+        // A number in place of a file is probably the rest of a list that was typed with a blank.
         "numbers are written with commas between them, for example 1.2,0.9"
     } else if name.contains('=') {
         "a key is set by --set KEY=VALUE"
@@ -639,7 +639,7 @@ fn course(
     Course::of_mode(mode, arguments.lateral, from, to).map_err(|known| {
         let asked = arguments.lateral.map_or("", Lateral::name);
         Failure::input(format!(
-            "--lateral {asked} is not supported with {} loading\n  hint: it supports {known}",
+            "--lateral {asked} is not supported with {} loading\n  hint: supported: {known}",
             mode.name()
         ))
     })

@@ -15,11 +15,11 @@ pub const CODE: u8 = 130;
 /// Response to interrupts of a command that finishes started work.
 #[derive(Clone, Debug, Default)]
 pub struct Answer {
-    /// Message after the first interrupt.
+    /// Message after the first interrupt; `None` for no message.
     pub told: Option<&'static str>,
-    /// Message if the command is ended immediately, by a second interrupt or because it takes too long.
+    /// Message if the command is ended immediately, by a second interrupt or because it takes too long; `None` for no message.
     pub at_end: Option<String>,
-    /// Time after the first interrupt until the command is ended, unless it ends by itself.
+    /// Longest time from the first interrupt to the end of the command; `None` for no limit.
     pub patience: Option<Duration>,
 }
 

@@ -17,7 +17,7 @@ pub fn check() -> Result<(), Failure> {
         Ok(()) => Ok(()),
         Err(most) => Err(Failure::input(format!(
             "{VARIABLE} is {asked}; expected a number of threads up to {most}, {THREADS_PER_CORE} for each of {cores} cores\n  \
-             hint: leave it out, and there is one for each core"
+             hint: leave {VARIABLE} out for one thread per core"
         ))),
     }
 }

@@ -198,7 +198,7 @@ impl Family {
         NAMES.into_iter()
     }
 
-    /// Family with a name of [`Family::all`], a law of the library, or `ogden-N` (N up to 6) and `hyperfoam-N` (N up to 3).
+    /// Returns the family with a name of [`Family::all`], of a law of the library, `ogden-N` (N up to 6) or `hyperfoam-N` (N up to 3); `None` for other names.
     pub fn named(name: &str) -> Option<Self> {
         let polynomial = |powers: &[(i32, i32)]| Self::polynomial(name, powers);
         Some(match name {
@@ -390,7 +390,7 @@ impl Family {
         &self.constants
     }
 
-    /// Constants that remove further terms of the law of the library, such as `mu3 = 0` for `ogden` with two terms.
+    /// Settings that remove the unused terms of the law of the library, such as `mu3 = 0` for `ogden` with two terms.
     pub fn unused(&self) -> Vec<(String, f64)> {
         let Model::Library(name) = self.model else {
             return Vec::new();
@@ -443,7 +443,7 @@ impl Family {
         let mut moduli = Moduli::zero(&state);
         let mut rest = self.terms.as_slice();
         while let Some((term, others)) = rest.split_first() {
-            // Terms of the same sums are one function of them.
+            // Terms of the same sums form a single function of these sums.
             let same = others.iter().take_while(|own| own.shares_sums(term));
             let (own, others) = rest.split_at(1 + same.count());
             let shapes = |own: &Term| Self::shapes(own, constants);

@@ -1,4 +1,4 @@
-//! The fit: free, then subject to stability.
+//! Least-squares fit of a law: first without constraints, then subject to stability.
 
 use crate::family::{Family, SMALLEST_EXPONENT};
 use crate::moduli::Criterion;
@@ -31,7 +31,7 @@ pub struct Options {
     pub weights: Weights,
     /// States at which the law must be stable; `None` for a free fit.
     pub range: Option<Range>,
-    /// Criteria that must hold there.
+    /// Criteria that must hold at all states of the range.
     pub criteria: Vec<Criterion>,
     /// Lowest value of a criterion, relative to its value in the reference configuration.
     pub margin: f64,
@@ -144,7 +144,7 @@ pub struct Fitted {
     pub uncertainty: Uncertainty,
     /// Names of the free constants that are at their bounds.
     pub at_bounds: Vec<String>,
-    /// Loading and stretch, the smallest one in the range, at which the chains of the law are straight.
+    /// Loading and smallest stretch of the range at which the chains of the law are straight; `None` if they are straight at no state of the range.
     pub locked: Option<(Mode, f64)>,
 }
 
@@ -164,7 +164,7 @@ pub struct Fit {
     pub spare: usize,
     /// Other constants whose sum of squares is within 5 % of the best, as values and sum.
     pub others: Vec<(Vec<f64>, f64)>,
-    /// Limits of the principal stretches of the range.
+    /// Limits of the principal stretches of the range; `None` without a range.
     pub stretches: Option<[f64; 2]>,
 }
 
@@ -398,7 +398,7 @@ impl Search<'_> {
                     let t = part(n + 1, BASES[c % BASES.len()]);
                     match own.is_modulus {
                         true => low.max(0.0),
-                        // Constants of one sign vary by orders of magnitude.
+                        // A constant that cannot change its sign may vary by orders of magnitude.
                         false if low > 0.0 => low * (high / low).powf(t),
                         false => low + (high - low) * t,
                     }

@@ -10,7 +10,7 @@
 //! - [`Range`], [`Criterion`]: states at which the law must be stable, and the sense of stability.
 //! - [`fit()`]: the fit.
 //!
-//! The crate neither reads files nor prints: that is the part of its callers.
+//! The crate neither reads files nor prints; this is left to its callers.
 
 mod family;
 mod fit;

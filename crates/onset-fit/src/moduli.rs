@@ -32,7 +32,7 @@ pub enum Criterion {
 }
 
 impl Criterion {
-    /// Criterion of the same meaning in the library.
+    /// Criterion of the library with the same meaning.
     pub fn of_library(self) -> onset::criteria::Criterion {
         match self {
             Self::Drucker => onset::criteria::Criterion::Drucker,
@@ -58,18 +58,19 @@ pub(crate) struct Moduli<R> {
     stress: [R; 3],
     /// Diagonal part `d` of the second derivatives.
     diagonal: [R; 3],
-    /// `r_i = d_i - k_ij - k_ik + k_jk` with `k_ij = g_ij (e_i + e_j)/2`, and the sums of two, by the third index.
+    /// Parts `r_i = d_i - k_ij - k_ik + k_jk` of the second derivatives, with `k_ij = g_ij (e_i + e_j)/2`.
     reduced: [R; 3],
+    /// Sums `r_i + r_j`; entry `k` is for the other two indices.
     pairs: [R; 3],
-    /// Other part of the second derivatives.
+    /// Part `M` of the second derivatives.
     products: [[R; 3]; 3],
-    /// Quotients `g_ij`, by the third index.
+    /// Quotients `g_ij`; entry `k` is for the other two indices.
     quotients: [R; 3],
-    /// Differences of the squares, by the third index.
+    /// Differences of the squared stretches; entry `k` is for the other two indices.
     differences: [R; 3],
-    /// `M_ii + M_jj - 2 M_ij`, by the third index.
+    /// `M_ii + M_jj - 2 M_ij`; entry `k` is for the other two indices.
     relative: [R; 3],
-    /// Sum of all cofactors of the other part.
+    /// Sum of all cofactors of `M`.
     cofactors: R,
 }
 
@@ -94,7 +95,7 @@ impl<R: Real> Moduli<R> {
         }
     }
 
-    /// Adds the moduli of a function of two sums, by the chain rule. No more than one function of a law at constant volume is not linear in its sums.
+    /// Adds the moduli of a function of two sums, by the chain rule. At constant volume at most one function of a law is nonlinear in its sums.
     pub fn add(
         &mut self,
         energy: &Jet<2, R>,
@@ -187,7 +188,7 @@ impl<R: Real> Moduli<R> {
         coupling / (self.squares[i] * self.squares[j]).sqrt()
     }
 
-    /// Shear modulus; for the moduli of the reference configuration.
+    /// Shear modulus, if these are the moduli of the reference configuration.
     pub fn shear_modulus(&self) -> R {
         (self.logarithmic(0, 0) - self.logarithmic(0, 1)) * 0.5
     }
@@ -222,8 +223,8 @@ impl<R: Real> Moduli<R> {
     }
 
     /// Forms in `q_i = n_i^2` that are positive for all directions if and only if incompressible response is strongly elliptic: the trace and the
-    /// determinant of `Q(N)` on the amplitudes normal to `n`, times `|n|^2`. Coefficients in the Bernstein basis of the triangle of `q`. With `r` in place of `d`, terms that
-    /// cancel are left out.
+    /// determinant of `Q(N)` on the amplitudes normal to `n`, times `|n|^2`. Coefficients in the Bernstein basis of the triangle of `q`. The parts `r_i`
+    /// replace the diagonal part `d_i`, so that no terms cancel.
     pub fn elliptic_forms(&self) -> ([R; 6], [R; 10]) {
         let zero = R::constant(0.0);
         let (r, m, g, e) = (self.reduced, self.relative, self.quotients, self.squares);
@@ -418,7 +419,7 @@ fn lowest_of_two([[a, b], [_, d]]: &[[f64; 2]; 2]) -> (f64, [f64; 2]) {
     let half = 0.5 * (a - d);
     let root = half.hypot(*b);
     let value = 0.5 * (a + d) - root;
-    // Rows of the matrix less the eigenvalue are normal to the eigenvector.
+    // The rows of `M - lambda 1` are normal to the eigenvector.
     let vector = match half > 0.0 {
         true => [-b, half + root],
         false => [root - half, -b],

@@ -2,7 +2,7 @@
 //!
 //! The range is divided into cells. On a cell the numbers that decide (leading minors of Drucker's matrix, Bernstein coefficients of the elliptic
 //! forms) are enclosed by their mean-value form, `f(middle) + f'(cell) (cell - middle)`, whose excess is of second order in the size of the cell. A cell
-//! with a number that may be negative is halved; one with a state that is not stable ends the proof.
+//! with a number that may be negative is halved; an unstable state ends the proof.
 
 use crate::moduli::{Criterion, cubic, quadratic};
 use crate::range::{Numbers, Patch, Worst};
@@ -22,7 +22,7 @@ pub enum Proof {
         /// Number of cells of the range; 0 if the law is convex at all states.
         cells: usize,
     },
-    /// A state was found that is not stable.
+    /// An unstable state was found.
     Refuted {
         /// State with its criterion and value.
         worst: Worst,
@@ -126,7 +126,7 @@ fn is_stable(law: &Numbers<'_>, patch: &Patch, cell: &[[f64; 2]; 2], used: &Atom
     let on_cell = deciding(law, patch, Slope::variables(whole));
     let at_middle = deciding(law, patch, middle);
     let offsets: [Interval; 2] = std::array::from_fn(|a| whole[a] - middle[a]);
-    // An axis without extent must not meet an unbounded slope.
+    // On an axis without extent the slope may be unbounded; its product with the zero offset would be undefined.
     let axes: Vec<usize> = (0..2).filter(|a| cell[*a][0] < cell[*a][1]).collect();
     // Bound at a corner. The smallest bound over all corners is a lower bound on the whole cell.
     let bound = |corner: usize, on_cell: &Slope, at_middle: &Interval| {
@@ -160,7 +160,7 @@ fn is_stable(law: &Numbers<'_>, patch: &Patch, cell: &[[f64; 2]; 2], used: &Atom
 
 /// Returns true if both forms are positive for all directions.
 fn is_elliptic(mut trace: [f64; 6], mut determinant: [f64; 10], used: &AtomicUsize) -> bool {
-    // Units of the axes in which the form is 1 at the corners.
+    // Scales of the axes that make the form 1 at the corners.
     let units = |form: &[f64], degree: f64| -> Option<[f64; 3]> {
         let corners = form.iter().take(3).all(|own| *own > 0.0);
         corners.then(|| std::array::from_fn(|a| form[a].powf(-1.0 / degree)))
@@ -195,7 +195,7 @@ fn is_positive<const N: usize>(
     halves: fn(&[f64; N], usize) -> [[f64; N]; 2],
     used: &AtomicUsize,
 ) -> bool {
-    // Rounding of the halvings.
+    // Rounding error of the halvings.
     let least = ROUNDING_FRACTION * form.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     let mut open = vec![form];
     for _ in 0..MOST_PARTS {

@@ -19,7 +19,7 @@ pub enum Mode {
     Planar,
     /// Simple shear of a block.
     SimpleShear,
-    /// Change of volume alone.
+    /// Pure change of volume.
     Volumetric,
 }
 
@@ -47,7 +47,7 @@ impl Mode {
         }
     }
 
-    /// Loading with a name.
+    /// Returns the loading with the given name, or `None`.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|own| own.name() == name)
     }
@@ -99,7 +99,7 @@ pub(crate) struct Patch {
     pub axes: Vec<[f64; 3]>,
     pub low: Vec<f64>,
     pub high: Vec<f64>,
-    /// Whether only states with stretches in descending order belong to the patch; all others are permutations.
+    /// Whether only states with stretches in descending order belong to the patch; all other states are permutations of these.
     pub ordered: bool,
 }
 
@@ -120,7 +120,7 @@ impl Patch {
 
     /// Returns true if a state at constant volume with descending stretches belongs to the patch.
     fn reaches(&self, logs: [f64; 3]) -> bool {
-        // Parameters of a line along its first axis, or the largest strain and minus the smallest one.
+        // Parameters of the state: for a line the coordinate along its axis, for a plane the largest strain and minus the smallest one.
         let at = match self.axes.as_slice() {
             [axis] => vec![logs[0] / axis[0]],
             _ => vec![logs[0], -logs[2]],
@@ -321,7 +321,7 @@ fn waves(logs: [f64; 3]) -> Vec<Perturbation> {
             (normal[i], normal[j]) = (angle.cos(), angle.sin());
             for sign in [1.0, -1.0] {
                 normal[j] = sign * angle.sin();
-                // Normal to F^-T N.
+                // Polarization normal to F^-T N.
                 let mut inside = [0.0; 3];
                 (inside[i], inside[j]) = (-normal[j] / logs[j].exp(), normal[i] / logs[i].exp());
                 let size = inside[i].hypot(inside[j]);
@@ -453,7 +453,7 @@ pub struct Limit {
     pub mode: Mode,
     /// Criterion that is lost.
     pub criterion: Criterion,
-    /// Stretch at which it is lost.
+    /// Stretch at which the criterion is lost.
     pub stretch: f64,
 }
 
@@ -535,7 +535,7 @@ impl Family {
         Some(mode.nominal(stretch) * (stresses[0] - stresses[2]))
     }
 
-    /// Returns true if criteria hold at a state of a loading.
+    /// Returns true if the given criteria hold at a state of a loading.
     pub fn is_stable(
         &self,
         constants: &[f64],
@@ -546,7 +546,7 @@ impl Family {
         self.is_stable_at(constants, criteria, mode.logs(stretch))
     }
 
-    /// Returns true if criteria hold at a state, given by the logarithms of its principal stretches.
+    /// Returns true if the given criteria hold at a state, described by the logarithms of its principal stretches.
     pub fn is_stable_at(&self, constants: &[f64], criteria: &[Criterion], logs: [f64; 3]) -> bool {
         let law = Numbers {
             family: self,

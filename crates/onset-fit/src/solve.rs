@@ -292,7 +292,7 @@ fn nearest(
     let mut rows: Vec<DVector<f64>> = Vec::new();
     let mut bounds = Vec::new();
     for (slope, bound) in conditions {
-        // slope . R^-1 y = (R^-T slope) . y
+        // Slope in the scaled variables `y = R x`: `slope . R^-1 y = (R^-T slope) . y`.
         let turned = lower.solve_lower_triangular(slope)?;
         let size = turned.norm();
         if size < 1e-300 {

@@ -50,7 +50,7 @@ impl<R: Real> State<R> {
         Self { logs, squares }
     }
 
-    /// Differences `e_i - e_j` of the squares, by the third index.
+    /// Differences of the squared stretches: entry `k` is `lambda_i^2 - lambda_j^2` for the other two indices `i < j`.
     pub fn differences(&self) -> [R; 3] {
         let of = |i: usize, j: usize| {
             let (sum, difference) = (self.logs[i] + self.logs[j], self.logs[i] - self.logs[j]);
@@ -80,11 +80,11 @@ pub(crate) enum Sum<R> {
 pub(crate) struct Curvatures<R> {
     /// Curvatures `f''` at the three stretches.
     pub own: [R; 3],
-    /// Quotients `(a_i - a_j)/(e_i - e_j)`, by the third index.
+    /// Quotients `(a_i - a_j)/(e_i - e_j)`; entry `k` is for the other two indices.
     pub quotients: [R; 3],
     /// Parts `f''_i - k_ij - k_ik + k_jk` with `k_ij = (e_i + e_j)/2` times the quotient.
     pub parts: [R; 3],
-    /// Sums of two parts, `f''_i + f''_j - 2 k_ij`, by the third index.
+    /// Sums of two parts, `f''_i + f''_j - 2 k_ij`; entry `k` is for the other two indices.
     pub pairs: [R; 3],
 }
 
@@ -213,7 +213,7 @@ fn ratio_of_sines<R: Enclosed>(q: R, t: R) -> R {
     if !is_beyond(t, 1.0) {
         return q * sine_quotient(q * t) / sine_quotient(t);
     }
-    // Both are even in t, and the ratio is odd in q.
+    // The ratio is even in t and odd in q.
     let t = if t.value() < 0.0 { -t } else { t };
     let (size, sign) = match q.value() < 0.0 {
         true => (-q, -1.0),

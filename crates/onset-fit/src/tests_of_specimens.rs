@@ -14,7 +14,7 @@ pub struct Point {
     /// Stretch along the load; the amount of shear `gamma` in simple shear, the volume ratio `J` in a volumetric test.
     pub stretch: f64,
     /// Lateral stretch along axis 2 (and 3, if they are equal); for compressible laws. In equibiaxial and planar tests it is the stretch through the
-    /// thickness.
+    /// thickness. `None` if it was not measured.
     pub lateral: Option<f64>,
     /// Nominal stress along the load, or pressure in a volumetric test; units of stress.
     pub stress: f64,
@@ -115,7 +115,7 @@ impl Equations {
         Self { all }
     }
 
-    /// Number of different conditions of all tests: points of the same state are one.
+    /// Number of different conditions of all tests: several points of one state count once.
     pub fn len(&self) -> usize {
         let bits = |own: &Equation| {
             let [a, b, c] = own.logs.map(f64::to_bits);

@@ -11,9 +11,9 @@ use serde::Serialize;
 /// the data count as rounding.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Uncertainty {
-    /// Standard deviations in the order of the constants; NaN for fixed ones.
+    /// Standard deviations in the order of the constants; NaN for fixed constants.
     pub deviations: Vec<f64>,
-    /// Pairs of constants with correlation.
+    /// Names of two strongly correlated constants, and their correlation.
     pub correlated: Vec<(String, String, f64)>,
 }
 

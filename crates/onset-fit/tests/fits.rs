@@ -428,7 +428,7 @@ fn foams_are_fitted_with_their_lateral_stretches() -> Outcome {
 }
 
 #[test]
-fn a_stable_law_is_proved_and_an_unstable_one_has_no_constants() -> Outcome {
+fn a_stable_law_is_proved_and_an_unstable_law_has_no_constants() -> Outcome {
     let tests = data("treloar")?;
     let proved = fit(&tests, &of("yeoh")?, &Options::default())?;
     assert!(proved.stable.is_none());
@@ -521,7 +521,7 @@ fn constants_that_the_tests_do_not_determine_are_reported() -> Outcome {
     let found = fit(&tests, &of("gent")?, &options)?;
     assert_eq!(found.free.at_bounds, ["jm"]);
     let (mode, stretch) = found.free.locked.ok_or("not locked")?;
-    // 2 x^2 + x^-4 = 3 + jm.
+    // The chains are straight where 2 x^2 + x^-4 = 3 + jm.
     assert_eq!(mode, Mode::Equibiaxial);
     assert!(
         (2.0 * stretch.powi(2) + stretch.powi(-4) - 3.0 - found.free.constants[1]).abs() < 1e-6

@@ -17,7 +17,7 @@ pub struct ColumnUse {
     pub components: usize,
     /// Whether the values belong to points or to cells.
     pub support: Support,
-    /// Whether the order of tensor components was assumed (matrices row by row), because the names of the columns leave it open.
+    /// Whether the order of tensor components was assumed (matrices row by row), because the names of the columns do not determine it.
     pub order_is_assumed: bool,
 }
 

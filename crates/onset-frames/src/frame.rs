@@ -24,27 +24,28 @@ pub struct Frame {
     pub displacement: Option<Vec<[f64; 3]>>,
     /// Velocity of each particle; length/time. `None` if the file has no velocities.
     pub velocity: Option<Vec<[f64; 3]>>,
-    /// Deformation gradients F_iJ, row by row as in the file; see [`ColumnUse::order_is_assumed`](crate::ColumnUse::order_is_assumed).
+    /// Deformation gradients F_iJ, row by row as in the file; see [`ColumnUse::order_is_assumed`](crate::ColumnUse::order_is_assumed). `None` if the
+    /// file has no gradients.
     pub gradient: Option<Vec<[f64; 9]>>,
     /// Components of the gradients that the file contains. The remaining components equal the identity.
     pub gradient_given: [bool; 9],
-    /// Cauchy stresses xx, yy, zz, xy, xz, yz, in the units of the run.
+    /// Cauchy stresses xx, yy, zz, xy, xz, yz, in the units of the run. `None` if the file has no stresses.
     pub stress: Option<Vec<[f64; 6]>>,
     /// Components of the stresses that the file contains; the others are set to zero and are unknown.
     pub stress_given: [bool; 6],
-    /// Current density of each particle; mass/volume.
+    /// Current density of each particle; mass/volume. `None` if the file has no densities.
     pub density: Option<Vec<f64>>,
-    /// Volume of each particle or cell, in the units of the run.
+    /// Volume of each particle or cell, in the units of the run. `None` if the file has no volumes.
     pub volume: Option<Vec<f64>>,
-    /// Mass of each particle; mass.
+    /// Mass of each particle. `None` if the file has no masses.
     pub mass: Option<Vec<f64>>,
-    /// Type or material of each particle.
+    /// Type or material of each particle. `None` if the file has no types.
     pub kind: Option<Vec<i64>>,
-    /// Particles with prescribed motion.
+    /// Whether the motion of each particle is prescribed. `None` if the file does not mark such particles.
     pub held: Option<Vec<bool>>,
-    /// Elements or cells between the points.
+    /// Elements or cells between the points. `None` if the file has only points.
     pub cells: Option<Cells>,
-    /// Box of the simulation with its periodic directions.
+    /// Box of the simulation with its periodic directions. `None` if the file has no box.
     pub bounds: Option<Bounds>,
     /// Whether positions may be wrapped into a periodic box: the file has neither unwrapped positions nor image flags.
     pub may_be_wrapped: bool,
@@ -59,19 +60,19 @@ pub struct Cells {
     pub ends: Vec<usize>,
     /// Shapes of the cells, in the numbering of VTK.
     pub shapes: Vec<u8>,
-    /// Deformation gradients F_iJ, row by row as in the file.
+    /// Deformation gradients F_iJ, row by row as in the file. `None` if the cells have no gradients.
     pub gradient: Option<Vec<[f64; 9]>>,
     /// Components of the gradients that the file contains.
     pub gradient_given: [bool; 9],
-    /// Cauchy stresses xx, yy, zz, xy, xz, yz, in the units of the run.
+    /// Cauchy stresses xx, yy, zz, xy, xz, yz, in the units of the run. `None` if the file has no stresses.
     pub stress: Option<Vec<[f64; 6]>>,
     /// Components of the stresses that the file contains.
     pub stress_given: [bool; 6],
-    /// Current density of each cell; mass/volume.
+    /// Current density of each cell; mass/volume. `None` if the cells have no densities.
     pub density: Option<Vec<f64>>,
-    /// Volume of each particle or cell, in the units of the run.
+    /// Volume of each particle or cell, in the units of the run. `None` if the file has no volumes.
     pub volume: Option<Vec<f64>>,
-    /// Number of the material of each cell.
+    /// Number of the material of each cell. `None` if the cells have no such numbers.
     pub kind: Option<Vec<i64>>,
 }
 

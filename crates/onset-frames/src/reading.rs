@@ -11,11 +11,11 @@ pub struct Reading {
     ///
     /// A stress has three components (xx, yy, xy), four (xx, yy, zz, xy) or six (xx, yy, zz, xy, xz, yz). Components of a gradient are listed row by row.
     pub columns: Vec<(Quantity, Vec<String>)>,
-    /// Length of a time step, for formats that number their steps. `None`: frames have a step and no time.
+    /// Length of a time step, for formats that number their steps. `None` to read frames with a step and no time.
     pub time_step: Option<f64>,
     /// Frames to be read.
     pub frames: FrameRange,
-    /// Group of an HDF5 file, or name of an array of particles.
+    /// Group of an HDF5 file, or name of an array of particles; `None` for the usual group of a code, and the array with the most particles.
     pub group: Option<String>,
     /// Limits of the sizes of files and frames.
     pub limits: Limits,
@@ -160,7 +160,7 @@ impl FromStr for Quantity {
 pub struct FrameRange {
     /// Number of the first frame to be read; `None` for the first frame of the run.
     pub first: Option<i64>,
-    /// Frame after the last.
+    /// Number of the first frame after the range; `None` to read to the end of the run.
     pub end: Option<i64>,
     /// Step, at least 1.
     pub every: usize,

@@ -88,7 +88,7 @@ pub struct Recognized {
     pub format: Format,
     /// Files that the user named, after wildcards.
     pub files: Vec<PathBuf>,
-    /// Number of frames that will be read, or `None` if it is unknown until then.
+    /// Number of frames that will be read; `None` if it is unknown before they are read.
     pub frames: Option<usize>,
     /// Columns of the first frame with their use.
     pub columns: Vec<ColumnUse>,
@@ -423,7 +423,7 @@ fn expand(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), FrameError> {
 /// Returns true if a name fits a pattern; the work is bounded by the product of the lengths.
 fn fits(pattern: &str, name: &str) -> bool {
     let name: Vec<char> = name.chars().collect();
-    // Lengths of the beginnings of the name that fit the pattern read up to here.
+    // Lengths of the prefixes of the name that match the part of the pattern before the current character.
     let mut reached = vec![false; name.len() + 1];
     reached[0] = true;
     for letter in pattern.chars() {

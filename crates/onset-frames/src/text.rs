@@ -53,7 +53,7 @@ pub(crate) fn head(path: &Path, most: u64) -> Result<Vec<u8>, FrameError> {
             Stream::Packed(from) => from.take(most).read_to_end(&mut bytes),
         };
         match outcome {
-            // A file that is still written ends anywhere.
+            // A file that is still being written may end anywhere.
             Err(error) if error.kind() != ErrorKind::UnexpectedEof => Err(error),
             _ => Ok(bytes),
         }

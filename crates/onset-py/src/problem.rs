@@ -289,7 +289,7 @@ impl Problem {
         }
         let course = Course::of_mode(mode, lateral, from, to).map_err(|known| {
             Failure::Input(format!(
-                "lateral=\"{}\" is not supported with {} loading\n  hint: it supports {known}",
+                "lateral=\"{}\" is not supported with {} loading\n  hint: supported: {known}",
                 lateral.map_or("", Lateral::name),
                 mode.name()
             ))

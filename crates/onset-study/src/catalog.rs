@@ -35,7 +35,7 @@ pub struct KernelEntry {
     pub integral: [f64; 3],
     /// The ratio of the support radius to the smoothing length `h = 2 sigma`.
     pub support_over_smoothing_length: [f64; 3],
-    /// The ratio of the support radius to the smoothing length of its papers and codes, the `h` of artificial viscosity.
+    /// The ratio of the support radius to the smoothing length `h` as papers and codes with this kernel define it; this `h` enters artificial viscosity.
     pub support_over_nominal_smoothing_length: f64,
     /// Number of spatial derivatives that are continuous everywhere.
     pub smoothness: [Option<u32>; 3],
@@ -494,12 +494,12 @@ const ROWS: &[Row] = &[
             ),
             (
                 "strain",
-                "the out-of-plane stretch is prescribed: plane strain; for a chain uniaxial strain",
+                "the out-of-plane stretch is prescribed: plane strain, or uniaxial strain of a chain",
                 "the paper",
             ),
             (
                 "stress",
-                "P_i3 = 0, the out-of-plane stretch is computed: plane stress of a thin sheet; for a chain uniaxial stress",
+                "P_i3 = 0, the out-of-plane stretch is computed: plane stress of a thin sheet, or uniaxial stress of a chain",
                 "Le Dret and Raoult, J. Math. Pures Appl. 74 (1995) 549",
             ),
         ],
@@ -602,7 +602,7 @@ const ROWS: &[Row] = &[
         &[
             (
                 "published",
-                "along each bond -alpha/2 E V_I V_J W_IJ / X_IJ^2 (delta_I + delta_J), delta_I = (F_I X_IJ - x_IJ).x_IJ / |x_IJ|",
+                "force along each bond: -alpha/2 E V_I V_J W_IJ / X_IJ^2 (delta_I + delta_J), delta_I = (F_I X_IJ - x_IJ).x_IJ / |x_IJ|",
                 "Ganzenmueller, Comput. Methods Appl. Mech. Engrg. 286 (2015) 87",
             ),
             (

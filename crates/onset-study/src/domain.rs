@@ -195,7 +195,7 @@ fn halved(map: &Domain, problem: &Problem) -> Result<Domain, ProblemError> {
     let of_state = |index: usize| {
         let (column, row) = (index % (2 * columns), index / (2 * columns));
         let whole = row / 2 * columns + column / 2;
-        // The coarser states around it, including the state that contains it.
+        // The coarser states around the finer state, including the state whose cell contains it.
         let around = |at: usize, count: usize| {
             let (half, side) = (at / 2, at % 2);
             let next = if side == 0 {

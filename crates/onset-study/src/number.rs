@@ -46,7 +46,7 @@ pub fn told_above(value: f64) -> String {
     told(value + unit)
 }
 
-/// Rounds a computed number down to six significant digits, for the upper end of such a range.
+/// Rounds a computed number down to six significant digits, for the upper end of a range that must not grow in print.
 pub fn told_below(value: f64) -> String {
     match told_above(-value) {
         negated if negated == "0" => negated,

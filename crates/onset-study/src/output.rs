@@ -44,7 +44,7 @@ fn hint(error: &io::Error) -> &'static str {
 /// Files by name, in the order in which they are listed.
 pub type Files = Vec<(OsString, Vec<u8>)>;
 
-/// Returns a text as a file.
+/// Returns the entry of [`Files`] with a name and a text; writes nothing.
 pub fn text(name: impl AsRef<OsStr>, text: impl Into<Vec<u8>>) -> (OsString, Vec<u8>) {
     (name.as_ref().to_owned(), text.into())
 }

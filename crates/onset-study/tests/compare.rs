@@ -88,7 +88,7 @@ fn each_rule_excludes_the_methods_that_it_describes() {
 }
 
 #[test]
-fn methods_are_ranked_by_error_times_cost_with_excluded_ones_last() {
+fn methods_are_ranked_by_error_times_cost_with_excluded_methods_last() {
     let with = |change: fn(&mut Measured)| {
         let mut measured = good();
         change(&mut measured);
@@ -212,7 +212,7 @@ fn the_values_of_a_coefficient_include_the_ends_of_the_range() {
         assert_eq!((all[0], all[all.len() - 1]), (low, high));
         assert!(all.windows(2).all(|pair| pair[0] < pair[1]), "{all:?}");
     }
-    // Evenly spaced in the logarithm.
+    // The values are evenly spaced in the logarithm.
     let all = values(0.0, 1.0);
     assert_eq!(all.len(), 14);
     assert!((all[1] - 1e-4).abs() < 1e-18);

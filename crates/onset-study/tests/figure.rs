@@ -402,7 +402,7 @@ fn a_pdf_holds_the_outlines_of_the_svg() {
         "dashes"
     );
     assert!(!content.contains("NaN") && !content.contains("inf"));
-    // As wide as the SVG; an inch has 72 points and 96 pixels.
+    // The page is as wide as the SVG; an inch has 72 points and 96 pixels.
     let svg = figure.to_svg();
     let width = svg
         .split("width=\"")

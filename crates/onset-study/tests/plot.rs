@@ -169,7 +169,7 @@ fn a_field_has_a_label_with_its_unit() {
 }
 
 #[test]
-fn a_study_with_units_is_drawn_and_stored_with_them() {
+fn a_study_with_units_is_drawn_and_stored_with_its_units() {
     let place = Place::new();
     let text = "[material]\nmodel = 'neo-hooke'\nlambda = '120 GPa'\n\
          [discretization]\nspacing = '1 mm'\ndensity = '7850 kg/m^3'\n\

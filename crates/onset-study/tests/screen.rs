@@ -146,7 +146,7 @@ fn updated_sph_in_tension_is_numerically_unstable() {
         answer.observed.as_ref().map(|event| event.time),
         19.0..=26.0,
     );
-    // Artificial stress of 0.3 delays it: the code needs until t = 44.9.
+    // Artificial stress of 0.3 delays the instability: the code needs until t = 44.9.
     let change = &answer.changes[0];
     assert_eq!(change.settings, ["discretization.artificial-stress=0.3"]);
     assert!(change.expected.is_none_or(|time| time > 35.0));

@@ -62,7 +62,7 @@ impl Arguments {
         self.range(name).start
     }
 
-    /// Index in [`NAMES`] of an argument that was written beyond its ends.
+    /// Index in [`NAMES`] of an argument that was written beyond its ends; `None` if no argument was.
     pub fn overrun(&self) -> Option<usize> {
         let is_changed = |n: &usize| self.numbers[*n].to_bits() != GUARD.to_bits();
         let margin = |start: usize| start..start + MARGIN_VALUES;
@@ -95,7 +95,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_value_next_to_an_argument_is_guarded_and_none_inside_it() {
+    fn values_next_to_an_argument_are_guarded_and_values_inside_are_not() {
         let all: Vec<(&str, &[f64])> = NAMES.iter().map(|name| (*name, &[1.0, 2.0][..])).collect();
         let size = Arguments::of(&all).numbers.len();
         for n in 0..size {

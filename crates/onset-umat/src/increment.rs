@@ -103,7 +103,7 @@ mod tests {
         let increment = Increment::between(start, state().matrix()).expect("invertible");
         let rotation = increment.rotation;
         assert!((rotation * rotation.transpose() - Matrix3::identity()).amax() < 1e-14);
-        // dV = exp(strain), as a power series.
+        // The stretch of the increment, exp(strain), as a power series.
         let (mut stretch, mut term): (Matrix3<f64>, Matrix3<f64>) =
             (Matrix3::identity(), Matrix3::identity());
         for n in 1..30 {

@@ -16,9 +16,9 @@ pub(crate) const MODE: &str = "umat-host";
 /// Running program, if it can serve.
 static SELF: OnceLock<PathBuf> = OnceLock::new();
 
-/// Runs a UMAT if another process started this one for that purpose, and returns its exit code.
+/// Runs a UMAT if another process started this program to run it, and returns the exit code.
 ///
-/// Otherwise records that this program can be started for it. Must be called first in `main`.
+/// Otherwise returns `None` and records that this program can be started to run a UMAT. Must be called first in `main`.
 pub fn serve_if_asked() -> Option<ExitCode> {
     let mut arguments = std::env::args_os().skip(1);
     if arguments.next().is_some_and(|mode| mode == MODE) {

@@ -163,7 +163,7 @@ impl Running {
         let (stdout, stderr) = (read(&self.out)?, read(&self.error)?);
         let code = status.code();
         let is_documented = code.is_some_and(|code| CODES.contains(&code));
-        // A signal before the program handles signals ends it.
+        // A signal ends a program that does not handle signals yet.
         let is_killed = status
             .signal()
             .is_some_and(|signal| self.signals.contains(&signal));

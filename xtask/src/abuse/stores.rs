@@ -45,7 +45,7 @@ pub(super) fn interrupted(
     }
     let signal = [INTERRUPT, TERMINATE, HANGUP][random.below(3)];
     running.signal(signal)?;
-    // A signal before the program handles signals can be lost.
+    // A signal to a program that does not handle signals yet can be lost.
     if running.ends_within(longest() / 4)?.is_none() {
         running.signal(signal)?;
     }

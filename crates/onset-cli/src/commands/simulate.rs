@@ -137,7 +137,7 @@ fn body_question(
     ];
     if let Some((option, _)) = idle.iter().find(|(_, is_given)| *is_given) {
         return Err(Failure::input(format!(
-            "{option} has no effect on a body, which moves by central differences and is not compared with waves\n  hint: leave it out, or remove [body] from the study"
+            "{option} has no effect on a body, which moves by central differences and is not compared with waves\n  hint: leave {option} out, or remove [body] from the study"
         )));
     }
     let amplitude = arguments.amplitude.unwrap_or(0.0);

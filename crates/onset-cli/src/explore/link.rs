@@ -101,7 +101,7 @@ fn axis(text: &str) -> Result<(String, [f64; 2]), String> {
             .map(|(low, high)| (name.to_owned(), [low, high])),
         _ => None,
     }
-    .ok_or_else(|| format!("`axis={text}` of the address is not an axis\n  hint: expected its name and its ends, stretch-1,0.5,2"))
+    .ok_or_else(|| format!("`axis={text}` of the address is not an axis\n  hint: expected the name of the axis and its ends, for example stretch-1,0.5,2"))
 }
 
 /// Percent-encodes a text, except for letters, digits and a few signs.

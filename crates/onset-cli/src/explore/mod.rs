@@ -57,7 +57,7 @@ fn listener(port: Option<u16>) -> Result<TcpListener, Failure> {
     let port = port.unwrap_or(0);
     TcpListener::bind(SocketAddr::from((Ipv4Addr::LOCALHOST, port))).map_err(|error| {
         Failure::machine(format!(
-            "cannot listen on 127.0.0.1:{port}: {error}\n  hint: choose another --port, or 0 for any that is free"
+            "cannot listen on 127.0.0.1:{port}: {error}\n  hint: choose another --port, or 0 for any free port"
         ))
     })
 }

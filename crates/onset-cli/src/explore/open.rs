@@ -36,7 +36,7 @@ impl Connections {
                 .min_by_key(|(_, entry)| entry.since)
                 .map(|(place, _)| place);
             let oldest = oldest.ok_or_else(|| io::Error::other("all connections are in use"))?;
-            // Its reading thread ends with the connection.
+            // Closing the connection also ends the thread that reads from it.
             let _ = open.remove(oldest).stream.shutdown(Shutdown::Both);
         }
         let number = open.iter().map(|entry| entry.number + 1).max().unwrap_or(0);

@@ -163,7 +163,7 @@ fn the_smoothing_length_follows_the_kernel_and_is_set_once() {
 }
 
 #[test]
-fn moduli_determine_a_law_and_its_state_lists_them() {
+fn moduli_determine_a_law_and_are_listed_in_its_state() {
     let line = "state --stretch 1,1 --set material.model=neo-hooke --set material.young=210 --set material.poisson=0.3";
     let answer = document(line);
     assert_close(
@@ -176,7 +176,7 @@ fn moduli_determine_a_law_and_its_state_lists_them() {
         210.0 * 0.3 / (1.3 * 0.4),
         1e-13,
     );
-    // C1212 and C1111 at F = 1.
+    // Moduli C1212 and C1111 at F = 1.
     assert_close(
         number(&answer, "/material/tangent/0/1/0/1"),
         210.0 / 2.6,

@@ -109,7 +109,7 @@ fn a_lagrangian_kernel_is_faithful_to_the_accuracy_of_bracketing() {
         let line = feature["geometry"]["coordinates"]
             .as_array()
             .expect("points");
-        // From the right edge of the window to its upper edge, or in the other direction.
+        // The curve connects the right edge of the window with its upper edge, in either direction.
         let ends = [&line[0], &line[line.len() - 1]];
         assert!(ends.iter().all(|end| end[0] == 2.4 || end[1] == 2.4));
     }
@@ -243,7 +243,7 @@ fn flutter_is_distinguished_from_divergence_on_both_sides_of_its_boundaries() {
             .as_array()
             .expect("points");
         let point = |n: usize| [0, 1].map(|axis| line[n][axis].as_f64().expect("a number"));
-        // At the middle of the curve, slightly to the left and to the right.
+        // States at the middle of the curve, slightly to its left and to its right.
         let (from, to) = (point(line.len() / 2), point(line.len() / 2 + 1));
         let along = [to[0] - from[0], to[1] - from[1]];
         let length = along[0].hypot(along[1]);

@@ -118,7 +118,7 @@ fn a_pocket_of_flutter_missed_by_the_search_is_proved_and_corrects_the_verdict()
     let (verdicts, stabilities) = (flags(&store, "verdict"), flags(&store, "stability"));
     let marks = flags(&store, "corrected");
     let rates = numbers(&store, "growth_rate");
-    // Numerical verdict, flutter.
+    // The verdict is numerical, by flutter, and corrected by the proof.
     assert_eq!((verdicts[0], stabilities[0], marks[0]), (3, 1, 1));
     assert!(rates[0] > 0.0);
     // Stored states are counted like computed ones.
@@ -166,9 +166,9 @@ fn a_certified_map_contradicts_neither_its_verdicts_nor_its_numbers() {
                 _ => {}
             }
             match materials[state] {
-                // Neither `physical` nor `suppressed`.
+                // The verdict is neither `physical` nor `suppressed`.
                 1 => assert!(![1, 4].contains(&verdicts[state])),
-                // Neither `stable` nor `zero-energy`.
+                // The verdict is neither `stable` nor `zero-energy`.
                 2 => assert!(![0, 2].contains(&verdicts[state])),
                 _ => {}
             }

@@ -371,7 +371,7 @@ fn a_method_without_axes_and_a_body_are_compared_and_ranked() {
         row["measured"].clone()
     };
     let error = own(&answer("compare", &pmb))["long_wave_error"].as_f64();
-    // 123 whole volumes within the horizon.
+    // The horizon contains 123 whole volumes.
     assert!(
         (error.expect("a number") - 0.0502).abs() < 5e-5,
         "{error:?}"

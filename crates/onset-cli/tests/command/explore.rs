@@ -343,7 +343,7 @@ fn other_users_of_the_machine_are_refused() {
             page.token.as_str()
         );
     }
-    // Files belong to the program and contain no secret.
+    // The served files are part of the program and must not contain the token.
     assert!(!page.get("/", &[]).1.contains(&page.token));
 }
 
@@ -460,7 +460,7 @@ fn the_page_is_built_from_the_current_sources() {
 fn an_untrusted_study_loads_no_library_and_reads_no_file() {
     let folder = folder("stranger");
     let library = folder.join("stranger.so");
-    // Reading it would block forever: it is a pipe without a writer.
+    // The library is a pipe without a writer, so that reading it would block forever.
     #[cfg(unix)]
     assert!(
         std::process::Command::new("mkfifo")
@@ -607,7 +607,7 @@ fn a_link_opens_the_problem_of_the_command() {
     assert!(
         refused
             .stderr
-            .contains("hint: expected its name and its ends"),
+            .contains("hint: expected the name of the axis and its ends"),
         "{}",
         refused.stderr
     );

@@ -73,7 +73,7 @@ fn a_diagram_is_also_available_as_json() {
 
 #[test]
 fn folders_that_cannot_be_created_are_named() {
-    // Holds for any user: a file is in the way.
+    // The parent of the folder is a file, so that no user can create the folder.
     let file = Scratch::new("file");
     fs::write(&file, "in the way").expect("a file");
     let folder = file.join("figures");

@@ -55,7 +55,7 @@ fn the_stability_constraint_costs_nothing_if_the_best_fit_is_stable() {
         assert!(text.contains(fact), "no `{fact}` in {text}");
     }
     let answer = fitted_json(&ALL, "--law yeoh");
-    // Least squares of relative errors by QR decomposition of the 53 x 3 matrix.
+    // Reference values: least squares of relative errors by QR decomposition of the 53 x 3 matrix.
     assert_close(number(&answer, "/laws/0/loss"), 0.794_655_374_338_3, 1e-10);
     assert_close(number(&answer, "/laws/0/error"), 0.122_447_938_4, 1e-9);
     assert_close(
@@ -788,7 +788,7 @@ fn a_volumetric_test_gives_the_bulk_modulus_with_an_error() {
     let answer: Value = serde_json::from_str(&answer.stdout).expect("JSON");
     let pressures = numbers(&answer, "/laws/0/tests/1/stresses");
     let kappa = number(&answer, "/laws/0/kappa");
-    // Within the differences between usual volumetric energies at small changes of volume.
+    // The tolerance covers the differences between usual volumetric energies at small changes of volume.
     assert_close(pressures[0], 0.01 * kappa, 0.03);
     assert_close(pressures[2], 64.0, 0.03);
     assert!(number(&answer, "/laws/0/tests/1/relative") > 1e-4);

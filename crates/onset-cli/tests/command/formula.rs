@@ -280,7 +280,7 @@ fn a_conditional_law_has_the_onset_of_its_active_branch() {
             "/material/cauchy/0/0",
         )
     };
-    // sigma_11 = (mu (l^2 - 1) + lambda ln l)/l + 2 k l (l^2 - 1) in tension, at F = diag(l, 1, 1).
+    // Expected stress: sigma_11 = (mu (l^2 - 1) + lambda ln l)/l + 2 k l (l^2 - 1) in tension, at F = diag(l, 1, 1).
     let matrix = |l: f64| (l * l - 1.0 + 1.5 * l.ln()) / l;
     assert_close(stress("1.2,1"), matrix(1.2) + 2.0 * 2.0 * 1.2 * 0.44, 1e-12);
     assert_close(stress("0.8,1"), matrix(0.8), 1e-12);

@@ -89,7 +89,7 @@ fn complaint(assignments: &[String], state: &str) -> Option<String> {
 #[test]
 fn every_combination_of_choices_is_answered() {
     let total: usize = CHOICES.iter().map(|(_, words)| words.len()).product();
-    // The last three choices concern Eulerian kernels only: 30 combinations for each of the others.
+    // The last three choices concern Eulerian kernels only; each combination of the other choices has 30 variants.
     let for_eulerian = 30;
     let next = AtomicUsize::new(0);
     let threads = std::thread::available_parallelism().map_or(2, usize::from);

@@ -8,7 +8,7 @@ const LAW: &str = "--set material.model=neo-hooke --set material.mu=1 --set mate
 
 #[test]
 fn the_largest_modulus_of_a_chain_of_bars_follows_from_its_wave_speed() {
-    // h / c >= dt: E (1 - nu) / ((1 + nu) (1 - 2 nu)) <= rho h^2 / dt^2.
+    // The condition h / c >= dt limits Young's modulus: E (1 - nu) / ((1 + nu) (1 - 2 nu)) <= rho h^2 / dt^2.
     let law = "--set material.model=neo-hooke --set material.young=1 --set material.poisson=0.3";
     let line = format!("limit --vary material.young --time-step 0.01 {law} {BARS}");
     let answer = document(&line);
@@ -89,7 +89,7 @@ fn the_largest_modulus_of_runge_kutta_methods_follows_from_their_stability_on_th
     // P-wave modulus, 2 mu + lambda.
     let largest =
         |integrator: &str| 2.0 * number(&document(&line(integrator)), "/admitted/0/to/value") + 2.0;
-    // (omega dt)^2 of each integrator over the value 4 of leapfrog.
+    // Limits of (omega dt)^2, divided by the limit 4 of leapfrog.
     let leapfrog = largest("leapfrog");
     for (name, ratio) in [
         ("rk4", 2.0),
@@ -160,7 +160,7 @@ fn strong_damping_allows_steps_beyond_the_undamped_limit() {
 }
 
 #[test]
-fn a_method_that_defines_its_step_is_limited_by_it() {
+fn a_method_that_defines_its_step_is_limited_by_this_step() {
     let method = "set method=material-points set lattice=chain set unknowns=particles set transfer=apic set grid-functions=quadratic-spline";
     let line = format!("limit --vary material.mu --time-step 0.1 {LAW} {method}");
     let mu = number(&document(&line), "/admitted/0/to/value");
@@ -240,7 +240,7 @@ fn a_limit_is_printed_with_its_notes() {
         unstable.stderr
     );
     assert!(
-        unstable.stdout.contains("with no critical step."),
+        unstable.stdout.contains("which does not limit the step."),
         "{}",
         unstable.stdout
     );

@@ -75,7 +75,7 @@ fn a_path_is_written_as_a_table_and_a_figure() {
     for file in ["path.svg", "path.png"] {
         assert!(place.join(file).is_file(), "{file}");
     }
-    // The same table on standard output.
+    // With --format csv the command prints the table.
     let printed = onset_line(&format!(
         "path --mode equibiaxial --to 1.6 {OGDEN} --format csv"
     ));
@@ -83,11 +83,11 @@ fn a_path_is_written_as_a_table_and_a_figure() {
 }
 
 #[test]
-fn unknown_loadings_are_refused_with_the_available_ones() {
+fn unknown_loadings_are_refused_with_the_available_loadings() {
     for (line, fact) in [
         (
             "path --mode uniaxial --lateral plane-stress --to 2",
-            "it supports free, plane-strain, held",
+            "supported: free, plane-strain, held",
         ),
         ("path --mode twist --to 2", "expected one of uniaxial"),
         ("path --mode uniaxial --to 2,1", "one imposed stretch"),
@@ -173,7 +173,7 @@ fn a_path_with_free_faces_is_answered_up_to_its_fold() {
         );
         assert_close(column("abscissa")[96], fold, 2e-5);
     }
-    // From beyond one fold to the other, and no answer beyond both.
+    // A path that starts beyond one fold leads to the other fold; beyond both there is no answer.
     let line = format!("path --mode equibiaxial --from 0.8 --to 1.4 {SOFTENING} set method=tlsph");
     let answer = document(&line);
     assert_close(number(&answer, "/loading/from"), 0.88265, 2e-5);

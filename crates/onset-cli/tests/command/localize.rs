@@ -6,7 +6,7 @@ use crate::{Scratch, assert_close, document, number, numbers, onset, onset_line}
 #[test]
 fn von_mises_in_pure_shear_localizes_at_45_degrees_where_hardening_ends() {
     let answer = document("localize --model j2 --path pure-shear");
-    // h = 0 at gamma = r - (k0 - kr)/m = 0.05 - 10/2000.
+    // The plastic modulus h vanishes at gamma = r - (k0 - kr)/m = 0.05 - 10/2000.
     assert_close(number(&answer, "/localization/slip"), 0.045, 1e-10);
     assert!(number(&answer, "/localization/critical_modulus").abs() < 1e-8);
     assert!((number(&answer, "/localization/band/angle_to_major") - 45.0).abs() < 1e-6);

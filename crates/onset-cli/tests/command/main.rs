@@ -191,7 +191,7 @@ impl Scratch {
             let count = COUNT.fetch_add(1, Ordering::Relaxed);
             let place = format!("onset-{}-{count}-{name}", std::process::id());
             let place = std::env::temp_dir().join(place);
-            // A killed process with the same number may have left one: numbers repeat within minutes if many processes are started.
+            // A killed process with the same number may have left such a folder: numbers repeat within minutes if many processes are started.
             if !place.exists() {
                 return Self(place);
             }

@@ -161,7 +161,7 @@ fn a_map_agrees_with_the_state_command() {
     let place = Place::new(STUDY);
     place.computed("a.zarr", "");
     let store = opened(&place, "a.zarr");
-    // The last state of the first tile.
+    // Stretches of the last state of the first tile.
     let center = |n: f64| 0.2 + 1.8 * 7.5 / n;
     let stretch = format!("{:?},{:?}", center(36.0), center(34.0));
     let state = crate::document(&format!(
@@ -271,7 +271,7 @@ fn square_of(settings: &str, low: f64, high: f64, states: usize) -> String {
 #[test]
 fn a_finer_adaptive_map_agrees_with_a_regular_map_at_common_states() {
     let settings = "[discretization]\nsupport = 1.9\nframe = 'eulerian'\ncurrent-lattice = 'regular'\nlinearization = 'exact'";
-    // Every 8th of 256 states, starting with the first: the windows are shifted by 3.5 of their cells.
+    // Every 8th of 256 states, starting with the first: the coarse window is shifted by 3.5 cells of the finer map.
     let shift = 3.5 * 1.8 / 256.0;
     let finer = square_of(settings, 0.2, 2.0, 256);
     let study = square_of(settings, 0.2 - shift, 2.0 - shift, 32);
@@ -311,7 +311,7 @@ fn a_section_through_a_map_of_three_axes_equals_the_map_of_two_axes() {
 }
 
 #[test]
-fn an_adaptive_map_of_three_axes_has_the_verdicts_of_a_regular_one() {
+fn an_adaptive_map_of_three_axes_has_the_verdicts_of_a_regular_map() {
     let study = "[[axes]]\nquantity = \"stretch-1\"\nrange = [0.5, 2.5]\nstates = 16\n\
                  [[axes]]\nquantity = \"stretch-2\"\nrange = [0.5, 2.5]\nstates = 15\n\
                  [[axes]]\nquantity = \"stretch-3\"\nrange = [0.8, 1.2]\nstates = 9\n\
@@ -396,7 +396,7 @@ fn a_map_stores_exactly_the_outputs_in_its_study() {
 }
 
 #[test]
-fn an_unknown_output_is_refused_with_the_available_ones() {
+fn an_unknown_output_is_refused_with_the_available_outputs() {
     let place = Place::new(STUDY);
     let answer = place.map("none.zarr", "--set map.outputs=growth");
     assert_eq!(answer.code, Some(2));

@@ -66,7 +66,7 @@ fn xarray_opens_an_unfinished_store() {
     let Some(seen) = opened(&place, "a.zarr") else {
         return;
     };
-    // A whole tile, and one at the edge with four columns.
+    // The finished tiles are a whole tile, and a tile at the edge with four columns.
     assert_eq!(seen["to do"], 34 * 36 - 64 - 32);
     assert_eq!(seen["numbers where nothing was computed"], 0);
 }

@@ -231,7 +231,7 @@ fn a_damaged_chunk_is_named_and_its_tile_can_be_recomputed() {
     assert_damage_found(&place, "growth_rate/c/0/3", remove, &["missing"]);
     assert_damage_found(&place, "stretch-1/c/0", flip(5), &["copy"]);
 
-    // Follows the hint.
+    // As the hint advises, the file of the verdict is removed, and the tile is computed anew.
     flip(7)(&place.store("a.zarr").join("growth_rate/c/0/3"));
     remove(&place.store("a.zarr").join("verdict/c/0/3"));
     assert_eq!(place.document("a.zarr", "--resume")["tiles_computed"], 1);

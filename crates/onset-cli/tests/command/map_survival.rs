@@ -74,7 +74,7 @@ fn stopped_by(name: &str) {
     let place = Place::new(STUDY);
     place.computed("whole.zarr", "");
     let child = started(&place, "interrupted.zarr", "");
-    // Interrupted as soon as the first tile is finished.
+    // The map is interrupted as soon as its first tile is finished.
     while done(&place, "interrupted.zarr") == 0 {
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -227,7 +227,7 @@ fn together(place: &Place, store: &str, parts: &[&str]) {
 }
 
 #[test]
-fn a_store_written_by_four_processes_is_identical_to_one_written_by_a_single_process() {
+fn a_store_written_by_four_processes_is_identical_to_a_store_of_a_single_process() {
     let place = Place::new(STUDY);
     place.computed("whole.zarr", "");
     let whole = tree(&place.store("whole.zarr"));

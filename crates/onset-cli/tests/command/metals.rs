@@ -74,7 +74,7 @@ fn tension_of_a_rolled_sheet_with_free_faces_is_followed_to_the_end_and_has_a_ca
         answer["loading"]
     );
     let strain = |axis: usize| number(&answer, &format!("/to/{axis}/{axis}")).ln();
-    // Lankford's ratio, up to the elastic strain.
+    // The ratio of the strains is Lankford's ratio, up to the elastic strain.
     assert_close(strain(1) / strain(2), 1.8, 0.02);
     let begin = Instant::now();
     let card = document(&format!("card --range 0.8,1.25 {sheet}"));
@@ -266,7 +266,7 @@ fn a_fluid_is_reported_as_a_fluid() {
 
 #[test]
 fn a_negative_poisson_ratio_is_reported_and_a_nearly_incompressible_law_is_not_a_fluid() {
-    // (3 K - 2 G) / (6 K + 2 G) = -1.7 / 2.6.
+    // Poisson's ratio is (3 K - 2 G) / (6 K + 2 G) = -1.7 / 2.6.
     let law =
         "--set material.model=neo-hooke-isochoric --set material.shear=1 --set material.bulk=0.1";
     for question in [

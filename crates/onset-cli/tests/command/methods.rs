@@ -146,7 +146,7 @@ impl Method {
             let mut arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
             let is_of_one_state = ["state", "dispersion", "path", "modes"].contains(&arguments[0]);
             if self.dimension == 1 && is_of_one_state {
-                // Second axis of the study.
+                // The second axis of the study varies the density, which these commands need as a value.
                 arguments.extend(["--set", "discretization.density=1"]);
             }
             let answer = onset(&arguments);

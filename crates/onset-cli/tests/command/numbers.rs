@@ -86,7 +86,7 @@ fn the_tensile_instability_of_the_eulerian_kernel_agrees_with_the_reference() {
 
 #[test]
 fn a_rotation_of_the_state_changes_no_frequency() {
-    // A quarter turn after the deformation, before it (with the wave, on a lattice with this symmetry), and both.
+    // The state is rotated by a quarter turn after the deformation, before it (with the wave, on a lattice with this symmetry), or both.
     for frame in ["lagrangian", "eulerian"] {
         let waves = |f: &str, k: &str| {
             omega_squared(&format!(

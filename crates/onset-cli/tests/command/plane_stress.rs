@@ -66,7 +66,7 @@ fn states_of_a_sheet_equal_states_in_plane_strain_with_reduced_constants() {
             }
             assert_eq!(own["settings"]["material.plane"]["value"], "stress");
             assert!(own.get("material_3d").is_none() && expected.get("material_3d").is_some());
-            // E33 = -lambda/(lambda + 2 mu) (E11 + E22), and zero out-of-plane stress.
+            // Expected strain: E33 = -lambda/(lambda + 2 mu) (E11 + E22), and zero out-of-plane stress.
             let f = |i: usize| numbers(&own, &format!("/deformation_gradient/{i}"))[i];
             let strain = |i: usize| 0.5 * (f(i) * f(i) - 1.0);
             let expected = -LAMBDA / (LAMBDA + 2.0 * MU) * (strain(0) + strain(1));
@@ -164,7 +164,7 @@ fn bars_are_in_uniaxial_stress() {
     );
     let state = ask("state --stretch 1.2", &bar);
     assert_eq!(state["notes"].as_array().map(Vec::len), Some(0));
-    // P = E lambda (lambda^2 - 1)/2 with Young's modulus.
+    // Expected stress: P = E lambda (lambda^2 - 1)/2 with Young's modulus E.
     let young = MU * (3.0 * LAMBDA + 2.0 * MU) / (LAMBDA + MU);
     assert_close(
         number(&state, "/material/first_piola/0/0"),
@@ -353,7 +353,7 @@ fn a_two_dimensional_law_has_a_two_dimensional_hessian() {
     assert_eq!(card.code, Some(0), "{}", card.stderr);
     assert!(card.stdout.contains("1.18322"), "{}", card.stdout);
     let state = document(&format!("state --stretch 1.2,1.1 {CLOTH}"));
-    // P11 = mu F11 + lam (J - 1 - mu/lam) F22
+    // Expected stress: P11 = mu F11 + lam (J - 1 - mu/lam) F22.
     let first = numbers(&state, "/material/first_piola/0")[0];
     assert_close(first, 1.2 + 5.0 * (1.32 - 1.2) * 1.1, 1e-13);
     let audit = onset_line(&format!("audit {CLOTH}"));

@@ -47,7 +47,7 @@ fn unknown_keys_get_the_nearest_known_key_as_a_hint() {
 }
 
 #[test]
-fn unsupported_combinations_are_refused_with_the_supported_ones() {
+fn unsupported_combinations_are_refused_with_the_supported_combinations() {
     assert_assignment_refused(
         &[
             "discretization.method=updated-sph",
@@ -66,7 +66,7 @@ fn unsupported_combinations_are_refused_with_the_supported_ones() {
 }
 
 #[test]
-fn unknown_words_are_refused_with_the_known_ones() {
+fn unknown_words_are_refused_with_the_known_words() {
     for (assignment, expected) in [
         (
             "discretization.frame=lagrangan",
@@ -361,7 +361,7 @@ fn exactly_one_state_is_required() {
 }
 
 #[test]
-fn unknown_commands_and_options_get_the_nearest_known_one_as_a_hint() {
+fn unknown_commands_and_options_get_the_nearest_known_name_as_a_hint() {
     assert_line_refused("stat", &["unrecognized subcommand 'stat'", "'state'"]);
     assert_line_refused("state --strech 1,1", &["--strech", "'--stretch'"]);
     assert_line_refused("reproduce --set a=b", &["unexpected argument '--set'"]);
@@ -480,7 +480,7 @@ fn a_range_without_any_method_gets_a_hint_to_choose_another() {
 }
 
 #[test]
-fn misspelled_words_get_the_right_ones_as_a_hint() {
+fn misspelled_words_get_the_right_words_as_a_hint() {
     for (line, meant) in [
         ("path --mode uniaxal --to 2", "uniaxial"),
         (

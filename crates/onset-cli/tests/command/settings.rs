@@ -424,7 +424,7 @@ fn the_next_command_printed_after_a_verdict_runs() {
 }
 
 #[test]
-fn keys_and_laws_of_other_commands_get_a_hint_to_those() {
+fn keys_and_laws_of_other_commands_get_a_hint_to_the_command() {
     let horizon = onset_line(
         "state --stretch 1,1,1 --set discretization.method=peridynamics --set discretization.lattice=simple-cubic --set discretization.support=4",
     );

@@ -310,7 +310,7 @@ fn a_map_is_not_resumed_with_another_library() {
         ))
     };
     assert_eq!(map("--tiles 0..1").code, Some(0));
-    // Recompiled: another file in its place, whose additional bytes the loader ignores.
+    // The library is recompiled: another file takes its place, whose additional bytes the loader ignores.
     std::fs::write(&own, [&first[..], b"anew"].concat()).expect("a file");
     for more in ["--resume", "--tiles 1..2"] {
         let answer = map(more);

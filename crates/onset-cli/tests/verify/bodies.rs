@@ -127,7 +127,7 @@ fn assert_kills_change_nothing(
 }
 
 #[test]
-fn a_killed_body_is_resumed_to_the_same_bytes() {
+fn a_resumed_run_of_a_killed_body_writes_the_same_bytes() {
     let whole = Body::new(&pulled());
     let start = Instant::now();
     assert_eq!(Answer::of(whole.kept(LINE)).code, Some(0));
@@ -149,7 +149,7 @@ fn colliding() -> String {
 }
 
 #[test]
-fn a_body_with_updated_neighbors_writes_all_its_files_and_is_resumed_to_the_same_bytes() {
+fn a_body_with_updated_neighbors_writes_all_its_files_and_the_same_bytes_after_resumption() {
     let whole = Body::new(&colliding());
     let start = Instant::now();
     let answer = Answer::of(whole.kept(&format!("{LINE} --json")));
@@ -195,7 +195,7 @@ fn touching() -> String {
 }
 
 #[test]
-fn blocks_in_contact_are_resumed_to_the_same_bytes() {
+fn a_resumed_run_of_blocks_in_contact_writes_the_same_bytes() {
     let whole = Body::new(&touching());
     let start = Instant::now();
     let answer = Answer::of(whole.kept(&format!("{LINE} --json")));
@@ -270,7 +270,7 @@ fn an_isolated_particle_moves_freely_or_is_reported_if_gradients_are_corrected()
 
 #[cfg(unix)]
 #[test]
-fn an_interrupted_body_is_resumed_to_the_same_bytes() {
+fn a_resumed_run_of_an_interrupted_body_writes_the_same_bytes() {
     let whole = Body::new(&pulled());
     let line = "--steps 4000 --every 100 --fields 3 --checkpoint 50";
     assert_eq!(Answer::of(whole.kept(line)).code, Some(0));
@@ -365,11 +365,11 @@ fn a_particle_beyond_the_domain_of_its_law_is_reported() {
 fn steps_above_the_critical_step_are_refused_or_blamed_for_the_failure() {
     let place = Body::new(&pulled());
     let refused = told(&place, "--steps 10 --fraction 1.5", 2);
-    assert!(refused.contains("of the largest stable one"), "{refused}");
+    assert!(refused.contains("of the largest stable step"), "{refused}");
     let line = "--steps 3000 --fraction 2 --supercritical --amplitude 1e-6 --quiet";
     let failed = told(&place, line, 1);
     assert!(
-        failed.contains("the step is above the largest stable one"),
+        failed.contains("the step is above the largest stable step"),
         "{failed}"
     );
 }

@@ -376,7 +376,7 @@ fn the_sixth_order_integrator_conserves_the_energy_of_conservative_methods() {
 }
 
 #[test]
-fn below_the_critical_step_noise_stays_bounded_and_above_it_grows() {
+fn noise_stays_bounded_below_the_critical_step_and_grows_above() {
     let chain = &Subject::all(&[1])[9..11];
     for subject in chain {
         let rest = subject.stretch(1.0, 1.0);
@@ -515,7 +515,7 @@ fn whole(run: &str) -> (Place, Vec<(String, Vec<u8>)>, Duration) {
 }
 
 #[test]
-fn a_killed_run_is_resumed_to_the_same_bytes() {
+fn a_resumed_run_writes_the_same_bytes_after_a_kill() {
     goes_on_when_killed(RUN);
     goes_on_when_killed(POINTS);
 }
@@ -570,7 +570,7 @@ fn goes_on_when_killed(run: &str) {
 
 #[cfg(unix)]
 #[test]
-fn an_interrupted_run_ends_cleanly_and_is_resumed_to_the_same_bytes() {
+fn an_interrupted_run_ends_cleanly_and_writes_the_same_bytes_when_resumed() {
     let (_place, files, _) = whole(RUN);
     let place = Place::new();
     let arguments = into(place.path());

@@ -1,6 +1,6 @@
 //! HDF5 files: frames are the first axis of the data sets, or each file is one frame.
 //!
-//! The arrays of a body of PySPH are in `particles/NAME/arrays`. The library gives no numbers in attributes of groups: where no data set has times, the number
+//! The arrays of a body of PySPH are in `particles/NAME/arrays`. The HDF5 library used here does not read numbers in attributes of groups: where no data set has times, the number
 //! in the name of a file is its time step.
 
 use super::numpy::{Axes, time_name, without_time};

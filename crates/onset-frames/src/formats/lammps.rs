@@ -93,7 +93,7 @@ impl Head for Header {
                         "TIME" => {
                             header.time = Some(text.parse().map_err(|_| wrong("a time"))?);
                         }
-                        // UNITS, and items of later versions with one line.
+                        // `UNITS`, and items of later versions, have one line, which is not used.
                         _ => {}
                     }
                 }

@@ -1,4 +1,4 @@
-//! One reader for each format.
+//! Readers of the formats, one for each.
 
 mod blocks;
 pub(crate) mod hdf5;

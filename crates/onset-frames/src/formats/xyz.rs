@@ -40,7 +40,7 @@ fn pairs(line: &str) -> Vec<(String, String)> {
     let mut pairs = Vec::new();
     let mut rest = line.trim_start();
     while let Some((key, after)) = rest.split_once('=') {
-        // Words without a value stand before the key.
+        // Words without a value may precede the key.
         let key = key.split_ascii_whitespace().last().unwrap_or_default();
         let (value, next) = match after.strip_prefix(['"', '\'']) {
             Some(quoted) => {

@@ -47,7 +47,7 @@ pub struct WitnessAnswer {
     pub wave_vector: Vec<f64>,
     /// Lower and upper bound of the measure.
     pub measure: [f64; 2],
-    /// In 3D: polarization that confirms the direction.
+    /// Polarization that confirms the direction in 3D; `null` in one and two dimensions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub polarization: Option<Vec<f64>>,
     /// Lower bound of the growth rate, in units of sound speed over spacing; for the material, in units of sound speed times wave number.
@@ -141,7 +141,9 @@ impl ProofAnswer {
         } else {
             let reason = self.reason.unwrap_or("no reason");
             if reason == Reason::Method.name() {
-                return format!("{certainty} ({reason}): its waves are searched without a proof");
+                return format!(
+                    "{certainty} ({reason}): the waves of this method are searched without a proof"
+                );
             }
             match self.smallest_seen {
                 Some(seen) => {

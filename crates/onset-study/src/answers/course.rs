@@ -53,7 +53,7 @@ pub struct LoadingOfPath {
     pub asked_from: f64,
     /// Requested imposed stretch, or amount of shear, at the end.
     pub asked_to: f64,
-    /// Reason why the path begins after the requested start.
+    /// Reason why the path begins after the requested start; `None` if it begins there.
     pub starts_late: Option<String>,
     /// Reason why the path ends before the requested end; `None` if the path is complete.
     pub ends_early: Option<String>,

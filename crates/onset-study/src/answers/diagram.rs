@@ -87,7 +87,7 @@ pub struct CriticalWave {
     pub wave_vector: Vec<f64>,
     /// Wave vector in the deformed lattice, `F^-T k`; 1/length.
     pub spatial_wave_vector: Vec<f64>,
-    /// Name of the wave vector if it is a point of high symmetry.
+    /// Name of the wave vector; `None` unless it is a point of high symmetry.
     pub point: Option<String>,
     /// Length of the path up to the wave, 1/length; `None` in the limit of long waves.
     pub length: Option<f64>,

@@ -123,7 +123,7 @@ impl DiscreteTimeAnswer {
             let frequency = self.frequency.unwrap_or(0.0);
             let growth = match growth > 0.0 {
                 true => format!(
-                    "a wave grows at the rate {}, with the frequency {}, along {} (reference)",
+                    "a wave grows at the rate {}, with the frequency {} and the reference wave vector {}",
                     rate(growth),
                     rate(frequency),
                     units.of(vector(&self.wave_vector), "1/m")
@@ -154,11 +154,11 @@ pub(super) fn note(own: &DiscreteTimeAnswer, is_stable: bool, units: Units) -> O
     let transfer = own.transfer.name();
     match (is_stable, growth > 0.0) {
         (true, true) if own.is_too_long() => Some(format!(
-            "the step {step} is longer than the largest stable one of the {transfer} transfer, {}: a wave grows at the rate {rate}, although none grows in continuous time",
+            "the step {step} is longer than the largest stable step of the {transfer} transfer, {}: a wave grows at the rate {rate}, although none grows in continuous time",
             units.of(told(own.largest_time_step?), "s")
         )),
         (true, false) if own.is_too_long_for_an_isolated_point() => Some(format!(
-            "the step {step} is longer than the largest stable one of an isolated material point, {}: points without neighbors are unstable by \
+            "the step {step} is longer than the largest stable step of an isolated material point, {}: points without neighbors are unstable by \
              themselves although the body is stable",
             units.of(told(own.isolated_point_time_step?), "s")
         )),

@@ -50,11 +50,11 @@ impl FiniteBodyAnswer {
                     "any body: bound from its single elements or material points",
                 ),
                 FiniteBodyGround::Lattice => {
-                    (true, "any body: it has fewer bonds than the lattice")
+                    (true, "any body: bodies have fewer bonds than the lattice")
                 }
                 FiniteBodyGround::Blocks => (
                     false,
-                    "the smallest of free blocks, for bodies three particles thick or more",
+                    "smallest step of free blocks, for bodies three particles thick or more",
                 ),
             };
             Self {
@@ -123,7 +123,7 @@ pub(crate) fn hint_on_body(error: &BodyError) -> &'static str {
             "bodies are run with discretization.method = \"updated-sph\" or \"total-lagrangian-sph\", the latter without viscosity and velocity smoothing"
         }
         BodyError::Lonely { .. } => {
-            "choose a larger discretization.support, or a body of more rows of particles"
+            "choose a larger discretization.support, or a body with more rows of particles"
         }
         BodyError::EmptyGrip { .. } => {
             "set grips.from and grips.to to corners of a box that contains particles, in particle spacings of the reference configuration"
@@ -132,7 +132,7 @@ pub(crate) fn hint_on_body(error: &BodyError) -> &'static str {
             "available for finite elements, peridynamics, SPH with a support that does not follow the deformation, and kernel methods with nodal quadrature and discretization.frame = \"lagrangian\""
         }
         BodyError::NoStress { .. } | BodyError::NotConverged => {
-            "choose an earlier time, or check law and reference positions"
+            "choose an earlier time, or check the law and the reference positions"
         }
         BodyError::OtherElement { .. } => "set discretization.mesh to the elements of the run",
         BodyError::TooLarge { .. } => {

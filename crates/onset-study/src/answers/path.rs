@@ -43,16 +43,16 @@ pub struct PathAnswer {
     pub settings: Effective,
     /// Label of the coordinate along the path, as in the figure: the imposed stretch, a stretch along an axis, or the path parameter.
     pub abscissa: &'static str,
-    /// The loading, unless the path is straight.
+    /// Loading along the path; `null` for a straight path between two states.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub loading: Option<LoadingOfPath>,
     /// `F_iJ` at the start.
     pub from: [[f64; 3]; 3],
     /// `F_iJ` at the end.
     pub to: [[f64; 3]; 3],
-    /// First loss of strong ellipticity, or `null`.
+    /// First loss of strong ellipticity; `null` if it is kept.
     pub material_onset: Option<MaterialOnset>,
-    /// First instability of the discretization, or `null`.
+    /// First instability of the discretization; `null` if it stays stable.
     pub discretization_onset: Option<DiscretizationOnset>,
     /// Every loss and recovery of strong ellipticity.
     pub material_crossings: Vec<CrossingAnswer>,
@@ -81,7 +81,7 @@ pub struct CrossingAnswer {
 /// First loss of strong ellipticity.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MaterialOnset {
-    /// State of the loss; the start if it is not elliptic.
+    /// State of the loss; the start of the path if the material is not elliptic there.
     #[serde(flatten)]
     pub place: Place,
     /// Phase after the loss: `flutter` or `unstable`.
@@ -95,7 +95,7 @@ pub struct MaterialOnset {
 /// First instability of the discretization.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DiscretizationOnset {
-    /// State of the onset; the start if it is unstable.
+    /// State of the onset; the start of the path if the discretization is unstable there.
     #[serde(flatten)]
     pub place: Place,
     /// Phase after the onset: `flutter` or `unstable`.

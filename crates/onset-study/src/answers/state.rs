@@ -76,7 +76,7 @@ pub struct StateAnswer {
     pub material_3d: Option<SpaceAnswer>,
     /// The discretization, as searched in floating point.
     pub discretization: DiscretizationAnswer,
-    /// Proofs, if they were requested.
+    /// Proofs; `null` if they were not requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub certificate: Option<CertificateAnswer>,
 }
@@ -105,7 +105,7 @@ pub struct MaterialAnswer {
     /// Waves of the material that oscillate and grow, or `None`; only tangents without major symmetry have them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flutter: Option<FlutterAnswer>,
-    /// Whether the state is strongly elliptic for waves in all directions of 3D space, (60) instead of (62). `null` if the state has no three-dimensional waves.
+    /// Whether the state is strongly elliptic for waves in all directions of 3D space: condition (60) of the paper instead of (62). `null` if the state has no three-dimensional waves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub elliptic_3d: Option<bool>,
     /// Smallest eigenvalue of the acoustic tensor over all directions of 3D space. Units of stress; `null` if the state has no three-dimensional waves.
@@ -193,16 +193,16 @@ pub struct DiscretizationAnswer {
     pub mode: String,
     /// `omega^2` of smallest real part over the whole Brillouin zone; zero (the translation) when stable. 1/time^2.
     pub minimum_omega_squared: ComplexNumber,
-    /// `min Re omega^2 / (c^2 |k|_h^2)` over the zone and the long-wave limit. If a mode grows at `k = 0`, this has no minimum; then the lowest `Re
-    /// omega^2` over the largest `c^2 |k|_h^2`.
+    /// `min Re omega^2 / (c^2 |k|_h^2)` over the zone and the long-wave limit. If a mode grows at `k = 0`, this quotient has no minimum; the value is then
+    /// the lowest `Re omega^2` over the largest `c^2 |k|_h^2`.
     pub minimum_scaled: f64,
     /// Reference wave vector of the fastest growing mode, or of the softest mode if stable; 1/length. Zero in the limit of long waves.
     pub wave_vector: Vec<f64>,
-    /// Wave vector of this mode in the deformed lattice, `F^-T k`.
+    /// Wave vector `F^-T k` of the mode of `wave_vector` in the deformed lattice; 1/length.
     pub spatial_wave_vector: Vec<f64>,
-    /// Polarization of this mode, real part.
+    /// Polarization of the mode of `wave_vector`, real part.
     pub polarization: Vec<f64>,
-    /// Polarization of this mode, imaginary part.
+    /// Polarization of the mode of `wave_vector`, imaginary part.
     pub polarization_imaginary: Vec<f64>,
     /// Growth rate of the fastest growing mode, `max(-Im omega)`; zero when stable. 1/time.
     pub growth_rate: f64,
@@ -213,11 +213,11 @@ pub struct DiscretizationAnswer {
     /// Critical time step of undamped central differences, `2 / maximum_omega`; for methods that define their time step, its largest stable value.
     /// `null` if no mode oscillates.
     pub critical_time_step: Option<f64>,
-    /// Kind of body for this critical time step.
+    /// Kind of body for which `critical_time_step` holds.
     pub critical_time_step_of: &'static str,
     /// Time step for finite bodies; `null` if it is unknown.
     pub finite_bodies: Option<FiniteBodyAnswer>,
-    /// The body of the study.
+    /// Time step for the body of the study; `null` if the study has no body.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<BodyStepAnswer>,
     /// Side of a grid cell of material points; length. `null` for other methods.
@@ -232,7 +232,7 @@ pub struct DiscretizationAnswer {
     /// Critical time steps of integrators with damping, by their names; zero if no step is stable.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub damped_time_steps: BTreeMap<&'static str, f64>,
-    /// Waves considered in these steps: all waves, or in an unstable state the waves that do not grow.
+    /// Waves considered in `damped_time_steps`: all waves, or in an unstable state the waves that do not grow. `null` without such steps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damped_time_steps_of: Option<&'static str>,
     /// Tangent and steps of implicit and static solvers; `null` for methods that define their time step.
@@ -252,9 +252,9 @@ pub struct DiscretizationAnswer {
     /// Squared norm of the discrete gradient of the softest mode relative to the exact gradient; zero for a zero-energy mode. `None` if the
     /// discretization has no such gradient.
     pub gradient_norm: Option<f64>,
-    /// Weakest wave of the reference configuration; `onset modes` finds the same one.
+    /// Weakest wave of the reference configuration; `onset modes` finds the same mode. `null` if it is not defined.
     pub weakest_mode: Option<WeakestModeAnswer>,
-    /// Numbers of particles of the cell of the settings and of its primitive cell, if that is smaller.
+    /// Numbers of particles of the cell of the settings and of its smaller primitive cell; `null` if the cell of the settings is primitive.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reduced_cell: Option<ReducedCell>,
 }

@@ -41,14 +41,14 @@ pub struct StudySummary {
     pub tiles: usize,
     /// Number of sampled states at which discretization and material were evaluated.
     pub sampled: usize,
-    /// Number of these states without a verdict.
+    /// Number of sampled states without a verdict.
     pub undefined: usize,
     /// Estimated number of states that will be computed, from a rehearsal on sampled states; the others are filled in. `null` if a library must be
     /// allowed first.
     pub evaluations: Option<u64>,
-    /// Processor time of one computed state, the mean over the sampled states; seconds.
+    /// Processor time of one computed state, the mean over the sampled states; seconds. `null` if a library must be allowed first.
     pub seconds_per_state: Option<f64>,
-    /// Processor time of the whole map; seconds.
+    /// Processor time of the whole map; seconds. `null` if a library must be allowed first.
     pub seconds: Option<f64>,
     /// Remarks on law and method for the reader.
     pub notes: Vec<String>,

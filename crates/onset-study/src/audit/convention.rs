@@ -257,7 +257,7 @@ impl StressChange {
     fn second_piola(&self) -> FourthOrder {
         let inverse = self.inverse();
         let jacobian = self.deformation.jacobian();
-        // dE = F^T D F.
+        // The increment of Green's strain is `dE = F^T D F`.
         let per_strain = composed(&self.truesdell(), |k, l| {
             inverse.transpose() * unit_strain(k, l) * inverse
         });

@@ -17,17 +17,17 @@ pub struct TangentFinding {
     pub expected: Convention,
     /// Largest relative error against the expected convention.
     pub expected_error: f64,
-    /// Reading that fits at all states, or `None`.
+    /// Reading that fits at all states; `null` if no reading does.
     pub identified: Option<Match>,
-    /// Other readings that fit equally well at these states, with the same number of mistakes.
+    /// Other readings that fit equally well at the tested states, with the same number of mistakes.
     pub indistinguishable: Vec<Match>,
-    /// Reading that fits at some of the states, if none fits at all of them.
+    /// Reading that fits at some of the states; `null` if a reading fits at all states, or each reading at too few of them.
     pub in_part: Option<Partial>,
-    /// For the tangent of a small-strain update: the largest `|sigma_ij delta_kl|`, which it lacks, relative to the expected tangent.
+    /// Largest `|sigma_ij delta_kl|`, which the tangent of a small-strain update lacks, relative to the expected tangent; `null` for other tangents.
     pub small_strain_update: Option<f64>,
-    /// For a secant stiffness: the largest relative error of stress = tangent : logarithmic strain.
+    /// Largest relative error of stress = tangent : logarithmic strain, if the tangent is a secant stiffness; `null` for other tangents.
     pub secant: Option<f64>,
-    /// Closest reading if none fits, provided it is clearly closer than the expected one.
+    /// Closest reading, if no reading fits and it is clearly closer than the expected reading; otherwise `null`.
     pub nearest: Option<Match>,
     /// Errors of every convention without mistakes.
     pub conventions: Vec<Match>,
@@ -41,11 +41,11 @@ pub struct Partial {
     /// Convention and mistakes, with the error.
     #[serde(flatten)]
     pub reading: Match,
-    /// Number of states at which this tangent fits, among the states with accurate differences.
+    /// Number of states at which the reading fits, among the states with accurate differences.
     pub fits: usize,
     /// Number of states with accurate differences.
     pub of: usize,
-    /// States at which it does not fit, worst first.
+    /// States at which the reading does not fit, worst first.
     pub fails: Vec<Misfit>,
 }
 
@@ -330,7 +330,7 @@ fn small_strain_update(
         .any(|(other, state)| state.stress_error(&other.cauchy, &state.sample.cauchy) > TOLERANCE);
     let lacking = measured.iter().map(|state| {
         let full = Convention::JaumannKirchhoff.tangent(&state.change, &state.change.gradient);
-        // `|sigma_ij delta_kl|` is `sqrt(3) |sigma|`.
+        // The missing term is `sigma_ij delta_kl`, with the norm `sqrt(3) |sigma|`.
         3.0_f64.sqrt() * state.sample.cauchy.norm() / onset_umat::voigt_of_tensor(&full).norm()
     });
     Ok(depends.then(|| lacking.fold(0.0, f64::max)))

@@ -48,11 +48,11 @@ pub struct Apart {
     pub distance: f64,
     /// Largest distance of a point on the material's boundary from the boundary of the discretization.
     pub from_material: f64,
-    /// Point on the material's boundary with this distance.
+    /// Point on the material's boundary that is farthest from the boundary of the discretization.
     pub from_material_at: [f64; 2],
     /// Largest distance of a point on the boundary of the discretization from the material's boundary.
     pub from_discretization: f64,
-    /// Point on the boundary of the discretization with this distance.
+    /// Point on the boundary of the discretization that is farthest from the material's boundary.
     pub from_discretization_at: [f64; 2],
     /// Unit of the distances.
     ///
@@ -73,9 +73,9 @@ pub struct Rays {
     pub only_discretization: usize,
     /// Number of rays along which the discretization is undefined before it loses stability.
     pub undefined: usize,
-    /// Ray with the largest distance of the onsets, `[sum (lambda_i^num - lambda_i^exact)^2]^(1/2)`, relative to the exact stretch.
+    /// Ray with the largest distance of the onsets, `[sum (lambda_i^num - lambda_i^exact)^2]^(1/2)`, relative to the exact stretch. `null` if no ray has both onsets.
     pub worst: Option<WorstRay>,
-    /// Ray with the largest error of the Cauchy stress at onset, relative to the exact stress.
+    /// Ray with the largest error of the Cauchy stress at onset, relative to the exact stress. `null` if no ray has both onsets.
     pub worst_stress: Option<WorstStress>,
 }
 

@@ -98,7 +98,7 @@ pub struct Boundaries {
     pub discretization: Boundary,
     /// Phases of a window without boundaries.
     pub throughout: Throughout,
-    /// Fidelity of the discretization, if requested.
+    /// Fidelity of the discretization; `null` if it was not requested.
     pub fidelity: Option<Fidelity>,
     /// Notes on law and method.
     pub notes: Vec<String>,
@@ -270,13 +270,13 @@ pub struct Summary {
     pub is_complete: bool,
     /// Points where the phase changes, but no curve could be traced.
     pub unresolved: Vec<[f64; 2]>,
-    /// Fidelity of the discretization, if requested.
+    /// Fidelity of the discretization; `null` if it was not requested.
     pub fidelity: Option<Fidelity>,
     /// Notes on law and method.
     pub notes: Vec<String>,
 }
 
-/// Phases of a window without boundaries; `None` if a change of phase was detected.
+/// Phases of a window without boundaries; a phase is `null` if a change of phase was detected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Throughout {
     /// Phase of the material.
@@ -296,7 +296,8 @@ pub struct CurveSummary {
     pub right: Phase,
     /// Whether the curve is closed.
     pub closed: bool,
-    /// Reasons why an open curve starts and ends: `edge`, `phase`, `meets`, `lost`, `budget`; `null` for a closed curve.
+    /// Reasons why an open curve starts and ends: `edge` (edge of the window), `phase` (a third phase begins), `meets` (another curve or itself), `lost`
+    /// (no continuation found), `budget` (too many states); `null` for a closed curve.
     pub ends: Option<[&'static str; 2]>,
     /// Arc length in the coordinates of the axes.
     pub length: f64,

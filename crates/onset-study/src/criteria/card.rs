@@ -32,7 +32,7 @@ pub struct CardAnswer {
     /// Largest box `[1/b, b]^3` of principal stretches; `null` if the law is not elliptic in the reference configuration or its response is
     /// incompressible.
     pub symmetric_box: Option<BoxAnswer>,
-    /// Box `[a, b]^3` with the largest `b/a`.
+    /// Box `[a, b]^3` with the largest `b/a`; `null` under the conditions of `symmetric_box`.
     pub widest_box: Option<BoxAnswer>,
     /// Limits of each loading.
     pub loadings: Vec<Limits>,
@@ -51,7 +51,7 @@ pub struct BoxAnswer {
     pub high_end: BoxEnd,
     /// Principal stretches of the critical state on the surface of the box; `null` if only the range limits the box.
     pub critical_stretches: Option<[f64; 3]>,
-    /// Critical wave in this state; `null` if the law is not defined beyond the box.
+    /// Critical wave in the critical state; `null` if the law is not defined beyond the box.
     pub witness: Option<Witness>,
 }
 
@@ -381,7 +381,7 @@ impl Display for CardAnswer {
         if self.material.incompressible {
             writeln!(
                 formatter,
-                "(Incompressible: no boxes of three stretches, which change the volume.)"
+                "(An incompressible law has no boxes: three independent stretches would change the volume.)"
             )?;
         } else if self.material.in_plane {
             writeln!(

@@ -30,7 +30,7 @@ impl CardAnswer {
         );
         if self.material.incompressible {
             page.push_str(
-                "<p>The response is incompressible: there are no boxes of three stretches, which change the volume.</p>\n",
+                "<p>An incompressible law has no boxes: three independent stretches would change the volume.</p>\n",
             );
         } else if self.material.in_plane {
             page.push_str("<p>A two-dimensional law has no boxes of three stretches.</p>\n");

@@ -98,7 +98,7 @@ fn told(notes: &[String]) -> String {
 pub struct LawAnswer {
     /// Name of the law as in `onset list materials`.
     pub model: String,
-    /// Custom title, for laws whose energy or table is too long for one.
+    /// Custom title, for laws whose energy or table is too long for a title; `null` for other laws.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// Parameters of the law and its other inputs, in the order of the documentation.
@@ -139,7 +139,7 @@ pub struct Definition {
     pub definition: &'static str,
     /// Source of the criterion.
     pub source: &'static str,
-    /// Explanation of limits that are not exact.
+    /// Explanation of limits that are not exact; `null` if all limits are exact.
     pub note: Option<&'static str>,
 }
 
@@ -181,7 +181,7 @@ pub struct LoadingAnswer {
     pub tension_end: EndAnswer,
     /// Further equilibria with the same imposed stretch and other free stretches, if any were found.
     pub other_states: Vec<OtherState>,
-    /// Stretches at which energy, stress or tangent jump, nearest to the reference configuration first.
+    /// Stretches at which the energy, the stress or the tangent jumps, nearest to the reference configuration first.
     pub kinks: Vec<KinkAnswer>,
     /// Results for each criterion.
     pub criteria: Vec<CriterionAnswer>,
@@ -194,7 +194,7 @@ pub struct KinkAnswer {
     pub stretch: f64,
     /// Lowest derivative that jumps: energy, stress or tangent.
     pub kind: Discontinuity,
-    /// Size of this jump relative to the tangent.
+    /// Norm of the jump of this derivative over all components, relative to the tangent.
     pub jump: f64,
     /// Jump of the energy. Units of stress.
     pub energy: f64,
@@ -271,7 +271,7 @@ pub struct CriterionAnswer {
 /// Result for a criterion on one side of the reference configuration.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SideAnswer {
-    /// First stretch, counted from the reference configuration, at which the criterion is lost; `null` if it is kept.
+    /// First stretch, counted from the reference configuration, at which the criterion is lost; `null` if the criterion is kept.
     pub limit: Option<f64>,
     /// Whether the limit is only an upper bound: the criterion is lost there, but it may be lost nearer to the reference configuration.
     pub upper_bound: bool,

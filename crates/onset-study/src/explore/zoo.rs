@@ -17,7 +17,7 @@ pub struct Entry {
     pub assumed: String,
     /// Arguments of `onset state` that reproduce the report.
     pub question: Question,
-    /// Known remedy, if any.
+    /// Known remedy; `None` if no remedy is known.
     pub remedy: Option<String>,
     /// Arguments of `onset state` with the remedy; `None` without a known remedy.
     pub remedy_question: Option<Question>,

@@ -19,7 +19,7 @@ pub struct Axis {
     pub range: (f64, f64),
     /// Linear or logarithmic scale.
     pub scale: Scale,
-    /// Named ticks such as Γ, X, M instead of numbers.
+    /// Named ticks such as Γ, X, M instead of numbers; `None` for numbers.
     pub ticks: Option<Vec<(f64, String)>>,
 }
 

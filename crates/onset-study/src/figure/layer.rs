@@ -72,7 +72,7 @@ pub struct Field {
 pub struct Line {
     /// Vertices; a NaN interrupts the curve.
     pub points: Vec<(f64, f64)>,
-    /// Name in the legend.
+    /// Name in the legend; `None` for no entry.
     pub name: Option<String>,
     /// Color of the curve.
     pub color: Color,
@@ -99,7 +99,7 @@ pub enum Dash {
 pub struct Points {
     /// Positions of the markers.
     pub points: Vec<(f64, f64)>,
-    /// Name in the legend.
+    /// Name in the legend; `None` for no entry.
     pub name: Option<String>,
     /// Color of the markers.
     pub color: Color,
@@ -132,7 +132,7 @@ pub struct Arrows {
     pub from: Vec<(f64, f64)>,
     /// Tips of the arrows, one for each tail.
     pub to: Vec<(f64, f64)>,
-    /// Name in the legend.
+    /// Name in the legend; `None` for no entry.
     pub name: Option<String>,
     /// Color of the arrows.
     pub color: Color,
@@ -145,11 +145,11 @@ pub struct Arrows {
 pub struct Balls {
     /// Balls, the farthest first.
     pub balls: Vec<Ball>,
-    /// Name of the balls in the legend.
+    /// Name of the balls in the legend; `None` for no entry.
     pub name: Option<String>,
     /// Color of the balls.
     pub color: Color,
-    /// Name of the arrows in the legend.
+    /// Name of the arrows in the legend; `None` for no entry.
     pub arrow_name: Option<String>,
     /// Color of the arrows.
     pub arrow_color: Color,
@@ -166,7 +166,7 @@ pub struct Ball {
     pub radius: f64,
     /// Paleness, from 0 (near) to 1 (far).
     pub fade: f64,
-    /// Tip of the arrow, if there is an arrow.
+    /// Tip of the arrow; `None` for no arrow.
     pub tip: Option<(f64, f64)>,
 }
 
@@ -188,7 +188,7 @@ pub struct Rule {
     pub direction: Direction,
     /// The x of a vertical line, the y of a horizontal one.
     pub at: f64,
-    /// Name in the legend.
+    /// Name in the legend; `None` for no entry.
     pub name: Option<String>,
     /// Color of the line.
     pub color: Color,

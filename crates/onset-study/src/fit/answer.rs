@@ -86,7 +86,7 @@ pub struct LawAnswer {
     pub losses: Vec<LossAnswer>,
     /// Whether the best fit without the stability constraint is stable in the range.
     pub needs_no_demand: bool,
-    /// Proof of the stability of the result.
+    /// Proof of the stability of the result; `null` without a range.
     pub proof: Option<Proof>,
     /// Whether no other constants have a smaller sum of squares.
     pub is_global: bool,
@@ -98,7 +98,7 @@ pub struct LawAnswer {
     pub spare_points: usize,
     /// Names of the free constants at their bounds.
     pub at_bounds: Vec<String>,
-    /// First state in the range at which the chains of the law are straight.
+    /// First state in the range at which the chains of the law are straight; `null` if the range has no such state.
     pub locks: Option<LockAnswer>,
     /// Settings of the law.
     pub settings: Vec<String>,
@@ -111,13 +111,13 @@ pub struct LawAnswer {
 pub struct FitAnswer {
     /// Tests with the extent of their data.
     pub tests: Vec<TestAnswer>,
-    /// Unit of stress of the tables.
+    /// Unit of stress of the tables; `null` if they name none.
     pub unit: Option<String>,
     /// Weights of the points.
     pub weights: Weights,
-    /// Range of the stability constraint.
+    /// Range of the stability constraint; `null` for free fits.
     pub range: Option<Range>,
-    /// Limits of the principal stretches of the range.
+    /// Limits of the principal stretches of the range; `null` for free fits.
     pub stretches: Option<[f64; 2]>,
     /// Criteria of the stability constraint.
     pub criteria: Vec<Criterion>,

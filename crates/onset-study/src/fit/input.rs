@@ -74,20 +74,20 @@ pub struct Arrays {
     pub stretch: Vec<f64>,
     /// Measured nominal stresses of the points.
     pub stress: Vec<f64>,
-    /// Lateral stretches, if they were measured.
+    /// Lateral stretches; `None` if they were not measured.
     pub lateral: Option<Vec<f64>>,
 }
 
 /// Choices for the reading of tables.
 #[derive(Clone, Debug, Default)]
 pub struct Reading {
-    /// Unit of stress of tables that do not name one.
+    /// Unit of stress of tables that do not name a unit; `None` if it is unknown.
     pub unit: Option<String>,
-    /// Area of the undeformed cross-section, which turns forces into nominal stresses.
+    /// Area of the undeformed cross-section, which turns forces into nominal stresses; `None` for tables of stresses.
     pub area: Option<f64>,
     /// Smallest and largest stretch of the points to use; `None` for all points.
     pub range: Option<[f64; 2]>,
-    /// Material whose tests are read from decks with several materials.
+    /// Material whose tests are read from decks with several materials; `None` for decks with one material.
     pub material: Option<String>,
 }
 
@@ -96,7 +96,7 @@ pub struct Reading {
 pub struct Tests {
     /// Tests in the order of the files.
     pub tests: Vec<Test>,
-    /// Unit of all stresses, if the tables name one.
+    /// Unit of all stresses; `None` if the tables name no unit.
     pub unit: Option<String>,
     /// Remarks for the reader.
     pub notes: Vec<String>,

@@ -35,12 +35,12 @@ pub struct Tried {
     /// Zero if no step is stable. `null` if every step is stable because no mode oscillates, or if the value cannot be evaluated. Time.
     #[serde(serialize_with = "finite")]
     pub critical_time_step: f64,
-    /// Verdict on the state. For an unstable state the step belongs to the waves that do not grow.
+    /// Verdict on the state. For an unstable state the step belongs to the waves that do not grow. `null` if the value cannot be evaluated.
     pub verdict: Option<Verdict>,
-    /// Critical step of the body of the study at this state; `None` without a body.
+    /// Critical step of the body of the study at the state; `null` without a body.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<BodyStepAnswer>,
-    /// Critical step of an isolated material point, for methods with a transfer. Time.
+    /// Critical step of an isolated material point, for methods with a transfer; time. `null` for other methods.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub isolated_point_time_step: Option<f64>,
     /// Reason why the value cannot be evaluated; `None` if it can be evaluated.
@@ -91,7 +91,7 @@ pub struct End {
     /// Nearest value found that cannot be evaluated; `None` if all values can be evaluated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub undefined_at: Option<f64>,
-    /// Reason why this value cannot be evaluated.
+    /// Reason why the value `undefined_at` cannot be evaluated; `null` without such a value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
@@ -110,7 +110,7 @@ pub struct Admitted {
 pub struct LimitAnswer {
     /// The key of the setting.
     pub key: &'static str,
-    /// Unit of the setting, if values have units.
+    /// Unit of the setting; `null` if values have no units.
     pub unit: Option<&'static str>,
     /// The time step that must be stable. Time.
     pub time_step: f64,
@@ -124,7 +124,7 @@ pub struct LimitAnswer {
     pub finite_bodies: Option<FiniteBodyAnswer>,
     /// Deformation gradient `F_iJ` of the state, by rows.
     pub deformation_gradient: [[f64; 3]; 3],
-    /// Present value of the setting and its critical step, if it has a value.
+    /// Present value of the setting and its critical step; `null` if the setting has no value.
     pub present: Option<Tried>,
     /// Intervals of values that admit the step.
     pub admitted: Vec<Admitted>,
@@ -595,12 +595,12 @@ impl LimitAnswer {
         }
         if step.is_infinite() {
             return Some(format!(
-                "Its present value is {value}, with no critical step."
+                "Its present value is {value}, which does not limit the step."
             ));
         }
         if step == 0.0 {
             return Some(format!(
-                "Its present value is {value}, with no stable step."
+                "Its present value is {value}, for which no step is stable."
             ));
         }
         Some(format!(

@@ -55,8 +55,9 @@ impl LimitQuestion {
                 .hint("give a number of [material] or [discretization], for example material.young or discretization.spacing"));
         }
         if key.name == STEP_OF_RATES {
-            let message =
-                format!("`{name}` is a time step itself: the critical one does not depend on it");
+            let message = format!(
+                "`{name}` is a time step itself: the critical time step does not depend on it"
+            );
             return Err(SettingError::new(origin(), message)
                 .hint("vary a setting that affects the critical step, for example material.young or discretization.spacing"));
         }

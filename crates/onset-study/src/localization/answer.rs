@@ -33,7 +33,7 @@ pub struct LocalizationAnswer {
     pub directions: Vec<DirectionAnswer>,
     /// States of the path.
     pub path: Vec<PointAnswer>,
-    /// For incremental laws: the onset with half the number of increments, as a measure of convergence.
+    /// Onset with half the number of increments, as a measure of convergence; `null` for laws that are not incremental.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub with_half_the_increments: Option<HalfAnswer>,
     /// Message of an incremental law whose failure ends the path; `null` for other ends.

@@ -19,7 +19,7 @@ use serde::de::DeserializeOwned;
 pub struct Parameter {
     /// Dotted name of the parameter.
     pub name: &'static str,
-    /// Kind of value that it accepts.
+    /// Kind of value that the parameter accepts.
     pub kind: Kind,
     /// Default value, as it would be typed.
     pub default: &'static str,
@@ -197,7 +197,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "plasticity.recovery",
         Kind::Number("1", NotNegative),
         "0",
-        "recovery b of the back stress, which tends to c/b in shear; 0: none",
+        "recovery b of the back stress, which tends to c/b in shear; 0: no recovery",
     )
     .only_with(MODEL, &["kinematic"]),
     parameter(
@@ -246,7 +246,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "plasticity.compressibility",
         Kind::Number("1", Positive),
         "0.05",
-        "plastic compaction over which this pressure grows by the factor e; (lambda - kappa)/(1 + e) of soil mechanics",
+        "plastic compaction over which plasticity.preconsolidation grows by the factor e; (lambda - kappa)/(1 + e) of soil mechanics",
     )
     .only_with(MODEL, &["cam-clay", "cap"]),
     parameter(
@@ -362,7 +362,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "plasticity.increments",
         Kind::Whole(2, 10_000),
         "200",
-        "number of increments of a user material to that strain; they are shorter near first yield",
+        "number of increments of a user material along the path; they are shorter near first yield",
     )
     .only_with(MODEL, &[UMAT]),
 ];

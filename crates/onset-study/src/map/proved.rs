@@ -102,9 +102,9 @@ impl Add for Proofs {
 /// Numbers of proved states, over the tiles of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Proved {
-    /// States by certainty for the particles.
+    /// Share of the states with each certainty about the waves of the particles, by the name of the certainty.
     pub certainty: BTreeMap<&'static str, Share>,
-    /// Undecided states by reason.
+    /// Share of the states undecided for each reason, by the name of the reason.
     pub undecided: BTreeMap<&'static str, Share>,
     /// Number of states where the proof corrects verdict or stability of the search.
     pub corrected: u64,

@@ -101,11 +101,11 @@ pub struct Summary {
     pub title: String,
     /// Number of states in the finished tiles of this run.
     pub states: u64,
-    /// Number of computed states, by this run or earlier; the verdicts of the others are filled in from their surroundings.
+    /// Number of computed states, by this run or earlier; the verdicts of all other states are filled in from their surroundings.
     pub evaluated: u64,
     /// Number of states by verdict, over the tiles of this run.
     pub verdicts: BTreeMap<&'static str, Share>,
-    /// Proved states, if proofs were requested.
+    /// Proved states; `null` if no proofs were requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub proofs: Option<Proved>,
     /// Number of states by evidence: `proved` if certified, `searched` otherwise.

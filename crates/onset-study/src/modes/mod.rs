@@ -70,7 +70,7 @@ pub struct ModesAnswer {
     pub weak: f64,
     /// Number of cells of the patch along each primitive vector.
     pub cells: usize,
-    /// Numbers of particles of the cell in the settings and of its primitive cell, if that is smaller.
+    /// Numbers of particles of the cell in the settings and of its smaller primitive cell; `null` if the cell is primitive.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reduced_cell: Option<ReducedCell>,
     #[serde(skip)]
@@ -91,14 +91,14 @@ pub struct ShownMode {
     /// Wave vector of the material wave that the mode approximates. For a cell with several particles it differs from `wave_vector` by a reciprocal
     /// vector; 1/length.
     pub wave: Vec<f64>,
-    /// `wave` in units of the reciprocal vectors, if it differs from `fractional`.
+    /// `wave` in units of the reciprocal vectors; `None` if it equals `fractional`.
     #[serde(skip)]
     pub unfolded: Option<Vec<f64>>,
     /// Frequency relative to the slowest wave of the material.
     pub relative_frequency: f64,
     /// Number of independent zero-energy modes at this wave vector.
     pub nullity: usize,
-    /// Set of zero-energy modes that contains this mode: point, line, surface or zone.
+    /// Set of zero-energy modes that contains the mode: point, line, surface or zone.
     pub extent: Extent,
     /// Whether the wave fits into the patch. If not, its displacement field jumps at the periodic boundary.
     pub fits: bool,
@@ -396,7 +396,7 @@ mod tests {
         assert_eq!(place(&[-0.5, 0.0]), "(1/2, 0)");
         assert_eq!(place(&[-0.5, -0.5]), "(1/2, 1/2)");
         assert_eq!(place(&[1.0 / 3.0, -1.0 / 3.0]), "(1/3, -1/3)");
-        // One of k and -k.
+        // `k` and `-k` have the same name.
         assert_eq!(place(&[-0.2, 0.3]), place(&[0.2, -0.3]));
         assert_eq!(place(&[-0.5, -0.28044]), "(1/2, 0.2804)");
         assert_eq!(place(&[0.0, 0.0]), "(0, 0)");

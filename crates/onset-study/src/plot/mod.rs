@@ -282,7 +282,7 @@ pub fn plot_allowing(
 pub struct Section {
     /// Title of the study, or the name of the folder if the study has no title.
     pub title: String,
-    /// Position of the section on the third axis, if there are three.
+    /// Position of the section on the third axis; `None` for a map with two axes.
     pub name: Option<String>,
     /// Study of the section.
     pub study: Study,

@@ -50,11 +50,11 @@ pub struct BodyModeAnswer {
     pub short_waves: f64,
     /// Fraction of the particles that strain, `(sum g)^2 / (n sum g^2)` with the squared gradients `g` of the mode.
     pub strained: f64,
-    /// Width of the region that strains: the fraction above times the longest side of the body; particle spacings.
+    /// Width of the region that strains: `strained` times the longest side of the body; particle spacings.
     pub width: f64,
     /// Particle with the largest displacement.
     pub particle: usize,
-    /// Reference position of this particle; length.
+    /// Reference position of the particle with the largest displacement; length.
     pub place: [f64; 3],
     /// Displacements; the largest has unit length.
     #[serde(skip)]
@@ -68,7 +68,7 @@ pub struct Actual {
     pub asked: f64,
     /// Time of the nearest frame, in which the modes are computed.
     pub time: f64,
-    /// Number of this frame, from 0.
+    /// Number of the frame in which the modes are computed, from 0.
     pub frame: usize,
     /// Number of unknowns: components of the displacements of all particles that are not held.
     pub unknowns: usize,

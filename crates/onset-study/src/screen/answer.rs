@@ -49,7 +49,7 @@ pub enum Cause {
     Physical,
     /// Waves of the discretization grow in a strongly elliptic material.
     Numerical,
-    /// The time step exceeds the largest stable one.
+    /// The time step exceeds the largest stable step.
     TimeStep,
     /// Short waves that no force resists.
     ZeroEnergy,
@@ -148,7 +148,7 @@ pub struct ScreenAnswer {
     pub sentence: String,
     /// Whether a change of the limit by 2 % would change the cause.
     pub at_the_limit: bool,
-    /// Place and time at which the cause begins. For a time step, it then exceeds the largest stable step.
+    /// Place and time at which the cause begins; for a time step, at which it exceeds the largest stable step. `null` without a cause.
     pub first: Option<Event>,
     /// Time at which short waves are expected to show; `null` if they are not expected.
     pub expected: Option<f64>,
@@ -156,19 +156,19 @@ pub struct ScreenAnswer {
     pub observed: Option<Event>,
     /// Wavelength of the fastest-growing wave in the reference configuration, in spacings; `null` unless the cause is numerical.
     pub wavelength: Option<f64>,
-    /// Growth rate of this wave; 1/time. `null` unless the cause is numerical or the time step.
+    /// Growth rate of the fastest-growing wave or oscillation; 1/time. `null` unless the cause is numerical or the time step.
     pub growth: Option<f64>,
     /// Facts that support the cause.
     pub evidence: Vec<String>,
     /// Suggested changes, and commands that examine the decisive state.
     pub remedy: Vec<String>,
-    /// Changes of the discretization, with the time at which its waves then show.
+    /// Changes of the discretization, with the time at which growing waves then show.
     pub changes: Vec<Remedy>,
     /// Limits of the theory in this run.
     pub limits: Vec<String>,
     /// Lowest modes of the body in one frame; `null` if they were not requested.
     pub actual: Option<Actual>,
-    /// Largest stable time steps.
+    /// Largest stable time steps; `null` for runs whose step is not judged.
     pub time_step: Option<StepLimit>,
     /// Smallest amplitude of observed short waves; spacings.
     pub threshold: f64,
@@ -473,12 +473,12 @@ impl ScreenAnswer {
                     told(limit.lattice)
                 ),
                 None => format!(
-                    "{} of the infinite lattice (a body of this method can have less)",
+                    "{} of the infinite lattice (a body can have a shorter one with this method)",
                     told(limit.lattice)
                 ),
             };
             evidence.push(format!(
-                "time step {}; largest stable one in {}: {of_body}, and at least {} during the run",
+                "time step {}; largest stable step in {}: {of_body}, and at least {} during the run",
                 told(step),
                 question.stepping.name(),
                 told(limit.least)
@@ -626,7 +626,7 @@ impl ScreenAnswer {
         };
         let expectation = match self.expected {
             Some(time) => format!(
-                "They are expected to show at t = {}, and {observed}",
+                "They are expected to show at t = {}, and are {observed}",
                 short(time)
             ),
             None => format!("They are {observed}, earlier than expected"),
@@ -636,7 +636,7 @@ impl ScreenAnswer {
         let above = step.filter(|(_, limit)| limit.exceeded.is_some());
         let limit = match (self.at_the_limit, self.cause, above) {
             (false, Cause::None | Cause::Forced, Some((step, limit))) => format!(
-                " The time step {} is above the largest stable one, {}{}.",
+                " The time step {} is above the largest stable step, {}{}.",
                 told(step),
                 short(limit.least),
                 match self.cause {
@@ -681,13 +681,13 @@ impl ScreenAnswer {
                 let scheme = question.stepping.name();
                 let of = match limit.and_then(|limit| limit.body) {
                     Some(_) => format!(
-                        "the largest stable step of this body in {scheme}, which the particles {at} limit"
+                        "the largest stable step of this body in {scheme}, set by the particles {at}"
                     ),
                     None => format!("the largest stable step of the lattice in {scheme}"),
                 };
                 let from = self.first.as_ref();
                 format!(
-                    "First cause: the time step. From t = {} on, {} is above {}, {of}. Oscillations are expected to show at t = {expected}, and {observed}. A step of {} is safe.",
+                    "First cause: the time step. From t = {} on, {} is above {}, {of}. Oscillations are expected to show at t = {expected}, and are {observed}. A step of {} is safe.",
                     from.map_or("?".to_owned(), |event| short(event.time)),
                     told(step),
                     short(critical),

@@ -79,13 +79,13 @@ pub struct StepLimit {
     pub body: Option<f64>,
     /// Smallest value of the largest stable step during the run, until the first event; time.
     pub least: f64,
-    /// Time at which the step of the run first exceeds this limit; `None` if it stays below.
+    /// Time at which the step of the run first exceeds the largest stable step; `None` if it never does.
     pub exceeded: Option<f64>,
-    /// Growth rate of the fastest oscillation at that time; 1/time.
+    /// Growth rate of the fastest oscillation when the step first exceeds the largest stable step; 1/time.
     pub growth: f64,
-    /// Particle that limits the step.
+    /// Particle that limits the step; `None` for methods whose particles have no forces at arbitrary positions.
     pub particle: Option<usize>,
-    /// Reference position of this particle; length.
+    /// Reference position of `particle`; length. `None` without such a particle.
     pub place: Option<[f64; 3]>,
 }
 
@@ -683,7 +683,7 @@ impl<'p> Follower<'p> {
         Actual::new(self.problem, asked, self.run, nearest, &deformations).map(Some)
     }
 
-    /// Adds the growth caused by the time step; returns the ratio of the step to the largest stable one of the body.
+    /// Adds the growth caused by the time step; returns the ratio of the step to the largest stable step of the body.
     fn step(&mut self, before: f64, interval: f64, squared: f64, extra: f64) -> Option<f64> {
         let (limit, mode) = self.limited.as_ref()?;
         let (stepping, step) = self.question.stepping()?;

@@ -88,7 +88,7 @@ impl<'r> ScreenFiles<'r> {
         Ok(())
     }
 
-    /// Writes the other files; returns the paths of all.
+    /// Writes the files that do not depend on frames; returns the paths of all files.
     ///
     /// # Errors
     /// [`ScreenError`] if a figure cannot be drawn or a file not be written.

@@ -128,11 +128,11 @@ pub struct Recording {
     pub frames: usize,
     /// Times of the first and the last frame.
     pub times: [f64; 2],
-    /// Longest interval between two frames; time.
+    /// Longest interval between successive frames; time.
     pub interval: f64,
     /// Number of particles in the first frame.
     pub particles: usize,
-    /// Number of elements, which then have the states.
+    /// Number of elements; zero if the particles have the states.
     pub elements: usize,
     /// Columns with the quantities that they were read as.
     pub columns: Vec<String>,

@@ -35,7 +35,7 @@ pub const THRESHOLD: f64 = 0.05;
 /// Default width of the bins of stretch.
 pub const BIN: f64 = 0.001;
 
-/// Time stepping scheme of a code and alternative names for it, as `--stepping` reads them.
+/// Time stepping scheme of a code and alternative names for it, as `--stepping` reads them; `None` for other names.
 pub fn stepping_named(name: &str) -> Option<Stepping> {
     let own = match name {
         "central-differences" | "leapfrog" | "symplectic-euler" | "kick-drift-kick" => {
@@ -93,7 +93,7 @@ pub struct Run {
     pub volumes: Option<Vec<f64>>,
     /// Particles whose motion is prescribed.
     pub held: Vec<bool>,
-    /// Nodes of each element, if states are evaluated in the elements instead of the particles.
+    /// Nodes of each element; `None` if states are evaluated in the particles.
     pub cells: Option<Vec<Vec<usize>>>,
     /// Rounding of positions in the file; length.
     pub rounding: f64,
@@ -115,11 +115,11 @@ pub struct Frame {
     pub time: f64,
     /// Current positions, in the order of the reference positions; length.
     pub x: Vec<[f64; 3]>,
-    /// Velocities of the particles; length/time.
+    /// Velocities of the particles; length/time. `None` if the code gives none.
     pub velocity: Option<Vec<[f64; 3]>>,
-    /// Deformation gradients F_iJ of the particles or elements, row by row, as the code gives them.
+    /// Deformation gradients F_iJ of the particles or elements, row by row, as the code gives them. `None` if it gives none.
     pub gradient: Option<Vec<[f64; 9]>>,
-    /// Cauchy stresses xx, yy, zz, xy, xz, yz of the particles or elements, as the code gives them.
+    /// Cauchy stresses xx, yy, zz, xy, xz, yz of the particles or elements, as the code gives them. `None` if it gives none.
     pub stress: Option<Vec<[f64; 6]>>,
     /// Components of the stresses that the code gives.
     pub stress_given: [bool; 6],
@@ -147,7 +147,7 @@ pub enum ScreenError {
         /// Remedy for the user.
         hint: String,
     },
-    /// A run has at least two frames.
+    /// The run has fewer than two frames.
     #[error(
         "the run has {count} frame(s); growth needs at least two\n  hint: give all output files of the run, or a wildcard"
     )]

@@ -22,7 +22,7 @@ const MAXIMUM_CHANGES: usize = 3;
 pub struct Remedy {
     /// Settings that change, `key=value`.
     pub settings: Vec<String>,
-    /// Time at which growing waves are then expected to show; `None` if they do not in the time of the run.
+    /// Time at which growing waves are then expected to show; `None` if they are not expected within the run.
     pub expected: Option<f64>,
 }
 

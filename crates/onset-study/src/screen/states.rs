@@ -20,7 +20,7 @@ pub(super) struct StateRates {
     pub(super) acoustic: f64,
     /// Growth rate of the fastest-growing wave in continuous time, viscosity included; 1/time.
     pub(super) growth: f64,
-    /// Its reference wave vector; 1/length.
+    /// Reference wave vector of the fastest-growing wave in continuous time; 1/length.
     pub(super) wave: Vec<f64>,
     /// Growth rate of the fastest-growing wave in steps of the scheme; 1/time.
     pub(super) stepped: Option<f64>,

@@ -88,7 +88,7 @@ impl Quantity {
         self.kind().expects()
     }
 
-    /// The smallest and the largest value.
+    /// Smallest and largest admissible value; `None` without limits.
     pub fn limits(self) -> Option<[f64; 2]> {
         self.kind().limits()
     }

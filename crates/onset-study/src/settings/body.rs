@@ -102,12 +102,12 @@ pub const GRIP_KEYS: &[Key] = &[
     key(
         "grips.ramp",
         Kind::Number("time", NotNegative),
-        "rise time of the velocity, which starts smoothly from zero; 0 by default: no rise",
+        "rise time of the velocity, which starts smoothly from zero; by default 0, no rise",
     ),
     key(
         "grips.until",
         Kind::Number("time", NotNegative),
-        "time at which the grip releases its particles with their velocity, 0 for an initial velocity only; never by default",
+        "time at which the grip releases its particles, which keep their velocity (0: initial velocity only; never by default)",
     ),
 ];
 
@@ -366,7 +366,7 @@ impl BodySettings {
                         origin.clone(),
                         "`body.height` has no effect in two dimensions",
                     )
-                    .hint("leave it out"));
+                    .hint("leave body.height out"));
                 }
                 Ok(Shape::Ring {
                     radius: needed("body.radius")?,
@@ -420,7 +420,7 @@ impl BodySettings {
         .hint("choose bar, or a lattice of more dimensions")
     }
 
-    /// Returns the grips, in lengths.
+    /// Returns the grips, with the corners of their boxes converted from spacings to lengths.
     ///
     /// # Errors
     /// [`SettingError`] when a key is missing or has a wrong number of components.

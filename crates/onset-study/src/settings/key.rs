@@ -131,7 +131,7 @@ impl Kind {
 pub struct Key {
     /// Dotted name of the key.
     pub name: &'static str,
-    /// Kind of value that it accepts.
+    /// Kind of value that the key accepts.
     pub kind: Kind,
     /// Meaning of the key, as documentation and schema show it.
     pub meaning: &'static str,
@@ -173,7 +173,7 @@ pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
         key(
             "material.plane",
             Kind::Words(&["strain", "stress", "membrane"]),
-            "in two dimensions plane strain, plane stress (a thin sheet whose thickness is computed) or membrane (a two-dimensional law, as for cloth); in one, uniaxial strain or uniaxial stress",
+            "in two dimensions plane strain, plane stress (a thin sheet whose thickness is computed) or membrane (a two-dimensional law, as for cloth); in one dimension, uniaxial strain or uniaxial stress",
         ),
     ];
     keys.extend(parameter_keys());
@@ -530,7 +530,7 @@ fn free_parameter(name: &str) -> &'static Key {
 }
 
 impl Key {
-    /// Returns the key with a name: one of [`study_keys`], or `material.` with a parameter name of a user-defined model (letters, digits and `_`, a
+    /// Returns the key with the given name, or `None`: one of [`study_keys`], or `material.` with a parameter name of a user-defined model (letters, digits and `_`, a
     /// letter first).
     pub fn named(name: &str) -> Option<&'static Self> {
         let name = aliases::of_key(name);
@@ -598,7 +598,7 @@ impl Key {
         self.name.split_once('.').unwrap_or(("", self.name))
     }
 
-    /// Unit or dimension of a number; `1` if dimensionless.
+    /// Unit or dimension of a key that takes a number, `1` if dimensionless; `None` for other keys.
     pub fn unit(&self) -> Option<&'static str> {
         match self.kind {
             Kind::Number(unit, _) => Some(unit),

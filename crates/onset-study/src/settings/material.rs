@@ -442,7 +442,7 @@ impl MaterialSettings {
         self.fingerprint = stored.filter(|_| self.is_library()).map(str::to_owned);
     }
 
-    /// Returns the required SHA-256 of the library of the material.
+    /// Returns the required SHA-256 of the library of the material; `None` if any contents are accepted.
     pub fn fingerprint(&self) -> Option<&str> {
         self.fingerprint.as_deref()
     }

@@ -35,7 +35,7 @@ pub enum Family {
 }
 
 impl Family {
-    /// The words of the families.
+    /// Values of `discretization.method`, in the order of the variants.
     pub const WORDS: &'static [&'static str] = &[
         "kernel",
         "total-lagrangian-sph",
@@ -62,7 +62,7 @@ pub enum Bonds {
     /// Stress at the deformation gradient of each bond, acting on its neighbors.
     #[serde(rename = "bond-associated-form-ii")]
     BondAssociatedFormII,
-    /// Stress at the mean deformation gradient of the families at the ends of a bond, corrected along it.
+    /// Stress at the mean deformation gradient of the families at the ends of a bond, corrected along the bond.
     BondAveraged,
 }
 
@@ -72,7 +72,7 @@ pub enum Bonds {
 pub enum Shear {
     /// The whole stress acts along gradients.
     Stress,
-    /// The shear acts between pairs of particles.
+    /// The shear stress acts between pairs of particles.
     Pairs,
 }
 
@@ -284,7 +284,7 @@ impl Default for MethodSettings {
 pub(crate) const STEP_OF_RATES: &str = "discretization.time-step";
 
 impl MethodSettings {
-    /// Time step for growth rates of material points with a transfer: as set, or half of the largest stable step.
+    /// Time step for growth rates of material points with a transfer: as set, or half of the largest stable step; `None` if neither is known.
     pub fn step_of_rates(&self, largest: Option<f64>) -> Option<f64> {
         match self.time_step {
             0.0 => largest.map(|step| 0.5 * step),
@@ -400,7 +400,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.corrected-forces",
         Kind::Switch,
-        "updated SPH: stresses act along corrected gradients too (LAMMPS' *GRADIENT_CORRECTION); with discretization.corrected",
+        "updated SPH: stresses act along corrected gradients too (LAMMPS' *GRADIENT_CORRECTION); requires discretization.corrected",
     )
     .only_with(UPDATED_SPH),
     key(

@@ -252,7 +252,7 @@ impl Settings {
                     set.name()
                 );
                 Err(SettingError::new(origin.clone(), message).hint(
-                    "set discretization.lattice to chain, square or simple-cubic, or leave it out for a square grid",
+                    "set discretization.lattice to chain, square or simple-cubic, or leave the key out for a square grid",
                 ))
             }
             _ => Ok(()),

@@ -12,7 +12,7 @@ pub struct Need {
     pub key: &'static str,
     /// Values in the condition, as they are written.
     pub values: &'static [&'static str],
-    /// Whether the value must be one of these; otherwise it must differ from all of them.
+    /// Whether the value must be in `values`; otherwise it must differ from all `values`.
     pub one_of: bool,
 }
 

@@ -22,7 +22,7 @@ pub struct Measured {
     pub rate: Rate,
     /// Difference from the predicted rate, relative to that rate; for a zero-energy mode, relative to the largest frequency of the patch.
     pub difference: f64,
-    /// Uncertainty of the rate, relative to the same quantity.
+    /// Uncertainty of the rate, relative to the scale of `difference`.
     pub uncertainty: f64,
     /// Root mean square of the residual, divided by the largest amplitude of the record.
     pub residual: f64,
@@ -382,7 +382,7 @@ impl fmt::Display for SimulateAnswer {
         let share = match self.critical_time_step {
             0.0 => "no step is stable".to_owned(),
             critical => format!(
-                "{} of the largest stable one",
+                "{} of the largest stable step",
                 told(self.time_step / critical)
             ),
         };

@@ -173,7 +173,7 @@ fn course(
     };
     if !step.is_finite() {
         return Err(refused(
-            "no motion of the body oscillates, so no step is the largest stable one",
+            "no motion of the body oscillates, so that no largest stable step exists",
             "give --time-step",
         ));
     }
@@ -337,7 +337,7 @@ impl fmt::Display for BodyAnswer {
         )?;
         writeln!(
             formatter,
-            "run          {} of {} steps of {} ({} of the largest stable one), central-differences",
+            "run          {} of {} steps of {} ({} of the largest stable step), central-differences",
             self.steps_taken,
             self.steps,
             units.of(told(self.time_step), "s"),

@@ -407,7 +407,7 @@ fn stepped(
         None => Ok((stepper, transfer)),
         Some(_) => Err(refused(
             format!("--integrator has no effect: the {transfer} transfer defines the step"),
-            "leave it out; or set discretization.transfer=continuous, for equations in continuous time",
+            "leave --integrator out, or set discretization.transfer=continuous for equations in continuous time",
         )),
     }
 }
@@ -440,7 +440,7 @@ fn step(
     }
     if !step.is_finite() {
         return Err(refused(
-            "no wave of the patch oscillates, so no step is the largest stable one",
+            "no wave of the patch oscillates, so that no largest stable step exists",
             "give --time-step",
         ));
     }
@@ -456,7 +456,7 @@ pub(super) fn stable(
     if step > critical * (1.0 + 1e-12) && !is_supercritical {
         return Err(refused(
             format!(
-                "the step {} is {} of the largest stable one, {}: the fastest waves of the particles would grow for any material",
+                "the step {} is {} of the largest stable step, {}: the fastest waves of the particles would grow for any material",
                 told(step),
                 told(step / critical),
                 told(critical)

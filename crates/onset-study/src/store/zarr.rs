@@ -122,7 +122,7 @@ impl ZarrStore {
         let stage = PrivateFolder::new(folder, STAGE).map_err(&writing)?;
         let building = stage.path().join("store");
         let made = build(&building, layout).and_then(|()| {
-            // Shared from the first moment, so that no other process clears it in between.
+            // The store is marked as occupied before it gets its name, so that no other process clears it in between.
             let occupancy = Occupancy::shared(&building.join(METADATA))?;
             // If several processes create the store, the first rename succeeds and the others fail.
             fs::rename(&building, place)?;

@@ -109,7 +109,7 @@ impl Case {
         if problem.analysis.is_transferred() {
             return Err(VerifyError::Wave {
                 what: "discretization.transfer: predictions are for waves of the nodes, and decks would place particles".to_owned(),
-                hint: "leave it out, or evaluate the method with `onset state`".to_owned(),
+                hint: "leave discretization.transfer out, or evaluate the method with `onset state`".to_owned(),
             });
         }
         let dimension = problem.dimension();

@@ -434,7 +434,7 @@ impl Series {
         if self.is_alone {
             return covariance[(0, 0)].max(0.0).sqrt() / self.duration;
         }
-        // s = m + sqrt(d).
+        // The rate is `s = m + sqrt(d)`; its variance follows from the covariance of `m` and `d`.
         let by_d = Complex::new(0.5, 0.0) / Complex::new(point.place[1], 0.0).sqrt();
         let own = covariance[(0, 0)]
             + 2.0 * by_d.re * covariance[(0, 1)]

@@ -154,7 +154,7 @@ impl JaumannRates {
         let delta = |i: usize, j: usize| f64::from(u8::from(i == j));
         let is_jaumann = indices().all(|[i, j, k, l]| {
             let strain = delta(i, k) * delta(j, l) + delta(i, l) * delta(j, k);
-            // W of L = e_k (x) e_l, between axes of the stress.
+            // Spin of the velocity gradient L = e_k (x) e_l, between axes of the stress.
             let spin = 0.5 * factor * (delta(i, k) * delta(j, l) - delta(i, l) * delta(j, k));
             let expected = shear * strain
                 + (bulk - shear / 1.5) * delta(i, j) * delta(k, l)
@@ -221,7 +221,7 @@ mod tests {
             .expect("a response")
             .expect("volumetric");
         let jacobian = f.jacobian();
-        // p = K (1/J - 1), with the slope dp/d(1/J) = K.
+        // The pressure is p = K (1/J - 1), with the slope dp/d(1/J) = K.
         assert!((own.pressure - 2.0 * (1.0 / jacobian - 1.0)).abs() < 1e-12);
         assert!((own.slope - 2.0).abs() < 1e-12);
     }
@@ -253,7 +253,7 @@ mod tests {
         let own = own.expect("Jaumann's rate");
         let jacobian = f.jacobian();
         assert!((own.volumetric.pressure - 2.0 * (1.0 / jacobian - 1.0)).abs() < 1e-14);
-        // p = kappa (1/J - 1).
+        // The pressure is p = kappa (1/J - 1).
         assert!((own.volumetric.slope - 2.0).abs() < 1e-13);
         assert!((own.shear - 0.4).abs() < 1e-14);
         let expected = 0.8 * (1.2_f64.ln() - jacobian.ln() / 3.0);

@@ -300,7 +300,7 @@ mod tests {
             rate(-0.99, 9e-17),
             rate(0.0, 2.0),
             rate(0.0, -2.0),
-            // A constant, and a solution that decays within a step.
+            // The last two rates belong to a constant, and to a solution that decays within a step.
             rate(1e-17, 0.0),
             rate(-90.0, 3.0),
         ];

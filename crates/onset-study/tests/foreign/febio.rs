@@ -126,7 +126,10 @@ fn yeoh_and_arruda_boyce_have_the_stresses_of_the_sources() {
                 deviator * (2.0 / j * slope(i1)) + Matrix3::identity() * (20.0 * j.ln() / j);
             assert!((found - stress).amax() < 1e-11, "{kind}: {found} {stress}");
         }
-        assert!(told(Febio, &file(kind, parameters), None).contains("the evaluated law is read"));
+        assert!(
+            told(Febio, &file(kind, parameters), None)
+                .contains("onset reads the law that FEBio evaluates")
+        );
     }
     // With many links the first two terms agree with the series.
     let f = DeformationGradient::new(STATES[0]).expect("a state");

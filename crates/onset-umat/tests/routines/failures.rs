@@ -147,7 +147,7 @@ fn memory_is_limited() {
         });
         asked(&umat.expect("a UMAT"))
     };
-    // 0.8 GB.
+    // The routine uses 0.8 GB.
     assert!(with(1.0, 2 << 30).is_ok());
     for result in [with(1.0, 1 << 29), with(100.0, 2 << 30)] {
         match &result {
@@ -163,7 +163,7 @@ fn memory_is_limited() {
 /// A process may wait for its children without processor time, so that the system must end an endless child.
 #[test]
 #[cfg(target_os = "linux")]
-fn processes_started_by_a_umat_end_with_it() {
+fn processes_started_by_a_umat_end_with_the_umat() {
     let own = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("forks.so");
     std::fs::copy(library(&HOSTILE), &own).expect("a copy");
     let umat = Umat::new(UmatSettings {
@@ -209,7 +209,7 @@ fn a_library_that_is_recompiled_while_in_use_is_refused() {
     .expect("a UMAT");
     let first = onset_umat::fingerprint(&own).expect("a sum");
     assert_eq!(umat.settings().fingerprint, Some(first.clone()));
-    // Another file in its place, as a linker writes it; the process that has loaded the first file continues with it.
+    // A new file replaces the library, as when a linker writes it; the process that has loaded the first file continues with it.
     std::fs::remove_file(&own).expect("removed");
     std::fs::copy(library(&["fortran/blatz_ko.f90"]), &own).expect("a copy");
     let stretched = |stretch| vec![Matrix3::from_diagonal_element(stretch)];
@@ -281,7 +281,7 @@ fn a_library_overwritten_while_in_use_continues_unchanged() {
         ..flawed(0)
     })
     .expect("a UMAT");
-    // In place, as `cp` does: pages that are not yet in memory are lost.
+    // The file is overwritten in place, as by `cp`: pages that are not yet in memory are lost.
     std::fs::write(&own, "no library").expect("a file");
     assert_eq!(asked(&umat), asked(&hostile(0)));
 }

@@ -88,7 +88,7 @@ fn hardening_of_von_mises_plasticity_agrees_with_the_closed_form() {
         for e in [0.0005, 0.01, 0.2] {
             let path = umat.path(&stretched(e)).expect("a path");
             let outcome = umat.along(path).expect("an outcome");
-            // q = 3 G (e - p) = y + H p.
+            // Uniaxial stress after plastic flow: q = 3 G (e - p) = y + H p.
             let p = ((3.0 * shear * e - yield_stress) / (3.0 * shear + hardening)).max(0.0);
             let q = 3.0 * shear * (e - p);
             let stress = outcome.delivered.stress;
@@ -127,7 +127,7 @@ fn a_rotation_along_the_path_only_rotates_the_stress_of_a_plastic_material() {
 }
 
 #[test]
-fn the_tangent_is_elastic_before_yield_and_plastic_after_it() {
+fn the_tangent_is_elastic_before_yield_and_plastic_after_yield() {
     let umat = plastic(1);
     let [young, poisson, yield_stress, hardening] = STEEL;
     let shear = young / (2.0 * (1.0 + poisson));

@@ -351,7 +351,7 @@ pub struct FiniteBodyStep {
 pub enum FiniteBodyGround {
     /// Proved for any body: the step of a single element or material point is a lower bound, attained by a body of one element or point.
     Parts,
-    /// Proved for any body: it has a subset of the interactions of the lattice, which are positive semidefinite.
+    /// Proved for any body: the interactions in a body are a subset of the interactions of the lattice, which are positive semidefinite.
     Lattice,
     /// Computed: the smallest step of free blocks that are at least three particles thick.
     Blocks,

@@ -125,7 +125,7 @@ impl<const D: usize> Correction<'_, D> {
             }
         };
         let slopes: Vec<SMatrix<f64, D, D>> = (0..self.weights.len()).map(slope).collect();
-        // C dN C for each t.
+        // Product `C dN C` for each direction `t`.
         let turned: [SMatrix<f64, D, D>; D] = array_of(|t| {
             let moment1: SMatrix<f64, D, D> = self
                 .positions

@@ -75,7 +75,7 @@ impl Approximation {
         }
     }
 
-    /// Degree of the polynomials whose gradients are exact, `sum_K q(x_K) grad phi_K(x) = grad q(x)`.
+    /// Degree of the polynomials whose gradients are exact, `sum_K q(x_K) grad phi_K(x) = grad q(x)`; `None` if not even constants have exact gradients.
     ///
     /// ```
     /// use onset::approximation::Approximation;

@@ -338,7 +338,7 @@ mod tests {
     fn logarithms_of_factors_near_one_keep_their_digits() {
         let change = Complex::new(-1e-12, 3e-9);
         let found = logarithm(change);
-        // ln(1 + c) = c - c^2/2 + ...
+        // The expected rate follows from ln(1 + c) = c - c^2/2 + ...
         let expected = change - change * change * 0.5;
         assert!((found - expected).norm() < 1e-24);
         let far = Complex::new(-1.7, 0.4);

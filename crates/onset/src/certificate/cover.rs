@@ -292,7 +292,7 @@ impl Cover<'_> {
         if self.waves().is_symmetric {
             return None;
         }
-        // A growth rate of at most g: -disc <= 4 g^2 (g^2 + trace / 2).
+        // The growth rate is at most g if -disc <= 4 g^2 (g^2 + trace / 2).
         let g = self.question.growth_squared;
         Some(match *region {
             Region::Phases { .. } => (4.0 * g * g * (1.0 - 1e-15), 2.0 * g),

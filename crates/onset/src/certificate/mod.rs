@@ -628,7 +628,7 @@ fn zone<const D: usize>(
         return (Vec::new(), f64::INFINITY);
     };
     let zone = BrillouinZone::new(lattice);
-    // k.G <= |G|^2 / 2 with k = sum_i theta_i b_i / (2 pi).
+    // The zone is bounded by k.G <= |G|^2 / 2 with k = sum_i theta_i b_i / (2 pi).
     let half_plane = |g: &SVector<f64, D>| {
         let normal = planar(&(lattice.reciprocal().transpose() * g));
         (normal, std::f64::consts::PI * g.norm_squared())

@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn a_minimum_that_touches_zero_is_bounded_by_zero() {
-        // (x + y)^2 + x^2, like a discriminant at a crossing.
+        // The function (x + y)^2 + x^2 resembles a discriminant at a crossing.
         let well = Patch {
             value: 1e-12,
             slope: [0.0; 2],

@@ -100,7 +100,7 @@ fn stiffness<const D: usize>(
     };
     let f = point.deformation.components();
     let a = &response.tangent;
-    // v_q / m = J V_q / m and the 1/J of sigma and a_ijkl cancel.
+    // The factor J of v_q = J V_q cancels the 1/J of sigma and a_ijkl.
     for i in 0..D {
         for j in 0..D {
             if frame == Frame::Eulerian {

@@ -263,7 +263,7 @@ impl<const D: usize> Stiffness<D> {
         q
     }
 
-    /// Stiffness whose acoustic tensor at `n` equals this one's at `m n`.
+    /// Stiffness whose acoustic tensor at `n` equals the acoustic tensor of `self` at `m n`.
     pub fn with_directions_mapped(&self, m: &SMatrix<f64, D, D>) -> Self {
         let block = |a: usize, b: usize| {
             let mut sum = SMatrix::zeros();
@@ -303,7 +303,7 @@ impl<const D: usize> Stiffness<D> {
         }
     }
 
-    /// Stiffness whose acoustic tensors are the symmetric parts of these, with equal quadratic forms `g . Q(N) g`. With major symmetry it is
+    /// Stiffness whose acoustic tensors are the symmetric parts of the acoustic tensors of `self`, with equal quadratic forms `g . Q(N) g`. With major symmetry it is
     /// unchanged.
     pub fn symmetric_part(&self) -> Self {
         let symmetric = |block: SMatrix<f64, D, D>| (block + block.transpose()) * 0.5;

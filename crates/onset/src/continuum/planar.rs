@@ -111,7 +111,7 @@ impl Orthotropic {
     /// Cosine of the angle `t` of the smallest eigenvalue: an end of the interval, or a solution of `4 d h'^2 = d'^2`.
     fn minimizing_cosine(&self) -> f64 {
         let [d0, d1, d2] = self.discriminant();
-        // 4 h'^2.
+        // The factor `4 h'^2` of the condition `4 d h'^2 = d'^2`.
         let square = (self.a[1] + self.b[1]).powi(2);
         let stationary = quadratic_zeros(
             square * d2 - 4.0 * d2 * d2,

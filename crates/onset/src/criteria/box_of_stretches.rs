@@ -26,7 +26,7 @@ pub struct SafeBox {
 pub struct Critical {
     /// Principal stretches of the state.
     pub stretches: [f64; 3],
-    /// Wave whose speed vanishes there; `None` if the law itself is not defined beyond this state.
+    /// Wave whose speed vanishes in the state; `None` if the law itself is not defined beyond the state.
     pub witness: Option<Witness>,
 }
 

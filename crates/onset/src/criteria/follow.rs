@@ -65,7 +65,7 @@ impl Track {
         }
     }
 
-    /// Perturbation at the limit.
+    /// Perturbation at the first change; `None` if the criterion does not change.
     pub fn witness(&self) -> Option<&Witness> {
         self.events.first().map(|event| &event.witness)
     }
@@ -399,7 +399,8 @@ impl Jumps<'_, '_> {
         let mut value = |s: f64| {
             let state = self.path.at(s)?;
             let found = self.search.descend(&state.response, &last.1);
-            // If no jump lowers the energy, the loss may be unknown.
+            // Without a jump that lowers the energy the value is positive. If the descent finds no jump at all, the gain of the given jump replaces the
+            // unknown loss.
             let Some(gaining) = found.filter(Jump::gains) else {
                 let lost = found.map_or(-loss(&jump), |found| loss(&found));
                 return Some(lost.max(f64::MIN_POSITIVE));

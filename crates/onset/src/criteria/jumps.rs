@@ -132,7 +132,7 @@ impl<'a> JumpSearch<'a> {
         }
     }
 
-    /// Declares the law isotropic: of jumps that reflections in the principal axes map to each other, one is tried.
+    /// Declares the law isotropic: only one of several jumps that are mirror images in the principal axes is tried.
     pub fn isotropic(mut self) -> Self {
         self.isotropic = true;
         self

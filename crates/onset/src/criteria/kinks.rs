@@ -21,14 +21,14 @@ pub enum Discontinuity {
     KinkOfStress,
 }
 
-/// Stretch at which energy, stress or tangent jump. The sign of a jump refers to increasing stretch.
+/// Stretch at which the energy, the stress or the tangent jumps. The sign of a jump refers to increasing stretch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kink {
     /// Imposed stretch at the jump.
     pub stretch: f64,
     /// Lowest derivative of the energy that jumps.
     pub kind: Discontinuity,
-    /// Norm of this jump over all components, relative to the tangent.
+    /// Norm of the jump of this derivative over all components, relative to the tangent.
     pub jump: f64,
     /// Jump of the energy density. Units of stress.
     pub energy: f64,
@@ -131,7 +131,7 @@ fn suspects(states: &[&PathState], order: usize) -> Vec<usize> {
         values[n].0.iter().zip(line).map(|(x, y)| x - y).collect()
     };
     let bends: Vec<Vec<f64>> = (1..=last).map(bend).collect();
-    // Third differences of the intervals between the states n and n + 1.
+    // Sizes of the third differences; entry n belongs to the interval between the states n + 1 and n + 2.
     let third: Vec<f64> = bends
         .windows(2)
         .map(|two| distance(&two[0], &two[1]))

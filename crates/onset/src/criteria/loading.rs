@@ -645,7 +645,7 @@ impl<'a> LoadingPath<'a> {
         respond(self.material, f).ok()
     }
 
-    /// State at `s` in the form in which criteria are evaluated.
+    /// State at `s` in the form in which criteria are evaluated; `None` if the path has no state there.
     pub fn state(&self, s: f64) -> Option<State> {
         self.at(s).map(|state| self.ask(&state))
     }

@@ -341,7 +341,7 @@ impl Criterion {
         }
     }
 
-    /// Returns the criterion with a given name.
+    /// Returns the criterion with the given name, or `None`.
     pub fn of_name(name: &str) -> Option<Self> {
         Self::ALL
             .into_iter()

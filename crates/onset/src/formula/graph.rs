@@ -410,7 +410,7 @@ impl Graph {
                 let product = self.multiply(earlier, exponent);
                 self.power(inner, product)
             }
-            // c^y = exp(y ln c)
+            // A power of a constant is c^y = exp(y ln c).
             (Some(_), None, _) => {
                 let logarithm = self.apply(Function::Logarithm, base);
                 let product = self.multiply(exponent, logarithm);

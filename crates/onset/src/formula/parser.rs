@@ -492,7 +492,7 @@ impl<'a> Parser<'a> {
         match tensor {
             b'F' => self.graph.leaf(Leaf::Component(i, j)),
             b'C' => self.graph.cauchy_green(i, j),
-            // E = (C - 1) / 2
+            // Green's strain E = (C - 1) / 2.
             _ => {
                 let c = self.graph.cauchy_green(i, j);
                 let one = self.graph.constant(f64::from(u8::from(i == j)));
@@ -546,7 +546,7 @@ impl<'a> Parser<'a> {
         let radians = self.graph.multiply(degrees, degree);
         let fiber =
             [Function::Cosine, Function::Sine].each(|function| self.graph.apply(function, radians));
-        // C a: two components within the plane, one out of it.
+        // Components of C a: two within the plane, one out of the plane.
         let image = [0, 1, 2].each(|i| {
             let products = [0, 1].each(|j| {
                 let c = self.graph.cauchy_green(i, j);
@@ -680,7 +680,7 @@ impl<'a> Parser<'a> {
                 let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
                 graph.select(x, zero, one)
             }
-            // macaulay, ramp
+            // The remaining functions are macaulay and ramp.
             _ => {
                 let zero = graph.constant(0.0);
                 graph.select(x, zero, x)

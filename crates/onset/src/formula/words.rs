@@ -9,7 +9,7 @@ pub struct VariableGroup {
     pub label: &'static str,
     /// Meaning of the variables.
     pub meaning: &'static str,
-    /// Symmetry of a law that uses them.
+    /// Symmetry of a law that uses the words.
     pub kind: VariableKind,
 }
 

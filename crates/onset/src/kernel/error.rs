@@ -17,7 +17,7 @@ pub enum KernelError {
     Formula(FormulaError),
     /// The profile is not finite at some distance.
     #[error(
-        "the kernel is not finite at q = {q}\n  hint: it must be defined for 0 <= q <= 1, q = |x| / R0"
+        "the kernel is not finite at q = {q}\n  hint: the formula must be defined for 0 <= q <= 1, q = |x| / R0"
     )]
     NotFinite {
         /// Distance at which it is not finite, over the support radius.

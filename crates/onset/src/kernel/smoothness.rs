@@ -11,11 +11,11 @@ use crate::real::Jet;
 /// dynamical matrix jumps where a neighbor enters or leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Smoothness {
-    /// Number at the origin, where odd derivatives of the profile must vanish.
+    /// Number at the origin, where odd derivatives of the profile must vanish; `None` for all.
     pub origin: Option<u32>,
-    /// Number at the joints between the pieces of the profile.
+    /// Number at the joints between the pieces of the profile; `None` for all.
     pub inside: Option<u32>,
-    /// Number at the rim of the support.
+    /// Number at the rim of the support; `None` for all.
     pub rim: Option<u32>,
 }
 
@@ -27,7 +27,7 @@ const JUMP: f64 = 1e-4;
 const CELLS: u32 = 1024;
 
 impl Smoothness {
-    /// Smallest number of continuous derivatives at any place.
+    /// Smallest number of continuous derivatives at any place; `None` for all.
     pub fn least(self) -> Option<u32> {
         [self.origin, self.inside, self.rim]
             .into_iter()

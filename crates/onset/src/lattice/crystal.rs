@@ -108,9 +108,10 @@ impl<const D: usize> Crystal<D> {
         Ok(crystal.with_spacing(spacing))
     }
 
-    /// Creates a kind of lattice on its Bravais lattice, optionally with other particles instead of the standard ones.
+    /// Creates the crystal of a kind on its Bravais lattice. `others`, in lattice coordinates, replace the standard particles of the cell.
     ///
-    /// The spacing is the distance of nearest neighbors in the lattice. With other particles it is scaled by the volume per particle.
+    /// The spacing is the distance of nearest neighbors. With `others` it is the spacing of the lattice which the particles form, or else scaled by the
+    /// volume per particle.
     ///
     /// # Errors
     /// [`LatticeError`] under the conditions of [`Crystal::new`].
@@ -378,7 +379,7 @@ mod tests {
     use nalgebra::SMatrix;
 
     #[test]
-    fn every_particle_of_the_honeycomb_has_three_nearest_neighbors_and_six_next_ones() {
+    fn every_particle_of_the_honeycomb_has_three_nearest_and_six_second_neighbors() {
         let honeycomb = Crystal::<2>::of(LatticeKind::Honeycomb, 1.3).expect("a crystal");
         assert!((honeycomb.nearest_distance() - 1.3).abs() < 1e-12);
         for place in honeycomb.sites() {

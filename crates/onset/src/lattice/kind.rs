@@ -231,7 +231,7 @@ impl LatticeKind {
             },
             // As face-centered cubic, with neighbors at a quarter of the cube's diagonal.
             Self::Diamond => 2.0 * (1.0 - diagonal) / 3.0_f64.sqrt(),
-            // Half of those cube diagonals that are nearest to the axes; the edge is 2 / sqrt(3).
+            // Half of the cube diagonals nearest to the axes; the edge is 2 / sqrt(3).
             Self::BodyCenteredCubic => (1.0 - 2.0 * diagonal) / 3.0_f64.sqrt(),
             // Half of the diagonals of the faces; the edge is sqrt(2).
             Self::FaceCenteredCubic => (1.0 - diagonal) / 2.0_f64.sqrt(),

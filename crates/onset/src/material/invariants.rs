@@ -176,7 +176,7 @@ impl Work for Stressed<'_> {
             let (k, l) = ((i + 1) % 3, (i + 2) % 3);
             for j in 0..3 {
                 let (m, n) = ((j + 1) % 3, (j + 2) % 3);
-                // F C = F F^T F.
+                // Component of F C = F F^T F.
                 let squared = left[i][0] * f[0][j] + left[i][1] * f[1][j] + left[i][2] * f[2][j];
                 let cofactor = f[k][m] * f[l][n] - f[k][n] * f[l][m];
                 stress[i][j] = f[i][j] * along + squared * turned + cofactor * *volume;

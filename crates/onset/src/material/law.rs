@@ -9,9 +9,9 @@ use crate::algebra::array_of;
 pub enum Admitted {
     /// All numbers up to the largest magnitude of the unit: 1e20 with a dimension, 1e6 without, one turn for angles.
     Any,
-    /// Positive numbers between that magnitude and its reciprocal.
+    /// Positive numbers between the largest magnitude of the unit and its reciprocal.
     Positive,
-    /// Numbers from zero up to that magnitude.
+    /// Numbers from zero up to the largest magnitude of the unit.
     NotNegative,
     /// Numbers from 0 to 1.
     Fraction,
@@ -222,12 +222,12 @@ pub fn library() -> &'static [Law] {
 }
 
 impl Law {
-    /// Returns the law with a given name.
+    /// Returns the law with the given name, or `None`.
     pub fn named(name: &str) -> Option<&'static Self> {
         LIBRARY.iter().find(|law| law.name == name)
     }
 
-    /// Returns the parameter with a given name.
+    /// Returns the parameter with the given name, or `None`.
     pub fn parameter(&self, name: &str) -> Option<&'static Parameter> {
         self.parameters
             .iter()

@@ -91,7 +91,7 @@ pub enum MaterialError {
         /// Admissible range of the squared wave speed.
         range: [f64; 2],
     },
-    /// Some strain of the reference state has no stress, so that Young's modulus is zero or undefined.
+    /// Some strain from the reference state causes no stress, so that Young's modulus is zero or undefined.
     #[error(
         "the law has no stiffness against some strain at F = 1 (a fluid has none against shear), so that Young's modulus, with which the stabilization is scaled, is not positive"
     )]
@@ -795,7 +795,7 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
             let lanes = self.plane_hessian(&side_by_side(chunk), is_diagonal);
             for (n, f) in chunk.iter().enumerate() {
                 let admitted = self.admits(f);
-                // A law may request a single value that the lanes do not share.
+                // A law may branch on a value that differs between the lanes (NaN there); the state is then evaluated alone.
                 let known = || finite(tangent_of(&lanes, n), f).or_else(|_| self.plane_tangent(f));
                 tangents.push(admitted.and_then(|()| known()));
             }
@@ -826,7 +826,7 @@ impl<Law: StrainEnergy + Send + Sync> Hyperelastic for Law {
     fn lane_stress(&self, states: &DeformationGradient<Lanes>, dimension: usize) -> LaneStress {
         let mut all = StrainEnergy::lane_stress(self, states, dimension);
         for lane in 0..LANES {
-            // A law may request a single value that the lanes do not share.
+            // A law may branch on a value that differs between the lanes (NaN there); the state is then evaluated alone.
             if !all.is_known(lane) {
                 let alone = alone(states, lane);
                 all.take(lane, &StrainEnergy::lane_stress(self, &alone, dimension));

@@ -122,7 +122,7 @@ impl PlaneStress {
 
     /// Reference state within the dimensions, with traction-free faces.
     fn at_rest(&self) -> Result<Option<[[f64; 3]; 3]>, MaterialError> {
-        // If it is stress-free, it is the reference configuration itself, even for a law with only a one-sided tangent there.
+        // A stress-free state F = 1 is the reference state itself, even for a law with only a one-sided tangent at F = 1.
         let undeformed = self.law.undeformed()?;
         let Some(condensed) = self.condensed(&undeformed) else {
             return Ok(None);

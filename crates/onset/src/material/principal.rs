@@ -248,7 +248,7 @@ fn enclosed<R: Real>(
     let tilted = tilt(&discs, size).map_or(f64::INFINITY, |tilt| {
         ((1.0 + 6.0 * tilt).powi(4) - 1.0) * largest
     });
-    // The magnitude alone if the principal axes are not known.
+    // If the principal axes are not known, only the magnitude of the curvature is used.
     let is_known = tilted + spread < curvature;
     let open = if is_known {
         (tilted + spread) * (1.0 + 1e-12)

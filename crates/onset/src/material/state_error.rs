@@ -105,7 +105,7 @@ pub enum Trouble {
 pub struct StateError {
     /// Reason for the failure.
     pub trouble: Trouble,
-    /// Part of the formula that causes it.
+    /// Part of the formula that causes the error.
     pub place: Place,
 }
 

@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn of_degenerate_polarizations_the_one_along_the_wave_vector_is_chosen() {
+    fn the_polarization_along_the_wave_vector_is_chosen_if_polarizations_are_degenerate() {
         // Two oblique directions span the plane.
         let span = [vec![real(0.3, 0.9)], vec![real(-0.8, 0.1)]];
         let chosen = most_symmetric(&span, &Vector2::new(2.0, 2.0));
@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn of_degenerate_relative_motions_the_one_along_the_wave_vector_is_chosen() {
+    fn the_relative_motion_along_the_wave_vector_is_chosen_if_relative_motions_are_degenerate() {
         let parting = |x: f64, y: f64| vec![real(x, y), real(-x, -y)];
         let span = [parting(0.6, 0.8), parting(0.8, -0.6)];
         let chosen = most_symmetric(&span, &Vector2::new(1.0, 0.0));

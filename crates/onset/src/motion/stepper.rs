@@ -45,7 +45,7 @@ impl Stepper {
         }
     }
 
-    /// Returns the stepper with a name. Integrators may have a second common name.
+    /// Returns the stepper with the given name, or `None`. Integrators may have a second common name.
     pub fn named(name: &str) -> Option<Self> {
         match name == Self::SIXTH_ORDER.name() {
             true => Some(Self::SIXTH_ORDER),

@@ -175,7 +175,7 @@ impl Stressed<'_> {
         }
         let axes = &self.logarithm.axes;
         let strain = axes.transpose() * (gradient + gradient.transpose()) * axes * 0.5;
-        // (v_a - v_b)/(v_a + v_b), by the logarithms.
+        // The quotient (v_a - v_b)/(v_a + v_b) is a hyperbolic tangent of the logarithms.
         let values = &self.logarithm.values;
         let share = |a: usize, b: usize| (0.5 * (values[a] - values[b])).tanh();
         spin - self

@@ -196,7 +196,7 @@ impl RateModuli {
             .ok_or(PlasticityError::ElasticNotElliptic)?;
         let (a, b) = self.tractions(n);
         let (flow, loading) = (factor.solve(&a), factor.solve(&b));
-        // q g = 0, or (q + q^T) g = 0; b . g > 0 because plastic flow continues inside.
+        // The jump g satisfies q g = 0, or (q + q^T) g = 0 for strong ellipticity. Its sign is b . g > 0, because plastic flow continues inside the band.
         let jump = match criterion {
             Criterion::Ellipticity => flow,
             Criterion::StrongEllipticity => {

@@ -430,7 +430,7 @@ impl Metal {
         let state = DeformationGradient::new(components).map_err(|_| not_finite())?;
         let own = self.elastic.response(&state)?;
         let flow = self.flow(&elastic).ok_or_else(not_finite)?;
-        // w_Fe = -Q, and w_FF by the chain rule.
+        // Second derivatives: w_Fe = -Q, and w_FF by the chain rule.
         let q = elastic * flow.dual * inverse.transpose() * 2.0;
         let stiffness = flow.stiffness + self.flow_stress.slope(slip);
         let half = FourthOrder::from_fn(|i, j, k, b| {

@@ -53,7 +53,7 @@ impl Quadrature {
 pub struct QuadraturePoint<const D: usize> {
     /// Position in lattice coordinates.
     pub place: Fractional<D>,
-    /// Reference volume `V_q`. The volumes of a cell add up to `V0`.
+    /// Reference volume `V_q`; length^D. The volumes of a cell add up to `V0`.
     pub volume: f64,
     /// Whether the point is a particle and moves with it.
     pub is_node: bool,

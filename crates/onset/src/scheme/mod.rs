@@ -268,7 +268,7 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
     }
 
     /// Returns the pair forces of particles whose neighbors are fixed in the reference configuration, for the simulation of
-    /// [bodies](crate::motion::body).
+    /// [bodies](crate::motion::body). `None` if the method has no such forces.
     ///
     /// # Errors
     /// [`MethodError`] if the material cannot be evaluated in the reference state.
@@ -280,7 +280,7 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
     }
 
     /// Returns the pair forces of particles with changing neighbors, for the simulation of [bodies](crate::motion::body). The kernels belong to a
-    /// homogeneous state.
+    /// homogeneous state. `None` if the method has no such forces.
     ///
     /// # Errors
     /// [`MethodError`] if the discretization or the material cannot be evaluated there.

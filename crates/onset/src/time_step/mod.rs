@@ -91,7 +91,7 @@ impl Integrator {
         "rdpk3-49",
     ];
 
-    /// Returns the integrator with a given name or common alternative name.
+    /// Returns the integrator with the given name or common alternative name, or `None`.
     pub fn named(name: &str) -> Option<Self> {
         let name = match name {
             "velocity-verlet" => "kick-drift-kick",

@@ -138,8 +138,8 @@ impl Stepping {
         }
     }
 
-    /// Weights of `X`, `S` and `R` in the matrix whose largest eigenvalue `w^2` limits the step by `w^2 dt^2 = 4`: there a solution alternates from
-    /// step to step (`z = -1`).
+    /// Weights of the parts `X`, `S` and `R` of [`WaveParts`] in the matrix whose largest eigenvalue `w^2` limits the step: at `w^2 dt^2 = 4` a solution
+    /// alternates from step to step (`z = -1`).
     ///
     /// With `h' = -h`, `a = -2 h/dt` and `x = dt h/2` the table of [`Stepping`] gives `s = dt h` for velocities extrapolated to the end of the step, and `r = -dt h` for velocities of the previous step. A late acceleration has no such solution. It amplifies every oscillation.
     pub fn weights(self) -> [f64; 3] {

@@ -46,7 +46,7 @@ pub(crate) fn narrow<E>(
             None => next(left, right),
         };
         let is_end = |x: f64| x == left.0 || x == right.0;
-        // A measure that is zero to rounding interpolates to an end.
+        // If a measure is zero to rounding, interpolation returns an end of the bracket.
         let x = if is_end(x) {
             0.5 * (left.0 + right.0)
         } else {

@@ -42,7 +42,7 @@ fn methods() -> Vec<(&'static str, MethodChoices)> {
 /// Angle between the first axis and the current wave vectors, averaged over all waves of the displacements with their energies as weights; degrees.
 fn angle(places: &[[f64; 3]], state: &PatchState) -> f64 {
     let mut sum = [0.0; 2];
-    // One of `k` and `-k` is sufficient.
+    // `k` and `-k` have equal waves, so that one of them is sufficient.
     for n in 0..=CELLS[0] / 2 {
         for m in 0..CELLS[1] {
             let m = m as f64

@@ -225,7 +225,7 @@ fn a_chain_of_bars_has_its_known_frequencies() {
     let found = actual_modes(&bars, &*elastic(0.0), &body, 2).expect("modes");
     assert_eq!(found.rigid, 1);
     let expected = (2.0 * (PI / (2.0 * (count + 1) as f64)).sin()).powi(2);
-    // Half masses at the ends.
+    // The tolerance allows for the half masses at the ends.
     assert!((found.modes[0].squared.re / expected - 1.0).abs() < 0.02);
 }
 
@@ -255,7 +255,7 @@ fn a_clamped_plate_buckles_at_the_load_of_euler() {
         assert_eq!(found.rigid, 0);
         found.modes[0].squared.re
     };
-    // 4 pi^2 E I / L^2 over E A.
+    // Critical strain of a bar with clamped ends: 4 pi^2 E I / L^2 divided by E A.
     let euler = (PI * 3.0 / 60.0).powi(2) / 3.0;
     assert!(lowest(0.0) > 0.0);
     assert!(lowest(0.8 * euler) > 0.0);

@@ -401,7 +401,7 @@ fn assert_general<const D: usize>(lattice: LatticeKind, size: &[f64], radius: f6
             let scheme = UpdatedSph::new(crystal, choices.clone()).expect("a scheme");
             let patch = PeriodicPatch::new(scheme.crystal(), [1; D]);
             let mut random = Random::new(5);
-            // The forces of a patch hold densities in the viscosity. Viscosity is therefore tested with velocities in the homogeneous state itself.
+            // The forces of a patch keep the densities in the viscosity fixed. Viscosity is therefore tested with velocities in the homogeneous state itself.
             let shifted = if choices.viscosity.is_some() {
                 0.0
             } else {

@@ -91,7 +91,7 @@ fn a_boundary_is_followed_by_its_phases_alone() {
     let boundary = trace(jump);
     assert_eq!(boundary.curves.len(), 1);
     assert_on(&boundary.curves[0], |x, y| x.hypot(y) - 1.0);
-    // Clockwise: the stable side is outside.
+    // The curve runs clockwise: the stable side is outside.
     assert!((area(&boundary.curves[0]) + PI).abs() < 4e-4);
 }
 
@@ -272,7 +272,7 @@ fn straight_lines_that_cross_are_traced_once() {
     let boundary = trace(|x, y| signed((y - 0.2 * x) * (x + 0.3 * y - 0.1)));
     let total: f64 = boundary.curves.iter().map(Curve::length).sum();
     let expected = 4.0 * (1.0 + 0.04_f64).sqrt() + 4.0 * (1.0 + 0.09_f64).sqrt();
-    // Where one meets the other it ends within a fraction of a step.
+    // A curve that meets another curve ends within a fraction of a step.
     assert!((total - expected).abs() < 1e-4, "{total} is not {expected}");
 }
 
@@ -326,7 +326,7 @@ fn a_window_of_one_phase_has_no_boundary() {
 
 #[test]
 fn tracing_of_noise_ends_within_its_budget() {
-    // No set at all: phases that differ from point to point.
+    // The phases differ from point to point and form no regions.
     let scrambled = |x: f64, y: f64| {
         let bits = (x.to_bits() ^ y.to_bits().rotate_left(17)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         signed(if bits >> 63 == 0 { 1.0 } else { -1.0 })

@@ -131,7 +131,7 @@ fn the_boundary_of_a_lagrangian_kernel_is_the_boundary_of_the_material() {
     let (exact, computed) = (of_material(&material), of_particles(&probe));
     let [of_material, of_particles] = [trace(window, 32, &exact), trace(window, 32, &computed)];
     assert_eq!(of_material.curves.len(), of_particles.curves.len());
-    // Every vertex of the particles lies on the exact boundary to 1e-9, and the other way round.
+    // Every vertex of the computed boundary lies on the exact boundary to 1e-9, and every vertex of the exact boundary on the computed one.
     for (curves, probe) in [
         (&of_particles.curves, &exact as &dyn Fn([f64; 2]) -> Asked),
         (&of_material.curves, &computed),

@@ -185,7 +185,7 @@ fn the_widest_box_may_end_at_stretch_one() {
     let range = Range::default();
     let widest =
         widest_safe_box(&*hencky, &range).expect("elliptic in the reference configuration");
-    // The ratio decreases with the upper end: boxes of all skews are narrower.
+    // A lower skew raises the upper end and lowers the ratio `high / low`: every box of a finite skew is narrower than the widest one.
     let mut before = f64::INFINITY;
     for skew in [1e4, 300.0, 30.0, 10.0, 4.0] {
         let found =

@@ -150,7 +150,7 @@ fn drucker_is_the_hessian_in_logarithms_and_the_jaumann_shear_moduli() {
             let mut lowest = found;
             for (i, j) in [(0, 1), (0, 2), (1, 2)] {
                 let (a, b) = (stretches[i].powi(2), stretches[j].powi(2));
-                // D = (e_i e_j + e_j e_i)/sqrt 2 gives D : tau° = this modulus.
+                // Modulus of the shear rate D = (e_i e_j + e_j e_i)/sqrt 2: the value of D : tau°.
                 lowest = f64::min(lowest, (tau[(i, i)] - tau[(j, j)]) * (a + b) / (a - b));
             }
             let full = Criterion::Drucker.measure(&state).expect("defined").value;

@@ -185,7 +185,7 @@ fn the_drucker_check_is_the_hessian_of_the_energy_in_two_strains() {
                 let bb = (energy(0.0, h) - 2.0 * energy(0.0, 0.0) + energy(0.0, -h)) / (h * h);
                 let ab =
                     (energy(h, h) - energy(h, -h) - energy(-h, h) + energy(-h, -h)) / (4.0 * h * h);
-                // In the orthonormal increments (1, 0, -1)/sqrt 2 and (-1, 2, -1)/sqrt 6.
+                // Second derivatives in the orthonormal basis of increments (1, 0, -1)/sqrt 2 and (-1, 2, -1)/sqrt 6.
                 let u = |x: [f64; 2], y: [f64; 2]| {
                     x[0] * y[0] * aa + (x[0] * y[1] + x[1] * y[0]) * ab + x[1] * y[1] * bb
                 };

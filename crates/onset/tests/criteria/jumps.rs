@@ -34,7 +34,7 @@ fn reported_jumps_lower_the_energy() {
 
 #[test]
 fn a_polyconvex_law_has_no_jump_that_lowers_the_energy() {
-    // Convex in F and in J.
+    // The energy is the sum of a convex function of F and a convex function of J.
     struct Polyconvex;
     impl onset::material::StrainEnergy for Polyconvex {
         fn energy<R: onset::real::Real>(&self, f: &DeformationGradient<R>) -> R {
@@ -168,7 +168,7 @@ fn the_third_stretch_of_neo_hooke_jumps_at_the_common_tangent() {
     let held = path(&*law, Mode::Equibiaxial, Lateral::PlaneStrain);
     let elliptic = track(&held, Criterion::StrongEllipticity, true);
     let jumps = follow_jumps(&held, &elliptic, REACH, true);
-    // Contact: w(x) - w(1) = w'(1) (x - 1) and w'(x) = w'(1) = L.
+    // The tangent of the energy at stretch 1 touches its graph at x: w(x) - w(1) = w'(1) (x - 1), and w'(x) = w'(1) = L.
     let slope = |x: f64, log: f64| x - 1.0 / x + (log + x.ln()) / x;
     let log_of = |x: f64| (x - 1.0 / x + x.ln() / x) / (1.0 - 1.0 / x);
     let w = |x: f64, log: f64| 0.5 * (x * x - 1.0) - x.ln() + 0.5 * (log + x.ln()).powi(2);

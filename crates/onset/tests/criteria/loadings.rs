@@ -50,7 +50,7 @@ fn a_blatz_ko_bar_contracts_with_a_poisson_ratio_of_one_quarter() {
 }
 
 #[test]
-fn nearly_incompressible_bars_approach_the_incompressible_ones() {
+fn nearly_incompressible_bars_approach_incompressible_bars() {
     for (lambda, tolerance) in [(1e3, 2e-2), (1e5, 2e-4), (1e7, 2e-6)] {
         let law = NeoHooke { mu: 1.0, lambda };
         let bar = path(&law, Mode::Uniaxial, Lateral::Free);
@@ -118,7 +118,7 @@ fn free_faces_of_a_metal_beyond_yield_carry_no_traction() {
                 _ => &[1],
             };
             for axis in free {
-                // Relative to moduli of about 200.
+                // The moduli are about 200.
                 assert!(p[(*axis, *axis)].abs() < 1e-9, "{}", loading.title());
             }
         }
@@ -156,7 +156,7 @@ fn a_path_ends_where_free_faces_lose_equilibrium_and_other_states_are_found() {
         panic!("the path has a fold: {:?}", path.tension_end);
     };
     assert_close(stretch, 2.0, 1e-14);
-    // sin y = 1/2 at y = pi/6, on the branch, and at y = 5 pi/6.
+    // The equilibrium sin y = 1/2 holds at y = pi/6, on the branch of the path, and at y = 5 pi/6.
     let s = 1.5_f64.ln();
     let own = path.at(s).expect("a state").response.deformation;
     let sixth = std::f64::consts::PI / 6.0;
@@ -244,7 +244,7 @@ fn a_path_ends_at_the_fold_of_its_free_faces_for_any_range() {
                 _ => last.tangent[(2, 2, 2, 2)],
             };
             assert!(stiffness.abs() < 1e-12, "{stiffness}");
-            // States up to the fold, and no state of another branch on the way.
+            // The path has states up to the fold, and no state of another branch before the fold.
             let mut before: f64 = 1.0;
             for n in 1..=2000 {
                 let state = path
@@ -322,7 +322,7 @@ fn a_path_ends_at_the_edge_of_the_domain_of_the_law() {
     let PathEnd::Law { stretch, .. } = held.tension_end else {
         panic!("the law has an end: {:?}", held.tension_end);
     };
-    // lambda^2 - 1 = 10
+    // The domain of the law ends at lambda^2 - 1 = 10.
     assert_close(stretch, 11.0_f64.sqrt(), 1e-9);
     assert!(track(&held, Criterion::StrongEllipticity, true).holds_at_start);
 }

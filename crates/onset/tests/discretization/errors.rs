@@ -99,7 +99,7 @@ fn neighbors_in_a_line_do_not_determine_a_linear_basis() {
         ),
         "{error:?}"
     );
-    // The same error from the shape functions directly.
+    // The shape functions report this error directly, too.
     let positions: Vec<Vector2<f64>> = (-1..=1).map(|n| Vector2::new(f64::from(n), 0.0)).collect();
     let weights: Vec<_> = positions
         .iter()

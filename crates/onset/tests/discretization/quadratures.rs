@@ -195,7 +195,7 @@ fn natural_stabilization_and_gauss_points_remove_the_zero_energy_modes_of_nodal_
             );
             for quadrature in [Quadrature::NodalStabilized, Quadrature::Gauss] {
                 let lifted = norms(quadrature);
-                // Small for wide supports, but far above rounding errors.
+                // The norms are small for wide supports, but far above rounding errors.
                 assert!(
                     lifted.iter().all(|norm| *norm > 1e-7),
                     "{kind:?}, {approximation:?}, {quadrature:?}: {lifted:?}"

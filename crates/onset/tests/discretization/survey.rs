@@ -98,7 +98,7 @@ fn smallest_on_grid(case: &Case, survey: &Survey<'_, 2>, resolution: usize) -> f
 }
 
 #[test]
-fn surveys_and_single_states_report_the_same_one_of_equally_soft_waves() {
+fn surveys_and_single_states_select_the_same_wave_among_equally_soft_waves() {
     let mut finite = 0;
     for lattice in [LatticeKind::Square, LatticeKind::Hexagonal] {
         for approximation in [Approximation::Shepard, Approximation::Mls] {

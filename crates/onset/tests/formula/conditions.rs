@@ -80,7 +80,7 @@ fn conditions_combine_by_boolean_logic() {
     for (text, logic) in cases {
         let formula = Formula::parse(&format!("if({text}, 2*J, 3*J)"))
             .unwrap_or_else(|error| panic!("{error}"));
-        // Repeated with variables in place of parameters, which are not folded.
+        // The test is repeated with variables in place of the parameters, because variables are not folded.
         let unfolded = text
             .replace('a', "F11")
             .replace('b', "F22")
@@ -101,7 +101,7 @@ fn conditions_combine_by_boolean_logic() {
                 expected,
                 "{text} at {a}, {b}, {c}"
             );
-            // If two of them are equal, the energy jumps.
+            // If two of the three numbers are equal, the energy jumps.
             let f = DeformationGradient::from_stretches([a, b, c]).expect("a state");
             let expected = expected * f.jacobian();
             assert_eq!(unfolded.energy(&f), expected, "{text} at {a}, {b}, {c}");

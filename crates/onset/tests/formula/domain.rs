@@ -48,7 +48,7 @@ const RUBBER: &str = "10*(I1 - 3 - 2*ln(J))";
 
 #[test]
 fn an_undefined_part_is_an_error_in_any_order() {
-    // I1 is 4.13 there, E23 and C12 are zero.
+    // At this state I1 is 4.13, and E23 and C12 are zero.
     let at = [1.3, 1.2, 1.0];
     for part in [
         "max(0, sqrt(3 - I1))",
@@ -75,7 +75,7 @@ fn an_undefined_part_is_an_error_in_any_order() {
         "1/ln(C12)",
         "tanh(1/C12)",
         "0/C12",
-        // On the boundary of the domain.
+        // These parts are evaluated on the boundary of their domain.
         "max(0, sqrt(E23))*max(0, sqrt(E23))",
         "max(sqrt(E23), 0)*max(sqrt(E23), 0)",
         "max(1, sqrt(C12))",
@@ -87,7 +87,7 @@ fn an_undefined_part_is_an_error_in_any_order() {
     // Where the root exists, the energy exists too.
     let text = format!("{RUBBER} + max(0, sqrt(3 - I1))");
     assert_eq!(trouble(&text, [0.7, 0.8, 0.9]), None);
-    // A floating-point number reports it by NaN.
+    // The energy in floating point reports the error by NaN.
     assert!(law(&text).energy(&state(at)).is_nan());
 }
 
@@ -224,7 +224,7 @@ fn nothing_is_proved_at_a_kink_and_a_laminate_there_has_less_energy() {
         let f = state([2.0, 0.5, 1.0]);
         let proof = certify_3d(&law, &f, 1e-6).expect("a scale");
         assert!(!proof.certainty.is_decided(), "{part}: {proof:?}");
-        // Layers on both sides of the kink.
+        // Layers on both sides of the kink have less energy than the state.
         let energy = |shift: f64| law.energy(&state([2.0 + shift, 0.5, 1.0]));
         assert!(energy(1e-3) + energy(-1e-3) < 2.0 * energy(0.0), "{part}");
         // Away from the kink the proof succeeds.

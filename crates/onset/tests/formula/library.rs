@@ -82,7 +82,7 @@ fn a_formula_of_a_law_of_the_library_has_its_energy_stress_and_tangent() {
         let mut random = Random::new(21);
         for _ in 0..40 {
             let f = random.state();
-            // Where both are defined.
+            // States at which a law is undefined are skipped.
             let (Ok(built_in), Ok(typed)) = (built_in.response(&f), typed.response(&f)) else {
                 continue;
             };

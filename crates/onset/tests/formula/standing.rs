@@ -304,7 +304,7 @@ fn check_proof(
             low >= bound * scale - slack,
             "{text} at {f:?}: {low} below {bound}"
         );
-        // Layers with small jumps must cost energy.
+        // Alternating layers `F + jump` and `F - jump` with a small jump must have more energy than `F`.
         let change = |size: f64| {
             let jump = polarization * n.transpose() * size;
             let energy = |sign: f64| law.energy(&of(&(f.matrix() + jump * sign)));
@@ -523,7 +523,7 @@ fn check_ellipticity(random: &mut Random, seen: &mut [usize; 3]) {
         }
         Ellipticity::Undecided => assert!(truth.to_f64().value().abs() <= 2.0 * minimum.rounding),
     }
-    // Value and verdict.
+    // The verdict agrees with the value.
     let number = minimum.significant();
     let of_number = if number > 0.0 {
         Ellipticity::Elliptic

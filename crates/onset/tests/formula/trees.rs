@@ -85,7 +85,7 @@ fn evaluated(tree: &Tree) -> Value {
         }
         Tree::Call(name, a) => {
             let (a, error) = evaluated(a)?;
-            // Each of these has slopes of at most one.
+            // Each of these functions has slopes of at most one.
             let value = match *name {
                 "sin" => a.sin(),
                 "cos" => a.cos(),
@@ -145,7 +145,7 @@ fn full(tree: &Tree) -> String {
         Tree::Call(name, a) => format!("({name} ({}))", full(a)),
         Tree::If(parts, is_below) => {
             let [a, b, holds, fails] = [0, 1, 2, 3].map(|n| full(&parts[n]));
-            // The condition reversed.
+            // An equivalent condition: the negation of the reversed comparison.
             let sign = if *is_below { "<=" } else { ">" };
             format!("if(not ({b} {sign} {a}), {holds}, {fails})")
         }

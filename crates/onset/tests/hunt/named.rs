@@ -283,7 +283,7 @@ fn long_waves_of_two_particles_with_one_gradient_have_no_stiffness_along_one_dir
     assert!(spectrum.softest.is_long_wave);
     assert!(spectrum.softest.scaled.abs() < 1e-7, "{spectrum:?}");
     assert!(spectrum.is_stable(), "{spectrum:?}");
-    // Finite waves along it cost energy of higher order.
+    // Finite waves along the softest direction have energy of higher order.
     let along = spectrum.softest.wave_vector;
     let of_length = |k: f64| {
         let values = waves.omega_squared(&(along * k)).into_iter();

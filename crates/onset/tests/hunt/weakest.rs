@@ -20,7 +20,7 @@ const DIFFERENCE: f64 = 1e-5;
 const LONG: f64 = 2e-3;
 
 #[test]
-fn no_wave_of_any_method_is_weaker_than_the_weakest_one() {
+fn no_wave_of_any_method_is_weaker_than_the_reported_weakest_wave() {
     let (seed, cases) = hunted(24);
     let (mut compared, mut wrong) = (0, Vec::new());
     for case in 0..cases as u64 {

@@ -35,7 +35,7 @@ fn the_transform_of_long_waves_follows_from_integral_and_moments() {
 
 #[test]
 fn the_transforms_of_one_and_three_dimensions_are_related_by_a_derivative() {
-    // F3(k) = -2 pi F1'(k) / k.
+    // The transforms F1 and F3 in one and three dimensions satisfy F3(k) = -2 pi F1'(k) / k.
     for kernel in kernels() {
         // These functions differ between one and three dimensions.
         if matches!(
@@ -60,7 +60,7 @@ fn the_transforms_of_one_and_three_dimensions_are_related_by_a_derivative() {
 
 #[test]
 fn the_transform_of_the_plane_is_the_projection_along_one_direction() {
-    // F2(k) = int cos(k x) (int W dy) dx, on a grid of the square.
+    // The transform in the plane is F2(k) = int cos(k x) (int W dy) dx, on a grid of the square.
     let n = 400;
     for kernel in [Kernel::QuinticSpline, Kernel::WendlandC4, Kernel::Gaussian] {
         let k = 7.0;

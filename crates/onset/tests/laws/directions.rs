@@ -151,7 +151,7 @@ fn rotating_state_and_directions_keeps_the_eigenvalues() {
             let (after, before) = (random.planar_rotation(), random.planar_rotation());
             let rotated = of(&(after * f.matrix() * before.transpose()));
             let [one, other] = [f, rotated].map(|f| entry.law.response(&f).expect("finite"));
-            // Every direction: Q'(R N) = A Q(N) A^T.
+            // The acoustic tensors of each direction are related by Q'(R N) = A Q(N) A^T.
             let angle = 3.0 * random.number();
             let n = Vector3::new(angle.cos(), angle.sin(), 0.0);
             let turned = before * n;
@@ -159,7 +159,7 @@ fn rotating_state_and_directions_keeps_the_eigenvalues() {
             let q_turned = acoustic(&other.tangent, [turned[0], turned[1]]);
             let block = after.fixed_view::<2, 2>(0, 0);
             assert!((q_turned - block * q * block.transpose()).amax() < 1e-11 * q.amax());
-            // And the minimum over all directions.
+            // The minima over all directions agree, too.
             let [a, b] = [one, other].map(|r| Stiffness::<2>::of(&r).minimum());
             assert!(
                 (a.eigenvalue.re - b.eigenvalue.re).abs()
@@ -247,7 +247,7 @@ fn the_largest_eigenvalue_belongs_to_the_fastest_wave() {
             .law
             .response(&DeformationGradient::identity())
             .expect("finite");
-        // Longitudinal waves: K + 4/3 mu.
+        // The fastest waves are longitudinal, with the modulus K + 4/3 mu.
         let fastest = entry.bulk_modulus + 4.0 / 3.0 * entry.shear_modulus;
         let computed = [
             Stiffness::<1>::of(&response).maximum_eigenvalue(),

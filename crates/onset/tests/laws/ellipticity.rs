@@ -16,7 +16,7 @@ fn the_elliptic_domain_of_equation_5_agrees_with_its_closed_form() {
     let mut random = Random::new(31);
     let mut seen = [0, 0];
     for _ in 0..3000 {
-        // Up to ten: the domain ends, and begins again beyond J of about 84.
+        // Stretches up to 12: the elliptic domain ends, and begins again beyond J of about 84.
         let f = random.planar_state(12.0);
         let j = f.jacobian();
         let singular = f.leading::<2>().singular_values();

@@ -125,7 +125,7 @@ proptest! {
         let b = Interval::new(small, small + wide);
         let inside = small + 0.3 * wide;
         prop_assert!(holds(b.exp(), &precise(inside).exp()), "exp {b:?}");
-        // From one exponential function, over a range where both of its powers matter.
+        // Hyperbolic functions are computed from one exponential function; in this range both exp(x) and exp(-x) matter.
         let (c, middle) = (Interval::new(small / 40.0, small / 40.0 + wide), small / 40.0 + 0.3 * wide);
         let (power, inverse) = (precise(middle).exp(), precise(-middle).exp());
         let (difference, sum) = (&power - &inverse, &power + &inverse);

@@ -88,7 +88,7 @@ fn the_thickness_of_a_neo_hookean_sheet_is_the_root_of_its_scalar_equation() {
         [[1.0, 1.7], [0.0, 1.0]],
     ] {
         let area = f[0][0] * f[1][1] - f[0][1] * f[1][0];
-        // P33 = mu (t - 1/t) + lambda ln(J)/t, times t; it increases.
+        // Traction times t, P33 t with P33 = mu (t - 1/t) + lambda ln(J)/t; it increases with t.
         let traction = |t: f64| mu * (t * t - 1.0) + lambda * (area * t).ln();
         let (mut low, mut high) = (1e-6, 1e3);
         for _ in 0..200 {
@@ -102,7 +102,7 @@ fn the_thickness_of_a_neo_hookean_sheet_is_the_root_of_its_scalar_equation() {
         let response = sheet.response(&planar(f)).expect("a state");
         let found = response.deformation.components()[2][2];
         assert!((found - low).abs() < 1e-13 * low, "{found} {low}");
-        // P = mu (F - F^-T) + lambda ln J F^-T
+        // In-plane components of P = mu (F - F^-T) + lambda ln J F^-T.
         let inverse = [[f[1][1], -f[1][0]], [-f[0][1], f[0][0]]];
         for (i, j) in PLANE {
             let own = mu * f[i][j] + (lambda * (area * low).ln() - mu) * inverse[i][j] / area;
@@ -156,7 +156,7 @@ fn small_strain_stiffness_of_a_sheet_inverts_its_part_of_the_compliance() {
         asked += 1;
     }
     assert!(asked > 20, "{asked}");
-    // E/(1 - nu^2), nu E/(1 - nu^2), E/(2 (1 + nu)), and E of a bar.
+    // Expected moduli: E/(1 - nu^2), nu E/(1 - nu^2) and E/(2 (1 + nu)) of a sheet, and E of a bar.
     let (young, poisson) = (3.0, 0.3);
     let mu = young / (2.0 * (1.0 + poisson));
     let lambda = 2.0 * mu * poisson / (1.0 - 2.0 * poisson);

@@ -88,7 +88,7 @@ fn equation_22_gives_the_rate_of_nominal_stress() {
             nominal,
             scale,
         );
-        // And in the published form, from the second elasticity tensor.
+        // The published form, with the second elasticity tensor, agrees.
         let (c, s, f) = (
             response.second_elasticity(),
             response.second_piola(),
@@ -127,7 +127,7 @@ fn the_spatial_tangent_is_the_push_forward_of_the_tangent() {
             pushed,
             scale,
         );
-        // Its acoustic tensor is Q(N) of the reference configuration for n = F^-T N, per current volume.
+        // The acoustic tensor of the spatial tangent is Q(N) of the reference configuration for n = F^-T N, per current volume.
         let reference = nalgebra::Vector3::new(0.3, -0.8, 0.52);
         let spatial = f.try_inverse().expect("invertible").transpose() * reference;
         let acoustic = |tensor: &FourthOrder, n: &nalgebra::Vector3<f64>| {

@@ -97,7 +97,7 @@ fn the_shear_modulus_between_close_logarithmic_strains_is_the_closed_form() {
             let (one, two) = (first, first * f64::sqrt(1.0 + d));
             let f = DeformationGradient::from_stretches([one, two, 0.8]).expect("a state");
             let e = one * one;
-            // Difference of the stretches as stored.
+            // Difference of the stretches as rounded and stored.
             let d = (two - one) * (two + one) / e;
             let expected = (d.ln_1p() / d - e.ln()) / (e * e * (1.0 + d));
             let computed = law.response(&f).expect("finite").second_elasticity()[(0, 1, 0, 1)];
@@ -135,7 +135,7 @@ fn stresses_of_hencky_and_ogden_agree_with_closed_forms() {
             let expected = 2.0 * mu * (l[i].ln() - volume.ln() / 3.0) + kappa * volume.ln();
             assert!((computed[i] - expected).abs() < 1e-13 * (1.0 + expected.abs()));
         }
-        // tau_i = sum mu_p (l_i^a - 1/3 sum_j l_j^a) + kappa J (J - 1), with the isochoric stretches l.
+        // Expected stress: tau_i = sum mu_p (l_i^a - 1/3 sum_j l_j^a) + kappa J (J - 1), with the isochoric stretches l.
         let computed = principal(&*ogden);
         let terms = [(0.6178, 1.3), (0.001_177, 5.0), (-0.009_807, -2.0)];
         let shape = l.map(|l| l / volume.cbrt());

@@ -33,7 +33,7 @@ fn errors<const D: usize>(scheme: &dyn Discretization<D>, wavelengths: &[f64]) -
 
 #[test]
 fn bars_with_lumped_masses_are_slow_by_the_sine_over_its_argument() {
-    // omega = 2 c/h sin(k h/2); at two elements per wavelength 2/pi of the exact one.
+    // Closed form: omega = 2 c/h sin(k h/2); at two elements per wavelength it is 2/pi of the exact frequency.
     let wavelengths = [2.0, 4.0, 8.0, 16.0];
     let found = errors(&bars(ElementMass::Lumped), &wavelengths);
     for (error, count) in found.iter().zip(wavelengths) {
@@ -46,7 +46,7 @@ fn bars_with_lumped_masses_are_slow_by_the_sine_over_its_argument() {
 
 #[test]
 fn frequencies_of_bars_with_consistent_masses_agree_with_the_closed_form() {
-    // omega^2 = 6 c^2/h^2 (1 - cos kh) / (2 + cos kh).
+    // Closed form: omega^2 = 6 c^2/h^2 (1 - cos kh) / (2 + cos kh).
     let wavelengths = [2.0, 4.0, 8.0, 16.0];
     let found = errors(&bars(ElementMass::Consistent), &wavelengths);
     for (error, count) in found.iter().zip(wavelengths) {

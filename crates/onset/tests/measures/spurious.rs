@@ -61,7 +61,7 @@ fn nodal_integration_on_squares_has_three_zero_energy_wave_vectors() {
 
 #[test]
 fn nodal_integration_on_the_hexagonal_lattice_has_zero_energy_modes_at_m_and_k() {
-    // Where the sum of odd gradients vanishes: three M by inversion, K by the threefold axis. No minimum lies between them.
+    // The sum of the odd gradients vanishes at the three points M by inversion, and at K by the threefold axis. No minimum lies between these points.
     let method = method::<2>(nodal(LatticeKind::Hexagonal));
     let modes = found(&method, 0.5);
     let third = 0.333333;
@@ -76,8 +76,9 @@ fn nodal_integration_on_the_hexagonal_lattice_has_zero_energy_modes_at_m_and_k()
 
 #[test]
 fn nodal_integration_has_seventeen_zero_energy_wave_vectors_on_cubes_and_one_on_a_chain() {
-    // sin x (w1 + 2 w2 (b + c) + 4 w3 b c) = 0 and cyclic permutations, a, b, c the cosines, w = W'/q of the three distances. All sines zero:
-    // 7. One, with the cosine -1: a = b = -0.786, 6. None: a = b = c = -0.898, 4.
+    // The gradient vanishes where sin x (w1 + 2 w2 (b + c) + 4 w3 b c) = 0 and its cyclic permutations hold. Here a, b, c are the cosines, and
+    // w1, w2, w3 the values of W'/q at the three distances. With all sines zero there are 7 wave vectors. With one sine zero (cosine -1) there are 6, at
+    // a = b = -0.786. With no sine zero there are 4, at a = b = c = -0.898.
     let cubes = method::<3>(nodal(LatticeKind::SimpleCubic));
     let modes = found(&cubes, 0.5);
     assert_eq!(zeros(&cubes, &modes).len(), 17);

@@ -125,7 +125,7 @@ fn the_verdict_does_not_depend_on_how_many_particles_a_cell_has() {
             "{penalty}"
         );
     }
-    // Its two particles move freely against each other.
+    // The two particles of a honeycomb cell move freely against each other.
     let honeycomb = Crystal::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
     let scheme = scheme(honeycomb, 0.0);
     let survey = Survey::new(&scheme, &*solid).expect("a survey");
@@ -311,9 +311,11 @@ fn correspondence_families_have_every_zero_energy_mode_of_a_dense_search() {
     let lattice = lattice::<3>(LatticeKind::SimpleCubic);
     let gradient = Gradient::new(*lattice.vectors(), 2.0, |_| 1.0);
     let scheme = correspondence(lattice, 2.0, Influence::Constant);
-    // sin x (1 + 4 a + 2 b + 2 c + 4 b c) = 0 and cyclic permutations, a, b, c the cosines. All sines zero: 7. Two: a = 3/4 with b c = -1,
-    // -1/4 with b = c = -1: 9. One: a = b = -3/10 with c = 1, 1/2 with c = -1: 12. None: a = b = c = (sqrt(3) - 2)/2: 4. For
-    // a, b that differ c is 1/2 and the third equation makes them 1/2 and -1: nothing new, but these six are triple.
+    // The gradient vanishes where sin x (1 + 4 a + 2 b + 2 c + 4 b c) = 0 and its cyclic permutations hold, with the cosines a, b, c. With all sines
+    // zero there are 7 wave vectors. With two sines zero there are 9, at a = 3/4 (b c = -1) and a = -1/4 (b = c = -1). With one sine zero
+    // there are 12, at a = b = -3/10 (c = 1) and a = b = 1/2 (c = -1). With no sine zero there are 4, at a = b = c = (sqrt(3) - 2)/2.
+    // Different a and b require c = 1/2, and the third equation then gives 1/2 and -1 for a and b: no further wave vectors, but these six
+    // are triple zeros.
     let count = assert_all(&scheme, &gradient, 18, "simple cubic 2");
     assert_eq!(count, 32);
     let third = lattice.reciprocal() * SVector::from([1.0 / 6.0, 1.0 / 6.0, 0.5]);
@@ -578,11 +580,11 @@ fn one_point<const D: usize>(mesh: ElementMesh, hourglass_stiffness: f64) -> Fin
 #[test]
 fn points_lines_and_the_whole_zone_are_distinguished() {
     let law = laws().remove(0);
-    // Squares with one point: the hourglass, B = (s_x c_y, c_x s_y), s and c of half the phases.
+    // Squares with one point have the hourglass mode: B = (s_x c_y, c_x s_y) with the sines s and cosines c of half the phases.
     let squares = found(&one_point::<2>(ElementMesh::Quadrilaterals, 0.0), &*law);
     assert_eq!(squares.zero_extent, Some(Extent::Point));
     assert_eq!(squares.modes.iter().filter(|m| m.is_zero()).count(), 1);
-    // Bricks: (s_x c_y c_z, ...) vanishes where two cosines do, along the edges of the cube, which are connected.
+    // For bricks B = (s_x c_y c_z, ...) vanishes where two cosines vanish: along the edges of the cube, which are connected.
     let bricks = found(&one_point::<3>(ElementMesh::Bricks, 0.0), &*law);
     assert_eq!(bricks.zero_extent, Some(Extent::Line));
     assert!(bricks.is_complete);

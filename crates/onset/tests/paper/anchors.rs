@@ -96,7 +96,7 @@ fn the_boundary_of_strong_ellipticity_agrees_with_the_reference() {
     let restored = number(&anchors["pde_equibiaxial_restab_mooney"]);
     assert_meets("equibiaxial return", 1.0 + 11.0 * s[1], restored, 1e-10);
     assert_eq!(s.len(), 2);
-    // J0, where g'' = 0: uniaxial states of large lambda1 approach it; the closed form of the book.
+    // The volume ratio J0 with g''(J0) = 0, which uniaxial states of large lambda1 approach; closed form of the book.
     let (c1, c2, lambda) = (0.1256, 0.01012, 10.12);
     let j0 = number(&anchors["pde_J0_mooney"]);
     let g2 = c2 + c1 / 3.0 * f64::powf(j0, -4.0 / 3.0) - 2.0 / 3.0 * c2 * f64::powf(j0, -2.0 / 3.0)
@@ -149,7 +149,7 @@ fn kernel_sums_and_completeness_errors_agree_with_the_reference() {
                 number(&reference[&format!("alpha_{suffix}")]),
                 1e-9,
             );
-            // The sum of the weights, from phi = W / S at any neighbor.
+            // The sum S of the weights follows from phi = W / S at any neighbor.
             let q = positions[0].norm() / support;
             let weight = (1.0 - q).powi(3) * (1.0 + 3.0 * q);
             let sum = weight / point.shape.values[0];

@@ -22,7 +22,7 @@ impl Law {
         let c = f.transpose() * f;
         let i1 = c.trace();
         let i2 = 0.5 * (i1 * i1 - (c * c).trace());
-        // dI1/dF = 2 F, dI2/dF = 2 (I1 F - F C), dJ/dF = J F^-T.
+        // Derivatives of the invariants: dI1/dF = 2 F, dI2/dF = 2 (I1 F - F C), dJ/dF = J F^-T.
         let half_i2 = f * i1 - f * c;
         match self {
             Self::MooneyRivlin => {

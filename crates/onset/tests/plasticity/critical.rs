@@ -11,7 +11,7 @@ const CRITERIA: [Criterion; 2] = [Criterion::Ellipticity, Criterion::StrongEllip
 fn states() -> Vec<RateModuli> {
     let mut numbers = Numbers(7);
     let mut states = Vec::new();
-    // Strong relative to its stiffness, so that stress terms matter.
+    // The strength is large relative to the stiffness, so that stress terms matter.
     let strong = Hardening::Linear {
         initial: 15.0,
         modulus: -10.0,

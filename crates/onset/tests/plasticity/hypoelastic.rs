@@ -110,14 +110,14 @@ fn stress_and_tangent_agree_with_time_integration_of_the_rates() {
             let (_, logarithm) = stretch(&mut numbers);
             let turn = numbers.rotation();
             let further = numbers.matrix();
-            // R U^t up to t = 1, then a straight continuation.
+            // The path is R U^t up to t = 1, then straight.
             let state = |t: f64| turn * (logarithm * t).exp();
             let response = at(&*material, &state(1.0));
             let reached = integrated(name, &state, 1.0);
             let stress = first_piola(n, &reached, &state(1.0));
             let error = (response.first_piola - stress).amax();
             assert!(error < 1e-9, "{name} {n}: {error:e}");
-            // Rate at the end, from the stress there.
+            // Rate at the end of the path, from the stress at the end.
             let beyond = |t: f64| state(1.0) + further * t;
             let after = |t: f64| {
                 let on = |t: f64| beyond(t);
@@ -198,7 +198,7 @@ fn the_energy_is_the_work_along_the_path_and_no_potential_of_the_tangent() {
                 .map(|(i, j, k, l)| response.tangent[(i, j, k, l)] - response.tangent[(k, l, i, j)])
                 .fold(0.0_f64, |largest, own| largest.max(own.abs()));
             assert!(missing > 0.1 * MU, "{name} {n}: {missing}");
-            // A pressure alone has a potential.
+            // For a state of pure pressure the tangent has major symmetry, as with a potential.
             let pressed = at(&*material, &(Matrix3::identity() * 0.9));
             for n in 0..81 {
                 let (i, j, k, l) = (n / 27, n / 9 % 3, n / 3 % 3, n % 3);
@@ -221,7 +221,7 @@ fn the_rates_differ_in_shear_alone() {
         }
     }
     assert!((one.tangent[(0, 1, 0, 1)] - other.tangent[(0, 1, 0, 1)]).abs() > 1e-3);
-    // By hand: W_12 = (L_12 - L_21)/2, s' = 2 mu D_12 + W_12 (s_2 - s_1), P_12 = J (sigma_12/F_2 ...).
+    // Derivation by hand: W_12 = (L_12 - L_21)/2, s' = 2 mu D_12 + W_12 (s_2 - s_1), P_12 = J (sigma_12/F_2 ...).
     let sigma = one.cauchy();
     let jacobian = f.determinant();
     let g1212 = MU + 0.5 * (sigma[(1, 1)] - sigma[(0, 0)]);

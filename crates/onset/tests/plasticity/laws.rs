@@ -104,7 +104,7 @@ fn yielding(
 }
 
 #[test]
-fn the_normal_is_the_gradient_of_the_yield_function_and_flow_stays_on_it() {
+fn the_normal_is_the_gradient_of_the_yield_function_and_flow_stays_on_the_yield_surface() {
     let mut numbers = Numbers(7);
     for (name, law) in laws() {
         let mut count = 0;

@@ -188,7 +188,7 @@ fn hill_1948_is_the_limit_of_small_steps_of_flow_and_its_tangent_belongs_to_the_
     for size in [0.01, 0.1] {
         let f = state(&mut numbers, size);
         let response = at(&*sheet, &f);
-        // Errors are linear in the step size: extrapolation from two sizes.
+        // Errors are linear in the step size, so that two sizes are extrapolated.
         let [coarse, fine] = [1500, 3000].map(|count| steps.follow(&f, count));
         let [rough, close] = [&coarse, &fine].map(|reached| Steps::first_piola(&f, &reached.0));
         let error = (response.first_piola - (close * 2.0 - rough)).amax();
@@ -208,7 +208,7 @@ fn hill_1948_is_the_limit_of_small_steps_of_flow_and_its_tangent_belongs_to_the_
             let size = 2e-6;
             (after(size) * 4.0 - after(2.0 * size)) / (2.0 * size)
         };
-        // dF/dt = F ln U.
+        // The path satisfies dF/dt = F ln U.
         let squares = (f.transpose() * f).symmetric_eigen();
         let logarithms = squares.eigenvalues.map(|square| 0.5 * square.ln() / size);
         let logarithm = squares.eigenvectors
@@ -346,7 +346,7 @@ fn a_wave_speed_vanishes_at_the_critical_hardening_modulus() {
             .expect("a band")
             .modulus;
     let smallest = |modulus: f64| {
-        // Equal flow stress at this slip with a different slope.
+        // Laws with equal flow stress at this slip, and different slopes.
         let given = [
             ("yield-stress", first + (slope - modulus) * slip),
             ("hardening-modulus", modulus),
@@ -391,7 +391,7 @@ fn a_metal_sheet_equals_the_three_dimensional_metal_with_free_faces_in_stress_an
                 );
             }
         }
-        // Beyond yield, and nearly incompressible.
+        // The state is beyond yield and nearly isochoric.
         let volume = own.deformation.jacobian();
         assert!((volume - 1.0).abs() < 2e-3, "{name}: {volume}");
         let a = &of_space.tangent;

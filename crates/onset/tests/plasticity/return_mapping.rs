@@ -131,7 +131,7 @@ fn the_consistent_tangent_is_the_derivative_of_the_step_on_every_branch() {
 }
 
 #[test]
-fn the_continuum_tangent_is_the_limit_of_short_steps_and_differs_from_the_consistent_one_of_a_long_one()
+fn the_continuum_tangent_is_the_limit_of_short_steps_and_differs_from_the_consistent_tangent_of_a_long_step()
  {
     let mut numbers = Numbers(5);
     for strength in STRENGTHS {

@@ -76,7 +76,7 @@ fn the_spectral_radius_of_a_damped_wave_exceeds_one_beyond_its_limit() {
 
 #[test]
 fn large_damping_increases_the_stable_step_of_kick_drift_kick() {
-    // y = 2/xi beyond xi = 0.5263, with omega = 2, from trace and determinant of a step.
+    // From the trace and the determinant of a step, y = omega dt is at most 2/xi beyond xi = 0.5263; here omega = 2.
     let k = SVector::from_element(PI);
     for ratio in [0.53, 0.6, 0.8] {
         let step = critical_time_step_at(&chain(ratio, 0.0), Integrator::KickDriftKick, &k);
@@ -101,7 +101,7 @@ fn large_damping_increases_the_stable_step_of_kick_drift_kick() {
 
 #[test]
 fn lagged_damping_reduces_the_step_of_central_differences_as_published_by_belytschko() {
-    // dt = 2/omega (sqrt(1 + xi^2) - xi) for the damping ratio xi, omega = 2 (Belytschko, Liu, Moran 2000, Nonlinear Finite
+    // Published limit: dt = 2/omega (sqrt(1 + xi^2) - xi) for the damping ratio xi, omega = 2 (Belytschko, Liu, Moran 2000, Nonlinear Finite
     // Elements for Continua and Structures).
     for ratio in [0.05, 0.3, 0.9] {
         let system = chain(ratio, 0.0);
@@ -148,7 +148,7 @@ fn held(stiffness: [f64; 2], damping: [f64; 2]) -> WaveSystem<2> {
 #[test]
 fn only_stable_waves_bound_the_step() {
     let k = SVector::from([1.0, 2.0]);
-    // omega = 2 in combination with growth at any rate, with the closed form of lagged damping.
+    // An oscillation with omega = 2 and a wave that grows at any rate: the limit is the closed form of lagged damping for the oscillation.
     for ratio in [0.02, 0.3] {
         for negative in [-1e-3, -0.5, -400.0] {
             let system = held([negative, 4.0], [0.2, 4.0 * ratio]);
@@ -167,7 +167,7 @@ fn only_stable_waves_bound_the_step() {
 #[test]
 fn zero_energy_and_strongly_damped_waves_do_not_change_the_step_of_other_waves() {
     let k = SVector::from([1.0, 2.0]);
-    // A squared frequency that is rounding, and an oscillation whose limit in forward Euler is c / omega^2.
+    // One squared frequency is rounding; the other wave is an oscillation whose limit in forward Euler is c / omega^2.
     let system = held([1e-17, 20.0], [1e-10, 1e-3]);
     let step = critical_time_step_at(&system, Integrator::ForwardEuler, &k);
     assert!((step - 5e-5).abs() < 1e-10, "{step}");

@@ -58,7 +58,7 @@ pub fn assert_waves_are_those_of_a_patch<const D: usize>(
             let slope = |(a, b): (&SVector<f64, D>, &SVector<f64, D>)| (a - b) / (2.0 * h);
             plus.iter().zip(&minus).map(slope).collect::<Vec<_>>()
         };
-        // Force on the particles of the cell at the origin, by Re and Im of the wave.
+        // Forces on the particles of the cell at the origin, for the real and the imaginary part of the wave.
         let (real, imaginary) = (
             forces(Complex::new(1.0, 0.0)),
             forces(Complex::new(0.0, -1.0)),

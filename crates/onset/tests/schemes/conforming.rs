@@ -279,14 +279,14 @@ fn smoothing_on_a_chain_with_two_neighbors_at_the_midpoints_is_the_central_diffe
             },
         ))
     };
-    // Unit E / (rho h^2).
+    // Unit of omega^2: E / (rho h^2).
     let unit = 2.7 / (1.3 * 0.9 * 0.9);
     let plain = of(0.0);
     for angle in [0.2_f64, 1.0, PI / 2.0, 2.8] {
         let found = plain.omega_squared(&Vector1::new(angle / 0.9))[0].re;
         assert!((found - unit * angle.sin().powi(2)).abs() < 1e-12);
     }
-    // The halves of a cell at the shortest wave: from the value at the node to zero, over h/2.
+    // Gradient of the shortest wave in half of a cell: from the value at the node to zero, over h/2.
     let w = weight(0.9) / weight(0.0);
     let slope = 2.0 * (1.0 - 2.0 * w) / (1.0 + 2.0 * w);
     let found = of(c).omega_squared(&Vector1::new(PI / 0.9))[0].re;
@@ -376,7 +376,7 @@ fn the_long_wave_limit_is_accurate_for_nearly_free_relaxation() {
         .expect("waves");
     let stiffness = system.long_wave_stiffness();
     for direction in [[1.0, 0.0], [0.991, 0.133], [0.6, -0.8]].map(SVector::from) {
-        // The waves are longer, and therefore slower, than the relative motion of the particles of a cell.
+        // At this wavelength the waves are slower than the relative motion of the particles of a cell.
         let k: SVector<f64, 2> = direction * 2e-5;
         let along = system.omega_squared(&k)[0].re / k.norm_squared();
         let tensor = stiffness.acoustic_tensor(&direction) / direction.norm_squared();

@@ -602,7 +602,7 @@ fn the_part_of_waves_that_follows_positions_is_the_stress_on_moving_kernels() {
         Vector2::new(PI, 0.0),
         Vector2::new(2.1, 2.6),
     ] {
-        // -2 m/rho^2 s sum (1 - cos k.X) grad grad W, with constant densities and stresses.
+        // Expected matrix: -2 m/rho^2 s sum (1 - cos k.X) grad grad W, with constant densities and stresses s.
         let mut positions = Matrix2::zeros();
         for (x, y) in (-4..=4).flat_map(|x| (-4..=4).map(move |y| (f64::from(x), f64::from(y)))) {
             let reference = Vector2::new(x, y);

@@ -227,7 +227,7 @@ fn one_point_quadrilaterals_have_exactly_two_hourglass_modes() {
     let mut random = Random::new(2);
     for _ in 0..50 {
         let k = wave::<2>(&mut random);
-        // D(k) = Q(s), s = 2/h (sin x cos y, cos x sin y) with half angles.
+        // The dynamical matrix is the acoustic tensor Q(s) with s = 2/h (sin x cos y, cos x sin y) with half angles.
         let (x, y) = (0.5 * k[0] * SPACING, 0.5 * k[1] * SPACING);
         let s = Vector2::new(x.sin() * y.cos(), x.cos() * y.sin()) * (2.0 / SPACING);
         let found = waves.omega_squared(&k);
@@ -240,7 +240,7 @@ fn one_point_quadrilaterals_have_exactly_two_hourglass_modes() {
 
 #[test]
 fn one_point_bricks_have_twelve_hourglass_modes() {
-    // Products of sines: the four modes of a brick alternate along two or three axes.
+    // The four hourglass modes of a brick alternate along two or three axes.
     let waves = at_rest(&elements::<3>(ElementMesh::Bricks, ONE_POINT));
     let controlled = at_rest(&elements::<3>(ElementMesh::Bricks, controlled(1e-3)));
     let mut nullity = 0;
@@ -315,7 +315,7 @@ fn fully_integrated_squares_and_cubes_are_products_of_rows_of_bars() {
 
 #[test]
 fn one_coefficient_of_hourglass_control_reproduces_full_integration_of_squares() {
-    // Both differ from one-point integration by sin^2 sin^2: 2 kappa (lambda + 2 mu) there, 4/3 (lambda + 3 mu) here.
+    // Both differ from one-point integration by a multiple of sin^2 sin^2: 2 kappa (lambda + 2 mu) with control, 4/3 (lambda + 3 mu) with full integration.
     let kappa = 2.0 * (LAMBDA + 3.0 * MU) / (3.0 * MODULUS);
     let integrated = at_rest(&elements::<2>(ElementMesh::Quadrilaterals, full()));
     let controlled = at_rest(&elements::<2>(
@@ -605,7 +605,7 @@ fn at_rest_with<const D: usize>(
 }
 
 fn assert_mean_dilatation_at_small_strains<const D: usize>(mesh: ElementMesh) {
-    // mu |dev eps|^2 at the points of full integration, and (lambda + 2 mu / D) / 2 (mean div u)^2: a sum of stiffnesses linear in both constants.
+    // The energy is mu |dev eps|^2 at the points of full integration, and (lambda + 2 mu / D) / 2 (mean div u)^2: a sum of stiffnesses linear in both constants.
     let of = |formulation, lambda, mu| at_rest_with::<D>(mesh, formulation, lambda, mu);
     let mean = of(mean_dilatation(), LAMBDA, MU);
     let full = [(0.5, MU), (1.5, MU)].map(|(lambda, mu)| of(full(), lambda, mu));

@@ -296,7 +296,7 @@ fn irregularity_lifts_the_zero_energy_modes_of_nodal_integration_by_its_square()
         let values = system.omega_squared(&SVector::zeros());
         values.iter().map(|z| z.re).collect::<Vec<_>>()
     };
-    // At the origin of the folded zone: two translations, and the modes of the three corners.
+    // Modes at the origin of the folded zone: two translations, and the modes of the three corners.
     let regular = spectrum(0.0);
     assert!(
         regular

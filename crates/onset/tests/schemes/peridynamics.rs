@@ -151,7 +151,7 @@ fn the_dispersion_of_a_chain_of_bonds_is_a_sum_over_its_family() {
             &DeformationGradient::identity(),
         );
         let delta = f64::from(horizon);
-        // c = 2 E / delta^2 for w = 1, E / delta^2 for w = delta / r.
+        // The micromodulus c is 2 E / delta^2 for w = 1, and E / delta^2 for w = delta / r.
         let (modulus, power) = match influence {
             Influence::Constant => (2.0 * trace::<1>() / delta.powi(2), 1),
             _ => (trace::<1>() / delta, 2),
@@ -181,7 +181,7 @@ fn the_micromodulus_of_the_continuum_has_its_textbook_value() {
     let found = modulus(plane.micromodulus(&material, Calibration::Continuum));
     let young = 2.5 * trace::<2>() / 8.0;
     assert!((found - 48.0 * young / (5.0 * PI * delta.powi(3))).abs() < 1e-10);
-    // Three dimensions: 18 K / (pi delta^4), trace 9 K.
+    // Micromodulus in three dimensions: 18 K / (pi delta^4), where the trace is 9 K.
     let space = body(cubic::<3>(), choices(delta, BONDS));
     let found = modulus(space.micromodulus(&material, Calibration::Continuum));
     assert!((found - 2.0 * trace::<3>() / (PI * delta.powi(4))).abs() < 1e-10);
@@ -228,13 +228,13 @@ fn the_error_of_the_modulus_of_a_discrete_horizon_depends_on_the_volumes_at_the_
         modulus(Calibration::Continuum) / modulus(Calibration::Discrete)
     }
     use PartialVolumes::{Inside, Tapered, Whole};
-    // In one dimension sum_1^m j h^2 over m^2 h^2 / 2: 1 + 1/m with whole volumes, exact with half of the last volume.
+    // In one dimension the ratio is sum_1^m j h^2 divided by m^2 h^2 / 2: 1 + 1/m with whole volumes, and 1 with half of the last volume.
     for m in [2.0, 3.0, 5.0] {
         assert!((ratio::<1>(m, Whole) - (1.0 + 1.0 / m)).abs() < 1e-12);
         assert!((ratio::<1>(m, Inside) - 1.0).abs() < 1e-12);
         assert!((ratio::<1>(m, Tapered) - 1.0).abs() < 1e-12);
     }
-    // In higher dimensions the sums over the lattice points.
+    // In higher dimensions the expected values are sums over the lattice points.
     for (partial, plane, space) in [
         (Whole, 0.04086, 0.12085),
         (Inside, -0.13095, -0.09979),
@@ -282,7 +282,7 @@ fn the_penalty_lifts_the_zero_energy_modes_of_families_in_proportion_to_its_coef
         for f in [DeformationGradient::identity(), state::<2>()] {
             let system = waves(&body, &f);
             for k in half_reciprocal_vectors(&crystal) {
-                // omega^2 = 2/rho sum_J s_J (1 - cos k.X_J), s_J = coefficient K_2 V / tr(K).
+                // Expected: omega^2 = 2/rho sum_J s_J (1 - cos k.X_J) with s_J = coefficient K_2 V / tr(K).
                 let (mut moment, mut sum) = (0.0, 0.0);
                 for x in -2_i32..=2 {
                     for y in -2_i32..=2 {
@@ -400,7 +400,7 @@ fn omega_squared_of_a_chain_of_families_is_the_square_of_its_mean_gradient() {
     let response = ModifiedMooneyRivlin::default().response(&f);
     let tangent = response.expect("a response").tangent[(0, 0, 0, 0)];
     for k in [0.3, 1.4, 3.0] {
-        // w X V = sign X: sum sin(j k) over sum j.
+        // With w X V = sign X the gradient is the sum of sin(j k) divided by the sum of j.
         let gradient = [1.0, 2.0, 3.0]
             .map(|j: f64| (j * k).sin())
             .iter()
@@ -526,7 +526,7 @@ fn an_ordinary_solid_with_equal_lame_constants_consists_of_bonds_with_inverse_in
 fn long_waves_of_an_ordinary_solid_have_both_moduli_of_the_material() {
     let law = saint_venant_kirchhoff(2.0, 0.6);
     let rest = DeformationGradient::identity();
-    // Exact where the bonds are isotropic to fourth order: in a chain and on the hexagonal lattice.
+    // Long waves are exact if the bonds are isotropic to fourth order: in a chain and on the hexagonal lattice.
     for horizon in [1.0, 2.0, 3.0] {
         let chain = body(cubic::<1>(), choices(horizon, BondModel::Ordinary));
         assert_long_waves_are_those_of_the_material(&chain, &*law, &rest, 1e-12);
@@ -565,7 +565,7 @@ fn pairwise_forces_of_bond_gradients_reproduce_a_homogeneous_stress_only_approxi
     let chain = body(cubic::<1>(), choices(2.0, FORM_I));
     let limit = waves(&chain, &DeformationGradient::identity()).long_wave_stiffness();
     let found = limit.acoustic_tensor(&SVector::from_element(1.0))[(0, 0)] / trace::<1>();
-    // sum_J (V_b/V_H) X_J^2 V / K_b instead of 1. The neighbors of the bond to 1 are -1, 1 and 2 of four: K = 6. The neighbors of the bond to 2 are 1 and 2: K = 5.
+    // The modulus has the factor sum_J (V_b/V_H) X_J^2 V / K_b instead of 1. The neighbors of the bond to 1 are -1, 1 and 2 of four: K = 6. The neighbors of the bond to 2 are 1 and 2: K = 5.
     let expected = 2.0 * (0.75 / 6.0 + 0.5 * 4.0 / 5.0);
     assert!((found - expected).abs() < 1e-12, "{found} {expected}");
 }

@@ -118,7 +118,7 @@ fn total_lagrangian_sph_passes_the_battery() {
 
 #[test]
 fn pairwise_shear_gives_transverse_waves_the_laplacian_of_the_kernel() {
-    // omega^2 = 2 zeta mu / rho sum_J V_J |W'|/r (1 - cos k.X_J): at k = (pi, 0) and (pi, pi) the stress of a particle with corrected gradients vanishes.
+    // Expected: omega^2 = 2 zeta mu / rho sum_J V_J |W'|/r (1 - cos k.X_J), because at k = (pi, 0) and (pi, pi) the stress of a particle with corrected gradients vanishes.
     let (mu, zeta, radius) = (0.8, 1.07, 2.6);
     let law = Law::named("saint-venant-kirchhoff").expect("a law of the library");
     let law = law

@@ -132,7 +132,7 @@ fn a_chain_of_two_masses_has_the_two_branches_of_the_textbook() {
     let (m, c) = ([1.0, 3.0], [2.0, 0.7]);
     let system = waves(&Chain::of_two(m, c, 0.0));
     for k in [0.1, 0.7, PI / 2.0] {
-        // omega^2 = S +- sqrt(S^2 - 4 c1 c2 sin^2(k a / 2) / (m1 m2)), S = (c1 + c2) (1/m1 + 1/m2) / 2, a = 2.
+        // Both branches: omega^2 = S +- sqrt(S^2 - 4 c1 c2 sin^2(k a / 2) / (m1 m2)), S = (c1 + c2) (1/m1 + 1/m2) / 2, a = 2.
         let s = 0.5 * (c[0] + c[1]) * (1.0 / m[0] + 1.0 / m[1]);
         let product = 4.0 * c[0] * c[1] * k.sin().powi(2) / (m[0] * m[1]);
         let root = (s * s - product).sqrt();
@@ -177,7 +177,7 @@ fn dashpots_parallel_to_springs_damp_every_wave_like_an_oscillator() {
     let (stiffness, viscosity) = (1.3, 0.4);
     let system = waves(&Chain::of_two([1.0; 2], [stiffness; 2], viscosity));
     let k = SVector::from_element(0.9);
-    // Each branch: omega^2 + i omega c s - k s = 0 with the eigenvalue s of the unit chain.
+    // Each branch satisfies omega^2 + i omega c s - k s = 0 with the eigenvalue s of the unit chain.
     let mut expected: Vec<Complex> = system
         .omega_squared(&k)
         .iter()

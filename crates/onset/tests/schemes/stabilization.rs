@@ -40,7 +40,7 @@ fn total<const D: usize>(
 }
 
 fn young_modulus(material: &dyn Hyperelastic) -> f64 {
-    // Isotropic: mu (3 lambda + 2 mu) / (lambda + mu).
+    // Young's modulus of an isotropic law: mu (3 lambda + 2 mu) / (lambda + mu).
     let tangent = material.response(&rest()).expect("a state").tangent;
     let (lambda, mu) = (tangent[(0, 0, 1, 1)], tangent[(0, 1, 0, 1)]);
     mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu)
@@ -197,7 +197,7 @@ fn methods_with_artificial_stress_pass_the_battery() {
             momentum,
             ..with_artificial_stress(1.7, 0.3)
         };
-        // Tension along one axis, compression along the other.
+        // The stress is tension along one axis and compression along the other.
         let f = DeformationGradient::plane_strain([[1.1, 0.1], [-0.1, 0.9]], 1.0).expect("a state");
         let principal = material.response(&f).expect("a state").cauchy();
         assert!(principal.fixed_view::<2, 2>(0, 0).determinant() < 0.0);
@@ -275,7 +275,7 @@ fn the_published_artificial_stress_shifts_the_tensile_onset_without_removing_it(
 
 #[test]
 fn the_published_artificial_stress_works_on_chains_and_hexagonal_lattices_and_not_on_squares() {
-    // Cubic spline with h = 1.3 spacings, epsilon = 0.3, n = 4.
+    // The published choice: cubic spline with h = 1.3 spacings, epsilon = 0.3, n = 4.
     let choices = |epsilon: f64| UpdatedSphChoices {
         kernel: Kernel::CubicSpline,
         ..with_artificial_stress(2.6, epsilon)
@@ -336,7 +336,7 @@ fn velocity_smoothing_scales_every_frequency_of_a_chain_and_lowers_the_largest()
     };
     let (plain, smooth) = (smoothed(0.0), smoothed(0.5));
     for k in [0.3, 1.7, 2.9] {
-        // T = 1 - epsilon sum V W (1 - cos k x).
+        // The transfer of a wave is T = 1 - epsilon sum V W (1 - cos k x).
         let sum: f64 = [1.0, 2.0]
             .iter()
             .map(|x| 2.0 * kernel(2.6, *x)[0] * (1.0 - (k * x).cos()))

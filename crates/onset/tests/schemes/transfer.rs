@@ -483,7 +483,7 @@ impl<const D: usize> Mode<D> {
     ) -> Self {
         let (omega_squared, mode) = waves.system().modes(&k).swap_remove(branch);
         let factor = waves.factors(&k, dt)[branch][0];
-        // w = (z - 1) u / dt after the forces, s = w + dt omega^2 u before. Then z v_p = flip v_p + N (w - flip s). With XPIC
+        // Grid velocities: w = (z - 1) u / dt after the forces, s = w + dt omega^2 u before the forces. Then z v_p = flip v_p + N (w - flip s). With XPIC
         // z v_p = N (w - s + (1 - L^k)/(1 - L) s).
         let after = (factor - 1.0) / dt;
         let before = after + omega_squared * dt;

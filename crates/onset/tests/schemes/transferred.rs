@@ -44,7 +44,7 @@ fn factors_are_the_eigenvalues_of_an_explicit_step_matrix() {
         let square = 2.0 - 2.0 * f64::cos(k);
         let t = 1.0 - 2.0 * share * (1.0 - f64::cos(k));
         let r = flip * (1.0 - t);
-        // (u, s)' from u' = u + dt w, s' = T w + R s, w = s - dt omega^2 u.
+        // A step maps (u, s) to (u', s'), with u' = u + dt w, s' = T w + R s, w = s - dt omega^2 u.
         let [w_u, w_s] = [-dt * square, 1.0];
         let step = Matrix2::new(1.0 + dt * w_u, dt * w_s, t * w_u, t * w_s + r);
         let expected = step.complex_eigenvalues();
@@ -98,7 +98,7 @@ fn growth_is_reported_for_short_and_long_steps() {
         assert!((growth - 2.0_f64.sqrt()).abs() < 1e-5, "{step}: {growth}");
     }
     for step in [1e10, 1e30, 1e100] {
-        // z = omega^2 dt^2 (1 - R/z ...): only the larger factor grows.
+        // The larger factor is z = omega^2 dt^2 (1 - R/z ...), and only this factor grows.
         let growth = waves.fastest(step).0.re * step;
         let expected = 2.0 * (2.0 * step).ln();
         assert!(

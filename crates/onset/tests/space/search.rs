@@ -85,7 +85,7 @@ fn compared(method: &Method<3>, f: &DeformationGradient) -> Result<(), TestCaseE
         summary.growth_rate(),
         seen.growth
     );
-    // The summary contains modes.
+    // The modes in the summary satisfy D g = omega^2 g.
     for mode in [summary.lowest, summary.fastest_growing, summary.softest] {
         if !mode.is_long_wave {
             let residual = d.at(&mode.wave_vector) * mode.polarization

@@ -62,7 +62,7 @@ fn cubic(c11: f64, c12: f64, c44: f64) -> FourthOrder {
 
 #[test]
 fn the_minimum_of_a_cubic_crystal_lies_at_axes_or_diagonals() {
-    // g . Q g = C44 + e sum x^2 + d (sum x)^2 with x = g_i N_i, e = C11 - C12 - 2 C44, d = C12 + C44. It is lowest at x = 0 or on
+    // The form is g . Q g = C44 + e sum x^2 + d (sum x)^2 with x = g_i N_i, e = C11 - C12 - 2 C44, d = C12 + C44. It is lowest at x = 0 or on
     // sum |x| = 1, at (1, 0, 0), at (1, -1, 0) / 2 or at (1, 1, 1) / 3.
     let mut random = Random::new(13);
     let mut seen = [0; 4];

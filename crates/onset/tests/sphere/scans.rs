@@ -9,7 +9,7 @@ use onset::material::FourthOrder;
 fn smallest(q: &Matrix3<f64>) -> f64 {
     let mean = q.trace() / 3.0;
     let b = q - Matrix3::identity() * mean;
-    // x^3 - 3 p x - 2 h = 0.
+    // The characteristic polynomial is x^3 - 3 p x - 2 h.
     let (p, h) = ((b * b).trace() / 6.0, 0.5 * b.determinant());
     if h * h <= p * p * p {
         let angle = (h / (p * p.sqrt())).clamp(-1.0, 1.0).acos() / 3.0;
@@ -141,7 +141,7 @@ fn without_major_symmetry_the_smallest_real_part_agrees_with_a_dense_scan() {
     let mut random = Random::new(3);
     for n in 0..12 {
         let (full, half) = (random.asymmetric(), random.symmetric());
-        // From nearly symmetric to fully asymmetric.
+        // The stiffnesses range from symmetric to fully asymmetric.
         let share = f64::from(n) / 11.0;
         let t = FourthOrder::from_fn(|i, j, k, l| half[(i, j, k, l)] + share * full[(i, j, k, l)]);
         assert_minimum(&t, (60, 240), 1.1e-8);
@@ -223,7 +223,7 @@ fn strong_ellipticity_agrees_with_the_sign_of_the_minimum() {
         assert!(minimum <= stiffness.minimum().eigenvalue.re + 1e-12);
         assert_eq!(stiffness.is_strongly_elliptic(), minimum > 0.0, "{minimum}");
         seen[usize::from(minimum > 0.0)] += 1;
-        // As close to zero as can be resolved.
+        // The minimum is moved as close to zero as can be resolved.
         for distance in [1e-9, -1e-9] {
             let near = Stiffness::<3>::from_tangent(&raised(&t, distance - minimum));
             assert_eq!(near.is_strongly_elliptic(), distance > 0.0);

@@ -72,7 +72,7 @@ impl Variant {
     }
 }
 
-/// Bodies and patches at states at which law and method are stable, in steps below the largest stable one.
+/// Bodies and patches at states at which law and method are stable, in steps below the largest stable step.
 fn healthy() -> Vec<Variant> {
     let total = |more: &str| TOTAL.to_owned() + more;
     let plate = |law, method, velocity, line| {

@@ -102,7 +102,7 @@ fn document(path: &Path, bytes: &[u8], is_head: bool) -> Result<Document, FrameE
             Err(_) if is_head => break,
             Err(place) => return Err(wrong(path, bytes, place, "a complete tag of XML")),
         };
-        // Between the tags of a list are only blanks and comments.
+        // Only blanks and comments are allowed between the tags of a list.
         let between = &bytes[at..tag.place.start];
         let text = between.iter().find(|byte| !byte.is_ascii_whitespace());
         has_others |= text.is_some_and(|byte| *byte != b'<');

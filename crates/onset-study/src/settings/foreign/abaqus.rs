@@ -470,7 +470,7 @@ fn marlow(block: &Block<'_>, blocks: &[Block<'_>]) -> Result<ForeignLaw, Trouble
         return Err(Trouble::new(
             block.line,
             format!("MARLOW needs the table of one test, {} found", tests.len()),
-            "write *UNIAXIAL TEST DATA (or BIAXIAL, PLANAR) below it, with nominal stress, nominal strain on each line",
+            "write *UNIAXIAL TEST DATA (or BIAXIAL, PLANAR) below the keyword, with nominal stress, nominal strain on each line",
         ));
     };
     if let Some(volume) = blocks
@@ -480,7 +480,7 @@ fn marlow(block: &Block<'_>, blocks: &[Block<'_>]) -> Result<ForeignLaw, Trouble
         return Err(Trouble::new(
             volume.line,
             "a table of volumetric tests is not read",
-            "give Poisson's ratio instead, *HYPERELASTIC, MARLOW, POISSON=0.49, or --set material.kappa",
+            "give Poisson's ratio instead (*HYPERELASTIC, MARLOW, POISSON=0.49), or --set material.kappa",
         ));
     }
     let poisson = block.parameters.iter().find(|(name, _)| name == "POISSON");
@@ -500,7 +500,7 @@ fn exponent(block: &Block<'_>) -> Trouble {
 
 /// Foam energy `2 mu_i/alpha_i^2 (sum lambda^alpha_i - 3 + (J^(-alpha_i beta_i) - 1)/beta_i)` with `beta_i = nu_i/(1 - 2 nu_i)`.
 fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
-    // An argument of fits: "valid only when testData = ON" (Abaqus Scripting Reference Guide, Hyperfoam object).
+    // Abaqus uses POISSON only in fits: "valid only when testData = ON" (Abaqus Scripting Reference Guide, Hyperfoam object).
     if let Some(nu) = block.value("POISSON") {
         return Err(Trouble::new(
             block.line,

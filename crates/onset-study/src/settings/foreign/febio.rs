@@ -49,7 +49,7 @@ struct Law<'d, 't> {
 
 /// Reads the law of the material with the given number or name, or the first law.
 pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Trouble> {
-    // A block may be a part of a file, with several materials and no element around them. The line of the declaration is kept.
+    // A block may be a part of a file, with several materials and no root element. Line breaks before it are kept, so that errors name the right line.
     let body = match text.trim_start().starts_with("<?") {
         true => text.split_once("?>").map_or("", |(_, body)| body),
         false => text,
@@ -352,7 +352,7 @@ fn yeoh(law: &Law<'_, '_>) -> Result<ForeignLaw, Trouble> {
         .map(|(n, c)| ((n + 1, 0), c / (n + 1) as f64))
         .collect();
     let note = own[1..].iter().any(|c| *c != 0.0).then(|| {
-        "FEBio documents the energy sum c_i x^i, x = I1bar - 3, and evaluates the stress of sum c_i x^i/i; the evaluated law is read"
+        "FEBio documents the energy sum c_i x^i, x = I1bar - 3, and evaluates the stress of sum c_i x^i/i; onset reads the law that FEBio evaluates"
             .to_owned()
     });
     Ok(law.polynomial(&constants)?.noted(note))
@@ -419,7 +419,7 @@ fn arruda_boyce(law: &Law<'_, '_>) -> Result<ForeignLaw, Trouble> {
     let energy = Energy::Formula(energy);
     let own = ForeignLaw::new(law.line, law.title(), energy, constants, (mu, volume));
     Ok(own.noted(Some(
-        "FEBio documents the series of Arruda and Boyce, and evaluates its i-th term i times; the evaluated law is read".to_owned(),
+        "FEBio documents the series of Arruda and Boyce, and evaluates its i-th term i times; onset reads the law that FEBio evaluates".to_owned(),
     )))
 }
 
@@ -469,7 +469,7 @@ pub(super) fn write(sheet: &Sheet) -> Result<Block, Refusal> {
             ("Ogden", own.collect())
         }
         Form::Gent(mu, limit) => ("Gent", vec![named("G", *mu), named("Jm", *limit)]),
-        // Its material Arruda-Boyce evaluates another series.
+        // FEBio's material Arruda-Boyce evaluates another series.
         Form::ArrudaBoyce(..) | Form::Foam(_) => return Err(Refusal::Lacks),
     };
     if kind != "polynomial" {

@@ -6,7 +6,7 @@ use super::{Reading, Trouble, Unread};
 /// Law that was read from a block.
 #[derive(Debug)]
 pub(super) struct ForeignLaw {
-    /// Line of the block.
+    /// Line at which the block begins.
     pub line: usize,
     /// Name of the law in the program.
     pub title: String,
@@ -20,9 +20,9 @@ pub(super) struct ForeignLaw {
     pub needed: Vec<&'static str>,
     /// Remarks for the reader.
     pub notes: Vec<String>,
-    /// Name of a law whose energy is a table.
+    /// Name of a law whose energy is a table; `None` for other laws.
     pub name: Option<String>,
-    /// Shear modulus at zero strain, if it follows from the constants; stress.
+    /// Shear modulus at zero strain; stress. `None` if it does not follow from the constants.
     pub shear: Option<f64>,
     /// Parts of the text that are not read.
     pub unread: Unread,

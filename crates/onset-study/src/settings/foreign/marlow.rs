@@ -24,7 +24,7 @@ pub(super) enum Test {
 }
 
 impl Test {
-    /// Returns the test of an Abaqus keyword.
+    /// Returns the test of an Abaqus keyword; `None` for other keywords.
     pub fn of_keyword(keyword: &str) -> Option<Self> {
         match keyword {
             "UNIAXIALTESTDATA" => Some(Self::Uniaxial),
@@ -77,7 +77,7 @@ pub(super) fn law(
             return Err(Trouble::new(
                 line,
                 format!("POISSON is {nu}; expected a number above -1 and below 0.5"),
-                "leave it out for an incompressible material",
+                "leave POISSON out for an incompressible material",
             ));
         }
     };

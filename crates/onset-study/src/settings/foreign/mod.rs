@@ -158,7 +158,7 @@ pub struct Reading {
     pub assignments: Vec<String>,
     /// Remarks for the reader.
     pub notes: Vec<String>,
-    /// Name of a law whose energy is a table, too long to print.
+    /// Name of a law whose energy is a table, too long to print; `None` for other laws.
     pub name: Option<String>,
 }
 
@@ -286,7 +286,7 @@ fn number(field: &str, line: usize) -> Result<f64, Trouble> {
         Trouble::new(
             line,
             format!("`{text}` is not a number"),
-            "expected constants with commas between them",
+            "expected a number, such as 1.5 or 2E-3",
         )
     })
 }

@@ -344,7 +344,7 @@ impl Call {
             Some(bulk) => Err(Trouble::new(
                 self.line,
                 format!("bulk is {bulk}; expected a positive number"),
-                "leave it out for an incompressible material",
+                "leave bulk out for an incompressible material",
             )),
         }
     }
@@ -474,7 +474,7 @@ fn blatz_ko(call: &Call) -> Result<ForeignLaw, Trouble> {
     let model = Energy::Model("blatz-ko");
     let mut law = ForeignLaw::of_constants(call.line, &call.title, model, constants);
     law.notes.push(
-        "blatz_ko of felupe 11.3 evaluates mu (I2/I3 + 2 J - 5) with the shear modulus 2 mu, twice its documented energy; the evaluated energy is read"
+        "blatz_ko of felupe 11.3 evaluates mu (I2/I3 + 2 J - 5) with the shear modulus 2 mu, twice its documented energy; onset reads the energy that felupe evaluates"
             .to_owned(),
     );
     Ok(law)

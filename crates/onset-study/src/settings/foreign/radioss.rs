@@ -304,7 +304,7 @@ fn fitted(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     Err(Trouble::new(
         block.line,
         "the Starter fits the constants of /MAT/LAW69 to a curve",
-        "write mu_p and alpha_p, which it prints in its listing, as /MAT/LAW42",
+        "write mu_p and alpha_p, which the Starter prints in its listing, as /MAT/LAW42",
     ))
 }
 

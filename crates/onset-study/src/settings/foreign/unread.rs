@@ -7,20 +7,20 @@ use crate::number::told;
 pub(super) struct Unread {
     /// Keywords and parameters with their lines.
     pub parts: Vec<(String, usize)>,
-    /// Material that is read, and the names of the others with a law.
+    /// Material that is read, and the names of the other materials with a law; `None` if there are no others.
     pub materials: Option<(String, Vec<String>)>,
-    /// Relaxing fraction of the instantaneous shear modulus.
+    /// Viscoelasticity of the law; `None` for an elastic law.
     pub relaxation: Option<Relaxation>,
 }
 
 /// Viscoelasticity that belongs to a law.
 #[derive(Debug)]
 pub(super) struct Relaxation {
-    /// Sum of the relaxing fractions of the shear modulus, if it is given.
+    /// Sum of the relaxing fractions of the shear modulus; `None` if the block does not give it.
     pub part: Option<f64>,
     /// Whether the constants are long-term moduli.
     pub is_long_term: bool,
-    /// Option or convention of the program that determines this, in words.
+    /// Option or convention of the program that determines whether moduli are long-term, in words.
     pub by: &'static str,
 }
 

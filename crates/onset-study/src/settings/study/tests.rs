@@ -356,7 +356,7 @@ fn a_refinement_stride_larger_than_a_tile_is_refused() {
         &format!("map.tile = 16\nmap.refine-from = 32\nmap.adaptive = true\n{PLANE}"),
         &["s.toml:2:19: ", "more than the 16 states"],
     );
-    // Unless it is set, it adapts to the tile.
+    // By default, `map.refine-from` adapts to the tile.
     assert_eq!(study(&format!("map.tile = 9\n{PLANE}")).map.refine_from, 8);
     assert_eq!(
         study(&format!(

@@ -70,7 +70,7 @@ pub(super) fn regions(case: &Case, width: f64, stretches: [f64; 3]) -> String {
 
 /// Commands that seed the wave in the group `inner`, with particles in the homogeneous state.
 pub(super) fn seed(case: &Case) -> String {
-    // k.X, where X = F^-1 x.
+    // The phase of the wave is k.X with X = F^-1 x.
     let [k1, k2] = [0, 1].map(|i| number(case.wave_vector[i] / case.stretches[i]));
     let [g1, g2] = [0, 1].map(|i| number(case.speed * case.prediction.polarization[i]));
     format!(

@@ -228,7 +228,7 @@ mod tests {
 
     #[test]
     fn small_arguments_cause_no_cancellation() {
-        // `f_2 -> -p^2 / 2` and `f_1 -> i p`.
+        // The limits for `t -> 0` are `-p^2 / 2` of `f_2` and `i p` of `f_1`.
         let [first, second] = [1, 2].map(|m| derivatives(m, 1e-9, 3.0)[0][0]);
         assert!((second - Complex::new(-4.5, 0.0)).norm() < 1e-8);
         assert!((first - Complex::new(0.0, 3.0)).norm() < 1e-8);

@@ -472,7 +472,7 @@ impl<const D: usize> Laplacian<D> {
                 phase += cell.middle[a] * along[a];
                 spread += cell.half[a] * along[a].abs();
             }
-            // `2 w (1 - cos(k.a))`.
+            // Term `2 w (1 - cos(k.a))` of a vector `a`.
             let (sine, cosine) = phase.sin_cos();
             let twice = 2.0 * weight;
             jet.parts[0] += twice * (1.0 - cosine);
@@ -494,7 +494,7 @@ impl<const D: usize> Laplacian<D> {
     pub(super) fn in_cone(&self, cell: &Cell<D>, cone: usize) -> [Jet<D>; 3] {
         let (mut over_square, monomials) = (Jet::ZERO, monomials(&cell.half));
         for (along, weight) in &self.0 {
-            // `2 (1 - cos t p) / t^2`.
+            // Term `2 (1 - cos t p) / t^2`, with the weight of the vector.
             let own = cell.cone_derivatives(cone, 2, along);
             for n in 0..parts::<D>() {
                 over_square.parts[n] -= 2.0 * weight * own[n].re;

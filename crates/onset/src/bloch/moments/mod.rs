@@ -610,7 +610,7 @@ fn long_moments<const D: usize>(method: &Method<D>, matrix: &DynamicalMatrix<D>)
 
 /// Unit vector at half of the angle with the given cosine and sine.
 fn half_turned<const D: usize>([cosine, sine]: [f64; 2]) -> SVector<f64, D> {
-    // Written without cancellation.
+    // Both forms are free of cancellation.
     let (x, y) = if cosine > 0.0 {
         (1.0 + cosine, sine)
     } else {

@@ -196,7 +196,7 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
                 .and(newton.is_convex)
                 .and(floor.is_below(decrease.times_plus(number(-4.0), local.value)))
                 .or(self.falls_to_the_limit(&local, at, floor).and(lower));
-            // On a crest, or beyond the range of the power series.
+            // The point lies on a crest, or the step leads beyond the range of the power series.
             let crest = lower.and(newton.is_convex.not()).and(quiet);
             let far = (base[0] + step[0]).abs().max((base[1] + step[1]).abs());
             let lost = crest
@@ -278,7 +278,7 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
                 self.contraction
                     .parts([h[0].curvature[a], h[1].curvature[a], h[2].curvature[a]]);
         }
-        // `sign * mean - root` with `root^2 = half^2 + mixed^2`.
+        // The value is `sign * mean - root` with `root^2 = half^2 + mixed^2`.
         let root = value[1].times_plus(value[1], value[2] * value[2]).sqrt();
         let inverse = number(1.0) / root;
         let mut turn = [root; 2];

@@ -100,7 +100,7 @@ impl<S: Simd> Jet<S> {
     fn root(&self) -> Self {
         let Self(own) = self;
         let root = own[0].sqrt();
-        // `1 / 2 sqrt(p)` and `-1 / 4 sqrt(p)^3`, with one division.
+        // Derivatives `1 / 2 sqrt(p)` and `-1 / 4 sqrt(p)^3` of the root, with one division.
         let inverse = own[0].constant(1.0) / root;
         let first = inverse * own[0].constant(0.5);
         let second = -(first * own[0].constant(0.5)) * inverse * inverse;
@@ -528,7 +528,7 @@ mod tests {
                     let curvature = steps.curvature(lane);
                     let size = curvature.amax().max(1.0);
                     if size > 100.0 || !size.is_finite() {
-                        // Close to a crossing.
+                        // The branches are close to a crossing.
                         steep += 1;
                         continue;
                     }

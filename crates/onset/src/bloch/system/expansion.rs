@@ -95,7 +95,7 @@ impl<const D: usize> WaveSystem<D> {
                 MatrixExpansion::from_parts(|indices| moved.part(indices).component_mul(&divisors))
             }
             Mass::Consistent(mass) => {
-                // `M D = N`, differentiated.
+                // The equation `M D = N` is differentiated.
                 let mass = mass.expansion_at(k);
                 let divided = |matrix: DMatrix<Complex>| self.divided_by_mass(k, matrix);
                 let value = divided(moved.value);

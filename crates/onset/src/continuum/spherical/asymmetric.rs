@@ -42,7 +42,7 @@ pub(super) fn minimum<const D: usize>(
     let blocks = in_three_dimensions(blocks);
     let real_part = |n: &Axes<f64>| lowest_real_part(&blocks, n);
     let mut best = found(&blocks);
-    // The real parts are not below the eigenvalues of the symmetric part (Bendixson).
+    // No real part is below the smallest eigenvalue of the symmetric part (Bendixson).
     let mut bound = symmetric_minimum(symmetric_part, below).1;
     'resolutions: for resolution in RESOLUTIONS {
         for _ in 0..COVERS {

@@ -341,7 +341,7 @@ mod tests {
 
     #[test]
     fn chois_form_with_any_minors_is_not_a_sum_of_squares() {
-        // It is zero at some g (x) N and nonnegative everywhere.
+        // The form is zero at some g (x) N and nonnegative everywhere.
         let form = Form::from_fn(|i, j, k, l| {
             let is_on_diagonal = i == j && k == l;
             let diagonal = if i == k { 1.0 } else { -1.0 };

@@ -19,7 +19,7 @@ pub(in super::super) const LAW: Law = Law {
     symmetry: Symmetry::Isotropic,
     stressed_reference: None,
     small_strains: "shear modulus mu, Poisson's ratio 1/4",
-    source: "Blatz and Ko, Trans. Soc. Rheol. 6 (1962) 223; psi",
+    source: "Blatz and Ko, Trans. Soc. Rheol. 6 (1962) 223; default: mu = 32 psi",
     stiffness: |p| hooke(p[0], p[0] * 5.0 / 3.0),
     make: |p| boxed(BlatzKo::new(p[0])),
 };

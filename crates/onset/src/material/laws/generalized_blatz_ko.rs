@@ -32,7 +32,7 @@ pub(in super::super) const LAW: Law = Law {
     symmetry: Symmetry::Isotropic,
     stressed_reference: None,
     small_strains: "shear modulus mu, Poisson's ratio nu",
-    source: "Blatz and Ko, Trans. Soc. Rheol. 6 (1962) 223; foamed polyurethane, psi",
+    source: "Blatz and Ko, Trans. Soc. Rheol. 6 (1962) 223; defaults: foamed polyurethane, psi",
     stiffness: |p| hooke(p[0], 2.0 * p[0] * (1.0 + p[2]) / (3.0 * (1.0 - 2.0 * p[2]))),
     make: |p| {
         boxed(Ok(GeneralizedBlatzKo {

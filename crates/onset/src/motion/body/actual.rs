@@ -181,7 +181,7 @@ fn tangent<const D: usize>(
 
 fn first_of_other_shape(elements: &[Vec<usize>], needed: usize) -> Option<(usize, usize)> {
     let counts = elements.iter().map(Vec::len);
-    // Without elements the first one is missing.
+    // If there are no elements, the first element is reported as missing.
     let counts = counts.chain(elements.is_empty().then_some(0));
     counts.enumerate().find(|(_, nodes)| *nodes != needed)
 }
@@ -217,7 +217,7 @@ pub(crate) fn lowest_modes<const D: usize>(
     if let Some(particle) = rows.iter().position(|row| !is_known(row)) {
         return Err(lost(body, particle));
     }
-    // Nodes of no element have no mass.
+    // Nodes that belong to no element have no mass.
     let is_free = |n: &usize| !body.held[*n] && masses[*n] > 0.0;
     let free: Vec<usize> = (0..rows.len()).filter(is_free).collect();
     let mut number = vec![None; rows.len()];
@@ -511,7 +511,7 @@ impl Space {
             let [re, im] = parts.each_ref().map(|own| {
                 [&self.vectors, &self.images].map(|of| Self::combined(of, own.as_slice()))
             });
-            // (A - value) (re + i im).
+            // Squared norm of the residual (A - value) (re + i im).
             let missed = (0..re[0].len()).map(|n| {
                 let x = Complex::new(re[0][n], im[0][n]);
                 (Complex::new(re[1][n], im[1][n]) - value * x).norm_sqr()

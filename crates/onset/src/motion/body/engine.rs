@@ -365,7 +365,7 @@ impl<const D: usize> Kicked<'_, '_, D> {
             if FORM == NO_PENALTY {
                 continue;
             }
-            // x_IJ, and the component of (F_I + F_J) X_IJ - 2 x_IJ along it.
+            // The vector x_IJ, and the component of (F_I + F_J) X_IJ - 2 x_IJ along x_IJ.
             let mut x = [zero; D];
             let mut squared = zero;
             let mut along = zero;

@@ -145,7 +145,7 @@ impl<const D: usize> Shape<D> {
         let inverse = inverse(&moment(&terms, size))?;
         let alpha: Vec<R> = (0..size).map(|a| inverse[a][0]).collect();
         let slopes: [Vec<R>; D] = std::array::from_fn(|j| {
-            // M_j alpha.
+            // Product `M_j alpha`.
             let mut sum = vec![R::constant(0.0); size];
             for term in &terms {
                 let (along, slope) = (dot(&term.p, &alpha), dot(&term.slopes[j], &alpha));

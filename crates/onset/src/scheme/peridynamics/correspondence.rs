@@ -215,7 +215,7 @@ impl<const D: usize> Point<'_, D> {
             let x = &neighbor.vector;
             let u = motion.displacements[number + 1];
             let apart: [R; D] = array_of(|i| u[i] - own[i]);
-            // z = Y - F X = u_J - u_I - (F - F0) X
+            // Nonuniform deformation z = Y - F X = u_J - u_I - (F - F0) X.
             let nonuniform = |i: usize| (0..D).fold(apart[i], |sum, j| sum - change[i][j] * x[j]);
             let z: [R; D] = array_of(nonuniform);
             let zero = R::constant(0.0);

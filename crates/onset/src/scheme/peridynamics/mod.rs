@@ -147,7 +147,7 @@ pub enum ZeroEnergyControl {
     /// Springs `coefficient w (C : K^-1) z` with the elasticity tensor `C` of the reference state (Wan and others 2019): the global control of
     /// PeriLab for the coefficient 1.
     ///
-    /// If `K` is a multiple of the identity and the material isotropic, it equals `Penalty` with `D^2` times the coefficient.
+    /// If `K` is a multiple of the identity and the material isotropic, the control equals `Penalty` with `D^2` times the coefficient.
     StiffnessTensor {
         /// Coefficient of the springs; dimensionless, zero for no control.
         coefficient: f64,
@@ -237,7 +237,7 @@ pub struct PeridynamicsChoices {
     /// Peridynamic force model: bond-based or correspondence.
     pub model: BondModel,
     /// Correspondence model of families: whether the forces `w P K^-1 X` of bonds and the forces of springs contain the influence function, as in
-    /// the published models. The energy exists only with it.
+    /// the published models. Without the influence function the forces have no energy.
     pub weighted_forces: bool,
 }
 

@@ -34,8 +34,8 @@ use nalgebra::SVector;
 pub enum ShearForces {
     /// The whole stress of a particle acts along the gradients of its neighbors.
     Stress,
-    /// The part `zeta mu J^(-2/D) F` of the stress acts as a Laplacian of the current positions between pairs of particles, the remaining stress along
-    /// uncorrected gradients. `mu` is the shear modulus of the reference state.
+    /// The part `zeta mu J^(-2/D) F` of the stress (`D`: number of dimensions) is replaced by forces between pairs of particles, a discrete Laplacian of
+    /// the current positions. The remaining stress acts along uncorrected gradients. `mu` is the shear modulus of the reference state.
     ///
     /// This is the essentially non-hourglass formulation of SPHinXsys (Wu and others 2023), published for neo-Hookean laws. The forces have no potential.
     Pairs {
@@ -64,7 +64,7 @@ pub struct TotalLagrangianChoices {
     pub penalty: f64,
     /// Form of the penalty, which fixes its denominators.
     pub penalty_form: PenaltyForm,
-    /// Artificial viscosity, if any.
+    /// Artificial viscosity; `None` for no viscosity.
     pub viscosity: Option<ArtificialViscosity>,
     /// Coefficient `epsilon` of XSPH; zero for no velocity smoothing.
     pub velocity_smoothing: f64,

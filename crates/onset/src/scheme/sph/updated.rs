@@ -79,9 +79,9 @@ pub struct UpdatedSphChoices {
     pub corrected: bool,
     /// Whether stresses also act along corrected gradients; requires a corrected velocity gradient.
     pub corrected_forces: bool,
-    /// Artificial stress, for the forms that conserve momentum.
+    /// Artificial stress, for the forms that conserve momentum; `None` for no artificial stress.
     pub artificial_stress: Option<ArtificialStress>,
-    /// Artificial viscosity, if any.
+    /// Artificial viscosity; `None` for no viscosity.
     pub viscosity: Option<ArtificialViscosity>,
     /// Coefficient `epsilon` of XSPH; zero for no velocity smoothing.
     pub velocity_smoothing: f64,

@@ -22,8 +22,8 @@ use crate::real::Real;
 pub enum ViscositySwitch {
     /// Always, for approaching and for receding particles.
     Always,
-    /// Always, with half of the strength. The original acts only on approaching particles and has no derivative at zero velocity; this is its mean
-    /// over the two halves of an oscillation.
+    /// Always, with half of the strength. The original acts only on approaching particles and has no derivative at zero velocity; half of its
+    /// strength is the mean over the two halves of an oscillation.
     Averaged,
     /// Form of LAMMPS' SMD: always, with the whole support radius as `h` and `mu = h v_IJ.x_IJ / (|x_IJ| + 0.1 h)^2`.
     ///

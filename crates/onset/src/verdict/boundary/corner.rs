@@ -141,7 +141,7 @@ impl Branch {
         for _ in 0..30 {
             let gap = minus(other.at(s), self.at(t));
             let (a, b) = (self.slope(t), other.slope(s));
-            // a dt - b ds = gap.
+            // Newton step: a dt - b ds = gap.
             let determinant = -cross(a, b);
             if determinant.abs() < 1e-6 * length(a) * length(b) {
                 return None;

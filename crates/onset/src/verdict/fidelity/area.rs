@@ -1,4 +1,4 @@
-//! Areas in which the stability of material and discretization differs, from their boundaries.
+//! Areas in which the stability of material and discretization differs, computed from the traced boundaries of both.
 
 use crate::algebra::sort_by_value;
 use crate::verdict::Phase;
