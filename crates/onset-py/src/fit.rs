@@ -40,8 +40,7 @@ impl From<FittingError> for Failure {
         match error {
             FittingError::Setting(error) => error.into(),
             FittingError::Output(error) => error.into(),
-            // Options of the command are keywords here.
-            other => Self::input(other.to_string().replace(" --", " ")),
+            other => Self::input(other),
         }
     }
 }
