@@ -217,6 +217,8 @@ pub(super) fn fluttering_direction<const D: usize>(stiffness: &Stiffness<D>) -> 
 
 /// Number of doubled angles that are tried as starts of the minimization.
 const RAYS: usize = 64;
+/// Largest distance of a stationary direction from a start of Newton's method, as a fraction of the distance of two starts.
+const STATIONARY: f64 = 1e-6;
 /// Largest number of Newton steps to the minimum.
 const NEWTON_STEPS: usize = 16;
 
@@ -282,6 +284,14 @@ fn turned(entries: &[[f64; 3]; 4], start: f64) -> (f64, f64) {
     };
     let (mut t, mut here) = (start, at(start));
     let limit = std::f64::consts::TAU / RAYS as f64;
+    // An axis of symmetry can be a maximum between two close minima, from which Newton's method does not depart.
+    let [_, slope, curvature] = here;
+    let is_maximum = curvature < 0.0 && slope.abs() <= STATIONARY * curvature.abs() * limit;
+    let on_axis = (t, here[0]);
+    if is_maximum {
+        t += 0.125 * limit;
+        here = at(t);
+    }
     for _ in 0..NEWTON_STEPS {
         let [_, slope, curvature] = here;
         let step = (-slope / curvature.abs()).clamp(-limit, limit);
@@ -298,7 +308,10 @@ fn turned(entries: &[[f64; 3]; 4], start: f64) -> (f64, f64) {
             break;
         }
     }
-    (t, here[0])
+    match is_maximum && on_axis.1 <= here[0] {
+        true => on_axis,
+        false => (t, here[0]),
+    }
 }
 
 /// Direction `N = (cos t/2, sin t/2)` at the doubled angle `t`.

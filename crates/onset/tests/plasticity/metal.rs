@@ -4,8 +4,11 @@ use crate::Numbers;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
+use onset::lattice::{Crystal, LatticeKind};
 use onset::material::{Hyperelastic, Law, PlaneStress, Response};
 use onset::plasticity::{Criterion, DruckerPrager, FiniteState, Hardening, library};
+use onset::scheme::sph::{TotalLagrangianChoices, TotalLagrangianSph};
+use onset::verdict::{Survey, Verdict};
 
 const MU: f64 = 80.0;
 const KAPPA: f64 = 170.0;
@@ -460,5 +463,33 @@ fn a_metal_sheet_equals_the_three_dimensional_metal_with_free_faces_in_stress_an
                 "{found} {expected}"
             );
         }
+    }
+}
+
+/// The band leaves the loading axis on both sides, so that the axis is a maximum between two close minima.
+#[test]
+fn a_band_beside_the_axis_is_found_in_the_long_waves_of_a_method() {
+    let metal = law("j2", &[]);
+    let square = LatticeKind::Square.lattice::<2>(1.0).expect("a lattice");
+    let sph = TotalLagrangianSph::new(
+        Crystal::of_lattice(square),
+        TotalLagrangianChoices {
+            penalty: 0.5,
+            ..TotalLagrangianChoices::default()
+        },
+    );
+    let sph = sph.expect("a method");
+    let survey = Survey::new(&sph, &*metal).expect("a survey");
+    for (stretch, verdict) in [(2.71189, Verdict::Stable), (2.711898, Verdict::Physical)] {
+        let f = DeformationGradient::from_stretches([stretch, 1.0, 1.0]).expect("a state");
+        let found = survey.assess(&f).expect("a state");
+        assert_eq!(found.verdict, verdict, "{stretch}");
+        let direction = found.material.minimum.direction;
+        assert!(direction[1].abs() > 0.01, "{direction}");
+        let long_wave = found.spectrum.long_wave.wave_vector.normalize();
+        assert!(
+            (long_wave[1].abs() - direction[1].abs()).abs() < 1e-5,
+            "{long_wave}"
+        );
     }
 }
