@@ -468,7 +468,7 @@ fn a_metal_sheet_equals_the_three_dimensional_metal_with_free_faces_in_stress_an
 
 /// The band leaves the loading axis on both sides, so that the axis is a maximum between two close minima.
 #[test]
-fn a_band_beside_the_axis_is_found_in_the_long_waves_of_a_method() {
+fn a_band_that_leaves_the_axis_is_found_in_the_long_waves_of_a_method() {
     let metal = law("j2", &[]);
     let square = LatticeKind::Square.lattice::<2>(1.0).expect("a lattice");
     let sph = TotalLagrangianSph::new(
