@@ -1100,7 +1100,7 @@ pub struct CompareArguments {
     /// Comparison file with a material and `[[methods]]`, or a study whose method is compared with the built-in methods; - for standard input.
     #[arg(required_unless_present = "variations")]
     pub file: Option<PathBuf>,
-    /// Compare variants of a method: a key of [discretization] with its values, separated by commas (lists of numbers by semicolons). Given several times, the
+    /// Compare variants of a method: a key of the discretization with its values, separated by commas (lists of numbers by semicolons). Given several times, the
     /// values are combined. Without FILE, --set defines the method.
     #[arg(long = "vary", value_name = "KEY=VALUES")]
     pub variations: Vec<String>,
