@@ -141,9 +141,7 @@ const LIMIT_EXAMPLES: &str = "Examples:
 const COMPARE_EXAMPLES: &str = "Examples:
   onset compare comparisons/methods-2d.toml --out results
   onset compare --set discretization.method=tlsph --vary discretization.penalty=0,0.1,0.5,1
-  onset compare --vary discretization.kernel=cubic-spline,wendland-c2 --vary discretization.support=1.6,2,2.4
-  onset compare STUDY.toml --set compare.states=24
-  onset compare comparisons/methods-1d.toml --format csv";
+  onset compare STUDY.toml --set compare.states=24 --format csv";
 const RECOMMEND_EXAMPLES: &str = "Examples:
   onset recommend --set material.model=blatz-ko --stretches 0.8,1.6
   onset recommend --dimension 3 --weak 0.2

@@ -219,6 +219,8 @@ pub(super) fn fluttering_direction<const D: usize>(stiffness: &Stiffness<D>) -> 
 const RAYS: usize = 64;
 /// Largest distance of a stationary direction from a start of Newton's method, as a fraction of the distance of two starts.
 const STATIONARY: f64 = 1e-6;
+/// Shortest step that is halved, an angle. Shorter steps fail by rounding.
+const SHORTEST_STEP: f64 = 1e-5;
 /// Largest number of Newton steps to the minimum.
 const NEWTON_STEPS: usize = 16;
 
@@ -294,12 +296,18 @@ fn turned(entries: &[[f64; 3]; 4], start: f64) -> (f64, f64) {
     }
     for _ in 0..NEWTON_STEPS {
         let [_, slope, curvature] = here;
-        let step = (-slope / curvature.abs()).clamp(-limit, limit);
-        let next = t + step;
+        let mut step = (-slope / curvature.abs()).clamp(-limit, limit);
+        let mut next = t + step;
         if !step.is_finite() || next == t {
             break;
         }
-        let there = at(next);
+        let mut there = at(next);
+        // Near an inflection the step is too long.
+        while there[0] > here[0] && step.abs() > SHORTEST_STEP {
+            step *= 0.5;
+            next = t + step;
+            there = at(next);
+        }
         if there[0].is_nan() || there[0] > here[0] {
             break;
         }

@@ -52,6 +52,8 @@ const LOOSE_BOUND_RATIO: f64 = 1e-3;
 /// Minimum fraction of the largest known growth rate at which a wave is followed further although Newton's method has not converged. A heuristic
 /// value.
 const FOLLOWED_GROWTH_RATIO: f64 = 0.7;
+/// The same for the best point of shells of long waves, which can lie between two shells and between two of their directions.
+const FOLLOWED_SHELL_RATIO: f64 = 0.4;
 /// Relative tolerance of squared frequencies: a wave that is no lower than the wave at `k = 0` is replaced by it.
 const EQUAL_FREQUENCY_TOLERANCE: f64 = 1e-9;
 /// Distance from a known bottom, in grid steps, within which a descent that ends no lower has reached the same bottom.
@@ -1161,8 +1163,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 let shells = [shells.get(n + 1), shells.get(n.wrapping_sub(1))];
                 let along = shells.into_iter().flatten().map(|(_, own)| &own[number]);
                 let mut others = beside.map(|(other, _)| other).chain(along);
-                if others.all(|other| start.0 <= other.0) && self.may_beat(start.0, deepest(&ends))
-                {
+                let known = deepest(&ends);
+                let may_beat = start.0 < known.max(FOLLOWED_SHELL_RATIO * known);
+                if others.all(|other| start.0 <= other.0) && may_beat {
                     ends.push(self.settled(objective, *start, &(step * *size)));
                 }
             }
