@@ -322,7 +322,7 @@ mod tests {
                 "neo-hooke",
                 vec![],
                 vec![("young", 9.0), ("bulk", 1.0)],
-                "no positive shear",
+                "positive shear and bulk moduli",
             ),
             ("blatz-ko", vec![], STEEL.to_vec(), "Poisson's ratio 1/4"),
             ("cubic", vec![], STEEL.to_vec(), "is cubic"),

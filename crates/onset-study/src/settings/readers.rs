@@ -73,6 +73,7 @@ const METHODS: &[(&str, &[&[&str]])] = &[
         &[
             &[],
             &["bonds=correspondence"],
+            &["bonds=correspondence", "influence=parabolic"],
             &[
                 "bonds=correspondence",
                 "control=penalty",
