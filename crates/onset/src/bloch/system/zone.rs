@@ -52,7 +52,7 @@ const LOOSE_BOUND_RATIO: f64 = 1e-3;
 /// Minimum fraction of the largest known growth rate at which a wave is followed further although Newton's method has not converged. A heuristic
 /// value.
 const FOLLOWED_GROWTH_RATIO: f64 = 0.7;
-/// The same for the best point of shells of long waves, which can lie between two shells and between two of their directions.
+/// Minimum fraction of the largest known growth rate at which the best point of shells of long waves is followed. The peak can lie between two shells.
 const FOLLOWED_SHELL_RATIO: f64 = 0.4;
 /// Relative tolerance of squared frequencies: a wave that is no lower than the wave at `k = 0` is replaced by it.
 const EQUAL_FREQUENCY_TOLERANCE: f64 = 1e-9;
