@@ -5,7 +5,7 @@ use crate::arguments::{BlockArguments, CompareArguments, RecommendArguments};
 use crate::printing::print;
 use onset_study::compare::{PANELS, Recommendation, Table, Thresholds};
 use onset_study::output::Output;
-use onset_study::settings::{Comparison, SettingError, Trust};
+use onset_study::settings::{Comparison, Trust};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -15,22 +15,14 @@ const FILES: [&str; 4] = ["compare.html", "compare.csv", "compare.svg", "compare
 /// Compares the methods of a file.
 pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
     let trust = arguments.trust.trust();
-    let comparison = match arguments.variations.is_empty() {
-        true => read(
-            arguments.file.as_deref(),
-            &arguments.block,
-            None,
-            arguments.assignments.clone(),
-            &trust,
-        )?,
-        false => {
-            let assignments = arguments.assignments.clone();
-            let read = Read::of(arguments.file.as_deref(), &arguments.block, assignments)?;
-            let (name, text) = (&read.name, &read.text);
-            let varied = Comparison::varied(name, text, &read.assignments, &arguments.variations);
-            of_law(varied, read, &trust)?
-        }
-    };
+    let comparison = read(
+        arguments.file.as_deref(),
+        &arguments.block,
+        None,
+        arguments.assignments.clone(),
+        &arguments.variations,
+        &trust,
+    )?;
     let output = arguments.out.as_deref();
     let output = output.map(|out| Output::at(out, &FILES)).transpose()?;
     let table = evaluated(&comparison)?;
@@ -49,6 +41,7 @@ pub fn recommend(arguments: &RecommendArguments) -> Result<ExitCode, Failure> {
         &arguments.block,
         arguments.dimension,
         assignments,
+        &[],
         &arguments.trust.trust(),
     )?;
     let output = arguments.out.as_deref();
@@ -74,12 +67,13 @@ pub fn recommend(arguments: &RecommendArguments) -> Result<ExitCode, Failure> {
     )
 }
 
-/// Comparison in a file, or the built-in methods for a number of dimensions.
+/// Comparison in a file, or the built-in methods for a number of dimensions, or variants of a method.
 fn read(
     file: Option<&Path>,
     block: &BlockArguments,
     dimension: Option<u8>,
     assignments: Vec<String>,
+    variations: &[String],
     trust: &Trust,
 ) -> Result<Comparison, Failure> {
     let mut read = Read::of(file, block, assignments)?;
@@ -90,21 +84,14 @@ fn read(
             ));
         }
         (Some(_), None, None) => {}
+        _ if !variations.is_empty() => {}
         (_, _, dimension) => {
             let panel = PANELS[usize::from(dimension.unwrap_or(2)) - 1];
             (read.name, read.text) = (panel.0.to_owned(), panel.1.to_owned());
         }
     }
-    let comparison = Comparison::parse(&read.name, &read.text, &read.assignments);
-    of_law(comparison, read, trust)
-}
-
-/// Comparison with the notes on the law that was read, if the user allows its library.
-fn of_law(
-    comparison: Result<Comparison, SettingError>,
-    read: Read,
-    trust: &Trust,
-) -> Result<Comparison, Failure> {
+    let (name, text) = (&read.name, &read.text);
+    let comparison = Comparison::varied(name, text, &read.assignments, variations);
     let comparison = comparison.map_err(|error| read.failure(error))?;
     let mut comparison = comparison.allowing(trust);
     comparison.common.material = read.law(comparison.common.material, trust)?;

@@ -503,10 +503,9 @@ fn discretization_answer(
         point_spacing: grid_cell.map(|side| side / f64::from(method.points_per_side)),
         finite_bodies: FiniteBodyAnswer::new(problem, f, critical_time_step)?,
         body: BodyStepAnswer::new(problem, f)?,
-        implicit: match discrete_time {
-            Some(_) => None,
-            None => Some(ImplicitAnswer::new(spectrum)),
-        },
+        implicit: discrete_time
+            .is_none()
+            .then(|| ImplicitAnswer::new(spectrum)),
         discrete_time,
         damped_time_steps_of: (!steps.is_empty()).then(|| {
             if spectrum.is_stable() {

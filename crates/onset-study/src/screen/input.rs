@@ -90,7 +90,7 @@ impl FromStr for Held {
     }
 }
 
-/// Reference configuration from which deformation gradients are computed.
+/// Reference configuration of the computed deformation gradients.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Reference {
     /// Reference positions or displacements in the files, or else the first frame.
@@ -109,7 +109,7 @@ pub struct Source {
     pub files: Vec<PathBuf>,
     /// Columns, frames and time step.
     pub reading: Reading,
-    /// Reference configuration from which deformation gradients are computed.
+    /// Reference configuration of the computed deformation gradients.
     pub reference: Reference,
     /// Particles with prescribed motion.
     pub held: Held,

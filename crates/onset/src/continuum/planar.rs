@@ -286,7 +286,7 @@ fn turned(entries: &[[f64; 3]; 4], start: f64) -> (f64, f64) {
     };
     let (mut t, mut here) = (start, at(start));
     let limit = std::f64::consts::TAU / RAYS as f64;
-    // An axis of symmetry can be a maximum between two close minima, from which Newton's method does not depart.
+    // An axis of symmetry can be a maximum between two close minima. Newton's method would stay there.
     let [_, slope, curvature] = here;
     let is_maximum = curvature < 0.0 && slope.abs() <= STATIONARY * curvature.abs() * limit;
     let on_axis = (t, here[0]);

@@ -310,6 +310,11 @@ impl<const D: usize> ZoneSearch<D> {
     }
 }
 
+/// Returns true if a descent from a value may end below the deepest end: `fraction` of a growth rate can rise to the rate itself on the way.
+fn may_beat(value: f64, deepest: f64, fraction: f64) -> bool {
+    value < deepest.max(fraction * deepest)
+}
+
 struct Sweep<'a, const D: usize> {
     search: &'a ZoneSearch<D>,
     system: &'a WaveSystem<D>,
@@ -1130,7 +1135,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             };
             for k in self.pockets(0.0).into_iter().chain(meetings) {
                 let start = (self.value(objective, &k), k);
-                if self.may_beat(start.0, deepest(&ends)) {
+                if may_beat(start.0, deepest(&ends), FOLLOWED_GROWTH_RATIO) {
                     ends.push(self.followed(objective, 0, start, f64::INFINITY, &[]));
                 }
             }
@@ -1163,19 +1168,14 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 let shells = [shells.get(n + 1), shells.get(n.wrapping_sub(1))];
                 let along = shells.into_iter().flatten().map(|(_, own)| &own[number]);
                 let mut others = beside.map(|(other, _)| other).chain(along);
-                let known = deepest(&ends);
-                let may_beat = start.0 < known.max(FOLLOWED_SHELL_RATIO * known);
-                if others.all(|other| start.0 <= other.0) && may_beat {
+                if others.all(|other| start.0 <= other.0)
+                    && may_beat(start.0, deepest(&ends), FOLLOWED_SHELL_RATIO)
+                {
                     ends.push(self.settled(objective, *start, &(step * *size)));
                 }
             }
         }
         self.along_valley(least_of_all(ends))
-    }
-
-    /// Returns true if a descent from a value may end below the deepest end: a growth rate can rise considerably on the way.
-    fn may_beat(&self, value: f64, deepest: f64) -> bool {
-        value < deepest.max(FOLLOWED_GROWTH_RATIO * deepest)
     }
 
     /// Minimum of the function near the end of a descent. Descents take long steps along the ray from `k = 0` and short steps across it, and the
