@@ -158,6 +158,17 @@ fn variants_of_a_method_are_compared_without_a_file() {
             "kernel wendland-c2, support 2"
         ]
     );
+    // The smoothing length replaces the support of the settings.
+    let lengths = [
+        "--set",
+        "discretization.support=2",
+        "--vary",
+        "discretization.smoothing-length=0.9,1.1",
+    ];
+    assert_eq!(
+        names(&of(&lengths)),
+        ["smoothing-length 0.9", "smoothing-length 1.1"]
+    );
     let codes = "discretization.method=lammps-smd-tlsph,sphinxsys-tl";
     assert_eq!(
         names(&of(&["--vary", codes])),

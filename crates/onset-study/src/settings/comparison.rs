@@ -122,6 +122,9 @@ const SHARED: &[&str] = &[
     "support",
 ];
 
+/// Keys, without their section, that set the support. The key of a method replaces the key of the shared settings.
+const SUPPORTS: [&str; 2] = ["support", "smoothing-length"];
+
 /// Largest number of variants of methods in one comparison.
 const MOST_VARIANTS: usize = 200;
 
@@ -214,7 +217,7 @@ impl Comparison {
         for candidate in &self.candidates {
             for value in &values {
                 let mut settings = candidate.settings.clone();
-                if short == "support" {
+                if SUPPORTS.contains(&short) {
                     settings = settings.with_other_support();
                 }
                 let kind = Key::named(key).map(|key| key.kind);
@@ -467,8 +470,7 @@ impl Comparison {
         table: &DeTable<'_>,
     ) -> Result<Candidate, SettingError> {
         let mut settings = self.common.clone();
-        let sets_support = ["support", "smoothing-length"];
-        if sets_support.into_iter().any(|own| table.contains_key(own)) {
+        if SUPPORTS.into_iter().any(|own| table.contains_key(own)) {
             settings = settings.with_other_support();
         }
         let mut name = None;
