@@ -214,16 +214,16 @@ pub fn fitted(
 fn hinted(error: &FitError) -> String {
     let hint = match error {
         FitError::TooFewPoints { .. } => {
-            "choose a law with fewer constants, or fix some with --fix"
+            "choose a law with fewer constants, or fix the values of some"
         }
         FitError::Undetermined { .. } => return error.to_string(),
-        FitError::Bounds { .. } => "change --fix or --bound",
+        FitError::Bounds { .. } => "change the fixed values or the bounds of the constants",
         FitError::NoLateralStretch { .. } => {
             "add a column lateral_stretch, or choose a law of rubber"
         }
         FitError::UnknownConstant { .. } => "name one of them",
         FitError::NotConverged { .. } | FitError::NotStable { .. } => {
-            "require stability in a smaller range with --stable, for example box=0.5,2, or choose another law"
+            "require stability in a smaller range, for example box=0.5,2, or choose another law"
         }
     };
     format!("{error}\n  hint: {hint}")
