@@ -1,5 +1,6 @@
 //! The arguments of the command line.
 
+use crate::drawing::DrawingArguments;
 use crate::fail_on::FailOn;
 use crate::printing::PrintingArguments;
 use clap::{ArgGroup, Args, Parser, Subcommand};
@@ -318,9 +319,13 @@ pub enum Command {
             num_args = 0..=1
         )]
         path: Option<Option<String>>,
-        /// Folder for dispersion.svg, dispersion.png, dispersion.csv and density-of-states.csv; nothing is written without it.
+        /// Folder for the figure (dispersion.svg, .png, .pdf), dispersion.csv and density-of-states.csv, or NAME.svg, NAME.png or NAME.pdf for the figure
+        /// alone; nothing is written without it.
         #[arg(long, value_name = "DIR", conflicts_with = "wave_vector")]
         out: Option<PathBuf>,
+        /// How the figure is drawn.
+        #[command(flatten)]
+        drawing: DrawingArguments,
     },
     /// Find where stability is lost along a path of deformations or a loading
     #[command(after_help = PATH_EXAMPLES, after_long_help = with_keys(PATH_EXAMPLES, &keys()))]
@@ -331,10 +336,13 @@ pub enum Command {
         /// Path of deformations or loading.
         #[command(flatten)]
         course: CourseArguments,
-        /// Folder for path.csv, path.svg and path.png: softest mode and smallest acoustic eigenvalue along the path; nothing is written
-        /// without it.
+        /// Folder for path.csv and the figure (path.svg, .png, .pdf), softest mode and smallest acoustic eigenvalue along the path, or NAME.svg, NAME.png or
+        /// NAME.pdf for the figure alone; nothing is written without it.
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
+        /// How the figure is drawn.
+        #[command(flatten)]
+        drawing: DrawingArguments,
         /// Verdicts that end the command with exit code 3.
         #[command(flatten)]
         failing: FailingArguments,
@@ -694,9 +702,13 @@ pub struct ScreenArguments {
         value_delimiter = ','
     )]
     pub fail_on: Vec<Cause>,
-    /// Folder for screen.pvd with fields, screen.json, screen.csv, screen.svg, screen.png, first.toml and modes.vtu; nothing is written without it.
+    /// Folder for screen.pvd with fields, screen.json, screen.csv, the figure (screen.svg, .png, .pdf), first.toml and modes.vtu, or NAME.svg, NAME.png or
+    /// NAME.pdf for the figure alone; nothing is written without it.
     #[arg(long, value_name = "DIR", help_heading = "Files")]
     pub out: Option<PathBuf>,
+    /// How the figure is drawn.
+    #[command(flatten)]
+    pub drawing: DrawingArguments,
     /// Largest number of frames whose fields are written.
     #[arg(
         long,
@@ -784,9 +796,13 @@ pub struct FitArguments {
     /// Exit with code 3 if no fitted law is stable: unstable.
     #[arg(long, value_name = "WHAT", value_parser = ["unstable"], help_heading = "Stability")]
     pub fail_on: Option<String>,
-    /// Folder for fit.toml, fit.json, fit.csv, fit.svg, fit.png and blocks for other programs; nothing is written without it.
+    /// Folder for fit.toml, fit.json, fit.csv, the figure (fit.svg, .png, .pdf) and blocks for other programs, or NAME.svg, NAME.png or NAME.pdf for the
+    /// figure alone; nothing is written without it.
     #[arg(long, value_name = "DIR", help_heading = "Files")]
     pub out: Option<PathBuf>,
+    /// How the figure is drawn.
+    #[command(flatten)]
+    pub drawing: DrawingArguments,
     /// Length of the printed answer.
     #[command(flatten)]
     pub detail: DetailArguments,
@@ -903,9 +919,12 @@ pub struct SimulateArguments {
     /// Largest relative difference between the rates that counts as agreement [default: 1e-6].
     #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
-    /// Folder for history.csv, fields and checkpoints; nothing is written without it.
+    /// Folder for history.csv, the figure (simulate.svg, .png, .pdf), fields and checkpoints; nothing is written without it.
     #[arg(long, value_name = "DIR", help_heading = "Files")]
     pub out: Option<PathBuf>,
+    /// How the figure is drawn.
+    #[command(flatten)]
+    pub drawing: DrawingArguments,
     /// Steps between lines of the history [default: about 400 lines].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "Files")]
     pub every: Option<u64>,
@@ -970,12 +989,9 @@ pub struct PlotArguments {
     /// Do not trace the boundaries; take them from the cells of the map.
     #[arg(long)]
     pub no_trace: bool,
-    /// Title of the figure [default: the title of the study].
-    #[arg(long, value_name = "TEXT", help_heading = "Look")]
-    pub title: Option<String>,
-    /// Width and height of a panel in pixels (96 per inch), for example 420,315. With stretches on both axes they are upper limits.
-    #[arg(long, value_name = "W,H", value_parser = size, help_heading = "Look")]
-    pub size: Option<(f64, f64)>,
+    /// How the figure is drawn.
+    #[command(flatten)]
+    pub drawing: DrawingArguments,
     /// Limits of the horizontal axis.
     #[arg(long, value_name = "LOW,HIGH", value_parser = limits, allow_hyphen_values = true, help_heading = "Look")]
     pub x_limits: Option<(f64, f64)>,
@@ -988,7 +1004,7 @@ pub struct PlotArguments {
     /// Colors of a field: viridis, cividis, grey, or red-blue with white at zero [default: red-blue if values are negative, otherwise viridis].
     #[arg(long, value_name = "NAME", value_parser = color_map, help_heading = "Look")]
     pub color_map: Option<ColorMap>,
-    /// Output file: NAME.svg or NAME.png (both are written), NAME.pdf (all three are written), or a folder for map.svg and map.png.
+    /// Output file, NAME.svg, NAME.png or NAME.pdf (all three are written), or a folder for map.svg, map.png and map.pdf.
     #[arg(long, value_name = "PATH", default_value = ".")]
     pub out: PathBuf,
     /// Libraries that the stores may load.
@@ -1005,16 +1021,6 @@ fn limits(text: &str) -> Result<(f64, f64), String> {
 }
 
 /// Two numbers of pixels.
-fn size(text: &str) -> Result<(f64, f64), String> {
-    let is_drawable = |pixels: f64| (40.0..=4000.0).contains(&pixels);
-    match two(text) {
-        Some((width, height)) if is_drawable(width) && is_drawable(height) => Ok((width, height)),
-        _ => Err(
-            "expected width and height in pixels from 40 to 4000, for example 420,315".to_owned(),
-        ),
-    }
-}
-
 fn two(text: &str) -> Option<(f64, f64)> {
     let (first, second) = text.split_once(',')?;
     let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
@@ -1073,9 +1079,12 @@ pub struct CriteriaArguments {
     /// Material law and its parameters.
     #[command(flatten)]
     pub law: LawArguments,
-    /// Folder for criteria.svg and criteria.png; no figure is written without it.
-    #[arg(long, value_name = "DIR")]
+    /// Folder for the figure (criteria.svg, .png, .pdf), or NAME.svg, NAME.png or NAME.pdf; no figure is drawn without it.
+    #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
+    /// How the figure is drawn.
+    #[command(flatten)]
+    pub drawing: DrawingArguments,
     /// Length of the printed answer.
     #[command(flatten)]
     pub detail: DetailArguments,
@@ -1087,9 +1096,13 @@ pub struct CardArguments {
     /// Material law and its parameters.
     #[command(flatten)]
     pub law: LawArguments,
-    /// Folder for card.html, card.json, card.svg and card.png; nothing is written without it.
-    #[arg(long, value_name = "DIR")]
+    /// Folder for card.html, card.json and the figure (card.svg, .png, .pdf), or NAME.svg, NAME.png or NAME.pdf for the figure alone; nothing is written
+    /// without it.
+    #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
+    /// How the figure is drawn.
+    #[command(flatten)]
+    pub drawing: DrawingArguments,
 }
 
 /// Command-line arguments of `onset compare`.
@@ -1102,9 +1115,13 @@ pub struct CompareArguments {
     /// values are combined. Without FILE, --set defines the method.
     #[arg(long = "vary", value_name = "KEY=VALUES")]
     pub variations: Vec<String>,
-    /// Folder for compare.html, compare.csv, compare.svg and compare.png; nothing is written without it.
-    #[arg(long, value_name = "DIR")]
+    /// Folder for compare.html, compare.csv and the figure (compare.svg, .png, .pdf), or NAME.svg, NAME.png or NAME.pdf for the figure alone; nothing is
+    /// written without it.
+    #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
+    /// How the figure is drawn.
+    #[command(flatten)]
+    pub drawing: DrawingArguments,
     /// Set a key for all methods, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
@@ -1134,9 +1151,13 @@ pub struct ModesArguments {
     /// Largest displacement of the exported fields, in particle spacings.
     #[arg(long, value_name = "A", default_value_t = 0.2, value_parser = share, allow_negative_numbers = true)]
     pub amplitude: f64,
-    /// Folder for modes.svg, modes.png, modes.html (moving), and mode-1.csv, mode-1.vtk, ...; nothing is written without it.
-    #[arg(long, value_name = "DIR")]
+    /// Folder for the figure (modes.svg, .png, .pdf), modes.html (moving), and mode-1.csv, mode-1.vtk, ..., or NAME.svg, NAME.png or NAME.pdf for the
+    /// figure alone; nothing is written without it.
+    #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
+    /// How the figure is drawn.
+    #[command(flatten)]
+    pub drawing: DrawingArguments,
 }
 
 /// Command-line arguments of `onset tune`.
@@ -1159,9 +1180,12 @@ pub struct TuneArguments {
     /// Largest accepted delay of the onset, relative to the strain at the onset of the material; a later onset is masked.
     #[arg(long, value_name = "SHARE", default_value_t = Thresholds::default().later, value_parser = share, help_heading = "Limits")]
     pub later: f64,
-    /// Folder for tune.csv, tune.svg and tune.png; nothing is written without it.
-    #[arg(long, value_name = "DIR")]
+    /// Folder for tune.csv and the figure (tune.svg, .png, .pdf), or NAME.svg, NAME.png or NAME.pdf for the figure alone; nothing is written without it.
+    #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
+    /// How the figure is drawn.
+    #[command(flatten)]
+    pub drawing: DrawingArguments,
     /// Length of the printed answer.
     #[command(flatten)]
     pub detail: DetailArguments,
@@ -1193,9 +1217,12 @@ pub struct LimitArguments {
     /// heun, rk3, rk4, carpenter-kennedy, rdpk3-35 or rdpk3-49 (RDPK3SpFSAL35 and 49). The first three differ with damping only.
     #[arg(long, value_name = "NAME", default_value = Integrator::KickDriftKick.name(), value_parser = integrator)]
     pub integrator: Integrator,
-    /// Folder for limit.csv, limit.svg and limit.png; nothing is written without it.
-    #[arg(long, value_name = "DIR")]
+    /// Folder for limit.csv and the figure (limit.svg, .png, .pdf), or NAME.svg, NAME.png or NAME.pdf for the figure alone; nothing is written without it.
+    #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
+    /// How the figure is drawn.
+    #[command(flatten)]
+    pub drawing: DrawingArguments,
 }
 
 /// Parses the name of an integrator.
@@ -1262,9 +1289,13 @@ pub struct RecommendArguments {
     /// The energy of a user-defined material; short for material.model=formula and material.energy.
     #[arg(long, value_name = "FORMULA", allow_hyphen_values = true)]
     pub energy: Option<String>,
-    /// Folder for the whole comparison as compare.html, compare.csv, compare.svg and compare.png; nothing is written without it.
-    #[arg(long, value_name = "DIR")]
+    /// Folder for the whole comparison as compare.html, compare.csv and the figure (compare.svg, .png, .pdf), or NAME.svg, NAME.png or NAME.pdf for the
+    /// figure alone; nothing is written without it.
+    #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
+    /// How the figure is drawn.
+    #[command(flatten)]
+    pub drawing: DrawingArguments,
     /// Set a key for all methods, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
@@ -1328,9 +1359,13 @@ pub struct LocalizeArguments {
     /// Set a parameter, for example plasticity.friction=0.7, or material.library=./my_umat.so with --model umat (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
-    /// Folder for localize.svg, localize.png, localize.csv and localize-directions.csv; nothing is written without it.
-    #[arg(long, value_name = "DIR")]
+    /// Folder for the figure (localize.svg, .png, .pdf), localize.csv and localize-directions.csv, or NAME.svg, NAME.png or NAME.pdf for the figure alone;
+    /// nothing is written without it.
+    #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
+    /// How the figure is drawn.
+    #[command(flatten)]
+    pub drawing: DrawingArguments,
 }
 
 /// Parses a range of stretches that contains 1.

@@ -28,15 +28,15 @@ use crate::{help, map};
 use indicatif::ProgressBar;
 use onset_study::Verdict;
 use onset_study::answers::{
-    Course, CrossingAnswer, Diagram, PathAnswer, PathSamples, Problem, ProblemError, StateAnswer,
-    StateQuestion, Strain, Waves,
+    Course, Diagram, PathAnswer, PathSamples, Problem, ProblemError, StateAnswer, StateQuestion,
+    Strain, Waves,
 };
 use onset_study::boundary::Tracing;
 use onset_study::catalog::{self, KeyList};
 use onset_study::compare::Thresholds;
 use onset_study::criteria::{Lateral, Mode};
 use onset_study::input;
-use onset_study::output::{Files, Output, OutputError, text};
+use onset_study::output::{Files, Output, OutputError};
 use onset_study::reproduce;
 use onset_study::settings::{
     MaterialSettings, Program, SettingError, Settings, Study, Trust, did_you_mean, law_of,
@@ -130,7 +130,13 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             wave_vector,
             path,
             out,
+            drawing,
         } => {
+            let output = drawing.output(
+                out.as_deref(),
+                "dispersion",
+                &["dispersion.csv", "density-of-states.csv"],
+            )?;
             let problem = problem.build()?;
             let strain = strain.build(&problem)?;
             match wave_vector {
@@ -138,19 +144,21 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
                     let waves = Waves::new(&problem, &strain, &wave_vector)?;
                     printing::print(&waves, waves.to_string().trim_end(), None)
                 }
-                None => diagram(&problem, &strain, path.flatten().as_deref(), out.as_deref()),
+                None => diagram(&problem, &strain, path.flatten().as_deref(), output),
             }
         }
         Command::Path {
             given,
             course: asked,
             out,
+            drawing,
             failing,
         } => {
+            let output = drawing.output(out.as_deref(), "path", &["path.csv"])?;
             let (block, start) = asked.block()?;
             let problem = ProblemArguments { given, block }.build()?;
             let course = course(&asked, start, &problem)?;
-            path(&problem, &course, out.as_deref(), failing.fail_on.as_ref())
+            path(&problem, &course, output, failing.fail_on.as_ref())
         }
         #[cfg(feature = "explore")]
         Command::Explore(arguments) => explore::explore(&arguments),
@@ -503,26 +511,11 @@ fn diagram(
     problem: &Problem,
     strain: &Strain,
     path: Option<&str>,
-    out: Option<&Path>,
+    output: Option<Output>,
 ) -> Result<ExitCode, Failure> {
-    let names = [
-        "dispersion.svg",
-        "dispersion.png",
-        "dispersion.csv",
-        "density-of-states.csv",
-    ];
-    let output = out.map(|out| Output::at(out, &names)).transpose()?;
     let diagram = Diagram::new(problem, strain, path)?;
     let written = match output {
-        Some(output) => {
-            let mut files = diagram
-                .figure("Dispersion of the discretization and of the continuum")
-                .files("dispersion")
-                .map_err(Failure::machine)?;
-            files.push(text("dispersion.csv", diagram.csv()));
-            files.push(text("density-of-states.csv", diagram.density_csv()));
-            output.write(&files)?
-        }
+        Some(output) => output.write(&diagram.files())?,
         None => Vec::new(),
     };
     let told = format!("{}{}", wrote_before(&written), diagram.told());
@@ -560,15 +553,15 @@ fn with_files(answer: &impl Display, files: &[PathBuf]) -> String {
 }
 
 /// Writes the files of an answer if requested, then prints the answer, or its table.
-fn print_with_files<E: Display>(
+fn print_with_files(
     answer: &impl serde::Serialize,
     answer_text: &str,
     output: Option<Output>,
-    files: impl FnOnce() -> Result<Files, E>,
+    files: impl FnOnce() -> Result<Files, Failure>,
     csv: Option<String>,
 ) -> Result<ExitCode, Failure> {
     let written = match output {
-        Some(output) => output.write(&files().map_err(Failure::machine)?)?,
+        Some(output) => output.write(&files()?)?,
         None => Vec::new(),
     };
     printing::print(answer, &with_files(&answer_text, &written), csv)
@@ -648,11 +641,9 @@ fn course(
 fn path(
     problem: &Problem,
     course: &Course,
-    out: Option<&Path>,
+    output: Option<Output>,
     fail_on: Option<&FailOn>,
 ) -> Result<ExitCode, Failure> {
-    let output = out.map(|out| Output::at(out, &["path.csv", "path.svg", "path.png"]));
-    let output = output.transpose()?;
     let answer = PathAnswer::along(problem, course)?;
     let is_table = printing::format() == Format::Csv;
     // States next to the onsets are evaluated only if they are used.
@@ -662,20 +653,7 @@ fn path(
     };
     let mut written = Vec::new();
     if let (Some(output), Some(samples)) = (output, &samples) {
-        let parameters = |crossings: &[CrossingAnswer]| -> Vec<f64> {
-            crossings
-                .iter()
-                .map(|crossing| crossing.parameter)
-                .collect()
-        };
-        let particles = parameters(&answer.discretization_crossings);
-        let material = parameters(&answer.material_crossings);
-        let title = match &answer.loading {
-            Some(loading) => format!("Stability under loading: {}", loading.title),
-            None => "Stability along a path".to_owned(),
-        };
-        let files = samples.files(&title, [&particles, &material]);
-        written = output.write(&files.map_err(Failure::machine)?)?;
+        written = output.write(&samples.files(&answer))?;
     }
     let table = samples.as_ref().map(PathSamples::csv);
     let printed = printing::print(&answer, &with_files(&answer, &written), table)?;

@@ -11,6 +11,7 @@
 
 mod arguments;
 mod commands;
+mod drawing;
 #[cfg(feature = "explore")]
 mod explore;
 mod fail_on;

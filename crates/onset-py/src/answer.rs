@@ -2,8 +2,10 @@
 
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::problem::unknown;
+use onset_study::figure::{Sheet, Size, Theme};
 use onset_study::json;
-use onset_study::output::{Files, write};
+use onset_study::output::{Content, Files, Output};
 use onset_umat::readable;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -60,25 +62,83 @@ impl Answer {
     }
 }
 
+/// Sheet of the figures from keywords.
+fn sheet(
+    size: Option<&str>,
+    title: Option<String>,
+    bare: bool,
+    theme: &str,
+) -> Result<Sheet, Failure> {
+    let known = Theme::ALL.into_iter().find(|own| own.name() == theme);
+    Ok(Sheet {
+        size: size
+            .map(str::parse::<Size>)
+            .transpose()
+            .map_err(|why| Failure::input(format!("size: {why}")))?,
+        title,
+        bare,
+        theme: known.ok_or_else(|| unknown("theme", theme, Theme::ALL.map(Theme::name)))?,
+    })
+}
+
 #[pymethods]
 impl Answer {
     /// Writes the files into a folder, all or none, and returns their paths.
-    fn save(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Vec<PathBuf>> {
+    fn save(
+        &self,
+        py: Python<'_>,
+        folder: PathBuf,
+        size: Option<String>,
+        title: Option<String>,
+        bare: bool,
+        theme: String,
+    ) -> PyResult<Vec<PathBuf>> {
         let Some(draw) = self.draw.clone() else {
             return Ok(Vec::new());
         };
-        interrupt::answer(py, move || Ok(write(&folder, &draw()?)?))
+        interrupt::answer(py, move || {
+            let sheet = sheet(size.as_deref(), title, bare, &theme)?;
+            let output = Output::at::<&str>(&folder, &[])?.on(sheet);
+            Ok(output.write(&draw()?)?)
+        })
     }
 
     /// Files of the answer by name; empty if the command writes no files.
     fn files<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let files = PyDict::new(py);
         if let Some(draw) = self.draw.clone() {
-            for (name, bytes) in interrupt::answer(py, move || draw())? {
-                let name = name.to_string_lossy().into_owned();
-                files.set_item(name, PyBytes::new(py, &bytes))?;
+            let all = interrupt::answer(py, move || {
+                let sheet = Sheet::default();
+                let mut all = Vec::new();
+                for (name, content) in draw()? {
+                    let drawn = content.drawn(&name, &sheet).map_err(Failure::machine)?;
+                    all.extend(
+                        drawn
+                            .into_iter()
+                            .map(|(name, bytes)| (name, bytes.into_owned())),
+                    );
+                }
+                Ok(all)
+            })?;
+            for (name, bytes) in all {
+                files.set_item(name.to_string_lossy(), PyBytes::new(py, &bytes))?;
             }
         }
         Ok(files)
+    }
+
+    /// Description of the figure as JSON; `None` without a figure.
+    fn figure(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        let Some(draw) = self.draw.clone() else {
+            return Ok(None);
+        };
+        interrupt::answer(py, move || {
+            let figure = draw()?.into_iter().find_map(|(_, content)| match content {
+                Content::Figure(figure) => Some(figure),
+                Content::Bytes(_) => None,
+            });
+            let document = figure.map(|figure| json::document(&figure.description()));
+            document.transpose().map_err(Failure::machine)
+        })
     }
 }

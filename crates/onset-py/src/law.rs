@@ -12,6 +12,7 @@ use onset::material::Hyperelastic;
 use onset_study::answers::Strain;
 use onset_study::audit::{Audit, Convention, states};
 use onset_study::criteria::{Question, Range};
+use onset_study::output::picture;
 use onset_study::settings::{MaterialSettings, Program, law_of};
 use pyo3::buffer::PyBuffer;
 use pyo3::prelude::*;
@@ -78,10 +79,7 @@ impl Law {
         interrupt::answer(py, move || {
             let criteria = question.answer().map_err(Failure::input)?;
             let answer = Answer::of(&criteria, &criteria)?;
-            Ok(answer.with_files(move || {
-                let files = criteria.figure().files("criteria");
-                files.map_err(Failure::machine)
-            }))
+            Ok(answer.with_files(move || Ok(vec![picture("criteria", criteria.figure())])))
         })
     }
 

@@ -25,7 +25,7 @@ pub fn compare(
         let comparison = comparison(&file, &assigned, &libraries)?;
         let table = evaluated(&comparison)?;
         let answer = Answer::of(&table, &table)?.with_table(&table.csv());
-        Ok(answer.with_files(move || table.files().map_err(Failure::machine)))
+        Ok(answer.with_files(move || Ok(table.files())))
     })
 }
 
@@ -67,7 +67,7 @@ pub fn recommend(
         let recommendation = Recommendation::new(table);
         let answer = Answer::of(&recommendation, &recommendation)?;
         let answer = answer.with_table(&recommendation.csv());
-        Ok(answer.with_files(move || whole.files().map_err(Failure::machine)))
+        Ok(answer.with_files(move || Ok(whole.files())))
     })
 }
 
@@ -95,7 +95,7 @@ pub fn tune(
         let settings = settings(file.as_ref(), &assigned, &libraries, &[question.key()])?;
         let tuned = TuneAnswer::new(&settings, &question, |_| ())?;
         let answer = Answer::of(&tuned, &tuned)?.with_table(&tuned.csv());
-        Ok(answer.with_files(move || tuned.files().map_err(Failure::machine)))
+        Ok(answer.with_files(move || Ok(tuned.files())))
     })
 }
 
@@ -121,7 +121,7 @@ pub fn modes(
         };
         let modes = ModesAnswer::new(&settings, &question)?;
         let answer = Answer::of(&modes, &modes)?;
-        Ok(answer.with_files(move || modes.files().map_err(Failure::machine)))
+        Ok(answer.with_files(move || Ok(modes.files())))
     })
 }
 

@@ -4,7 +4,6 @@ use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::interrupt;
 use onset_study::localization::{LocalizationAnswer, PlasticSettings};
-use onset_study::output::text;
 use pyo3::prelude::*;
 
 /// Finds the localization of a plastic material along a loading.
@@ -14,15 +13,6 @@ pub fn localize(py: Python<'_>, assignments: Vec<String>) -> PyResult<Answer> {
         let settings = PlasticSettings::from_assignments(&assignments)?;
         let localization = LocalizationAnswer::new(&settings).map_err(Failure::input)?;
         let answer = Answer::of(&localization, &localization)?.with_table(&localization.csv());
-        Ok(answer.with_files(move || {
-            let figure = localization.figure("Where the material localizes");
-            let mut files = figure.files("localize").map_err(Failure::machine)?;
-            files.push(text("localize.csv", localization.csv()));
-            files.push(text(
-                "localize-directions.csv",
-                localization.directions_csv(),
-            ));
-            Ok(files)
-        }))
+        Ok(answer.with_files(move || Ok(localization.files())))
     })
 }

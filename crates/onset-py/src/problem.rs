@@ -10,13 +10,14 @@ use onset::cancel::Scope;
 use onset::kinematics::DeformationGradient;
 use onset_study::Verdict;
 use onset_study::answers::{
-    self, Course, CrossingAnswer, Diagram, PathAnswer, PathSamples, ProblemError, StateAnswer,
-    StateQuestion, Strain, Waves,
+    self, Course, Diagram, PathAnswer, PathSamples, ProblemError, StateAnswer, StateQuestion,
+    Strain, Waves,
 };
 use onset_study::criteria::{Lateral, Mode};
+use onset_study::figure::Sheet;
 use onset_study::limit::{Integrator, LimitAnswer, LimitQuestion};
 use onset_study::map::{Evaluator, Record};
-use onset_study::output::text;
+use onset_study::output::picture;
 use onset_study::settings::{MapSettings, MaterialSettings, Settings, Trust};
 use onset_study::simulate::{self, Duration, Pace, Place, Question, Seeded, Stepper};
 use pyo3::buffer::PyBuffer;
@@ -211,7 +212,7 @@ impl Problem {
                 .with_integrator(integrator);
             let limit = LimitAnswer::new(&problem.settings, &strain, &question, &|_| ())?;
             let answer = Answer::of(&limit, &limit)?.with_table(&limit.csv());
-            Ok(answer.with_files(move || limit.files().map_err(Failure::machine)))
+            Ok(answer.with_files(move || Ok(limit.files())))
         })
     }
 
@@ -242,14 +243,7 @@ impl Problem {
             let strain = strain(&problem, stretch.as_deref(), components.as_deref())?;
             let diagram = Diagram::new(&problem, &strain, path.as_deref())?;
             let answer = Answer::of(&diagram, diagram.told())?.with_table(&diagram.csv());
-            Ok(answer.with_files(move || {
-                let title = "Dispersion of the discretization and of the continuum";
-                let figure = diagram.figure(title).files("dispersion");
-                let mut files = figure.map_err(Failure::machine)?;
-                files.push(text("dispersion.csv", diagram.csv()));
-                files.push(text("density-of-states.csv", diagram.density_csv()));
-                Ok(files)
-            }))
+            Ok(answer.with_files(move || Ok(diagram.files())))
         })
     }
 
@@ -455,6 +449,7 @@ impl Problem {
             is_resumed: resume,
             is_overwritten: overwrite,
             checkpoint,
+            sheet: Sheet::default(),
         });
         let problem = Arc::clone(&self.0);
         interrupt::watched(py, move |interrupt| {
@@ -481,8 +476,9 @@ impl Problem {
                 interrupt,
                 is_kept: place.is_some(),
             };
-            let answer = simulate::simulate(&problem, &question, place.as_ref(), &watch)?;
-            Answer::of(&answer, &answer)
+            let run = simulate::simulate(&problem, &question, place.as_ref(), &watch)?;
+            let answer = Answer::of(&run, &run)?;
+            Ok(answer.with_files(move || Ok(vec![picture("simulate", run.figure())])))
         })
     }
 }
@@ -620,18 +616,7 @@ fn along(problem: Arc<answers::Problem>, course: Course) -> Result<Answer, Failu
     let answer = Answer::of(&path, &path)?;
     Ok(answer.with_files(move || {
         let samples = PathSamples::new(&problem, &course)?;
-        let parameters = |crossings: &[CrossingAnswer]| -> Vec<f64> {
-            let parameters = crossings.iter().map(|crossing| crossing.parameter);
-            parameters.collect()
-        };
-        let particles = parameters(&path.discretization_crossings);
-        let material = parameters(&path.material_crossings);
-        let title = match &path.loading {
-            Some(loading) => format!("Stability under loading: {}", loading.title),
-            None => "Stability along a path".to_owned(),
-        };
-        let files = samples.files(&title, [&particles, &material]);
-        files.map_err(Failure::machine)
+        Ok(samples.files(&path))
     }))
 }
 

@@ -4,7 +4,7 @@ use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::problem::{Source, trusted};
-use onset_study::boundary::{self, Boundaries, Tracing, files};
+use onset_study::boundary::{self, Boundaries, Tracing, csv, files};
 use onset_study::map::{Part, Plan, Summary};
 use onset_study::settings;
 use onset_study::store::ZarrStore;
@@ -72,14 +72,12 @@ impl Study {
             };
             let boundaries = Boundaries::of(&study, tracing, &()).map_err(Failure::input)?;
             let made = files(&boundaries).map_err(Failure::machine)?;
-            let table = made.iter().find(|(name, _)| name == "boundary.csv");
-            let table = table.map(|(_, bytes)| String::from_utf8_lossy(bytes).into_owned());
             let text = boundaries.summary().to_string();
             let traced = Traced {
                 summary: boundaries.summary(),
                 files: Vec::new(),
             };
-            let answer = Answer::of(&traced, text)?.with_table(&table.unwrap_or_default());
+            let answer = Answer::of(&traced, text)?.with_table(&csv(&boundaries));
             Ok(answer.with_files(move || Ok(made.clone())))
         })
     }

@@ -4,7 +4,9 @@
 //! fails at any time, each file is the old or the new one. If a file cannot be renamed, the previous ones are restored. Whether files can be written
 //! is tested before the computation. (The tiles of a store are written one by one: see [`store`](crate::store).)
 
+use crate::figure::{Figure, FigureError, Sheet};
 use onset_umat::PrivateFolder;
+use std::borrow::Cow;
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
@@ -42,11 +44,48 @@ fn hint(error: &io::Error) -> &'static str {
 }
 
 /// Files by name, in the order in which they are listed.
-pub type Files = Vec<(OsString, Vec<u8>)>;
+pub type Files = Vec<(OsString, Content)>;
+
+/// Content of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Content {
+    /// The bytes of the file.
+    Bytes(Vec<u8>),
+    /// A figure, which is drawn when it is written, as one file for each format: the name has no ending.
+    Figure(Box<Figure>),
+}
+
+impl Content {
+    /// The files of a content with a name: one, or those of a figure on a sheet.
+    ///
+    /// # Errors
+    /// [`FigureError`] if the figure cannot be drawn.
+    pub fn drawn(
+        &self,
+        name: &OsStr,
+        sheet: &Sheet,
+    ) -> Result<Vec<(OsString, Cow<'_, [u8]>)>, FigureError> {
+        match self {
+            Self::Bytes(bytes) => Ok(vec![(name.to_owned(), bytes.into())]),
+            Self::Figure(figure) => {
+                let files = figure.files(name, sheet)?;
+                Ok(files
+                    .into_iter()
+                    .map(|(name, bytes)| (name, bytes.into()))
+                    .collect())
+            }
+        }
+    }
+}
 
 /// Returns the entry of [`Files`] with a name and a text; writes nothing.
-pub fn text(name: impl AsRef<OsStr>, text: impl Into<Vec<u8>>) -> (OsString, Vec<u8>) {
-    (name.as_ref().to_owned(), text.into())
+pub fn text(name: impl AsRef<OsStr>, text: impl Into<Vec<u8>>) -> (OsString, Content) {
+    (name.as_ref().to_owned(), Content::Bytes(text.into()))
+}
+
+/// Returns the entry of [`Files`] with a figure and its name without ending; draws nothing.
+pub fn picture(name: impl AsRef<OsStr>, figure: Figure) -> (OsString, Content) {
+    (name.as_ref().to_owned(), Content::Figure(Box::new(figure)))
 }
 
 /// Folders that were created for files that do not exist yet, the innermost first.
@@ -71,6 +110,9 @@ pub fn end_all() {
 #[derive(Debug)]
 pub struct Output {
     folder: PathBuf,
+    sheet: Sheet,
+    /// Base name of the figure, if only the figure is written.
+    only: Option<OsString>,
     /// Folders that were created for it, the innermost first.
     made: Vec<PathBuf>,
 }
@@ -88,6 +130,8 @@ impl Output {
             all.extend(made.iter().cloned());
             let output = Self {
                 folder: folder.to_owned(),
+                sheet: Sheet::default(),
+                only: None,
                 made,
             };
             // On an error `output` is dropped and removes the new folders, which locks the list.
@@ -102,15 +146,25 @@ impl Output {
         Ok(output)
     }
 
+    /// Sets the sheet of the figures.
+    pub fn on(mut self, sheet: Sheet) -> Self {
+        self.sheet = sheet;
+        self
+    }
+
+    /// Writes nothing but the figure, under this base name.
+    pub fn only(mut self, name: &OsStr) -> Self {
+        self.only = Some(name.to_owned());
+        self
+    }
+
     /// Writes files, replacing existing ones; returns their paths. An existing link is replaced, not followed.
     ///
     /// # Errors
     /// [`OutputError`] as [`Batch::finish`].
     pub fn write(self, files: &Files) -> Result<Vec<PathBuf>, OutputError> {
         let mut batch = self.begin()?;
-        for (name, bytes) in files {
-            batch.add(name, bytes)?;
-        }
+        batch.add_all(files)?;
         batch.finish()
     }
 
@@ -177,8 +231,31 @@ impl Batch {
     /// # Errors
     /// [`OutputError`] if it cannot be written.
     pub fn add(&mut self, name: impl AsRef<OsStr>, bytes: &[u8]) -> Result<(), OutputError> {
-        let both = self.output.prepare(&self.stage, name.as_ref(), bytes)?;
-        self.prepared.push(both);
+        if self.output.only.is_none() {
+            let both = self.output.prepare(&self.stage, name.as_ref(), bytes)?;
+            self.prepared.push(both);
+        }
+        Ok(())
+    }
+
+    /// Draws the figures and writes all files into the private folder.
+    ///
+    /// # Errors
+    /// [`OutputError`] if a figure cannot be drawn or a file not be written.
+    pub fn add_all(&mut self, files: &Files) -> Result<(), OutputError> {
+        for (name, content) in files {
+            let name = match (&self.output.only, content) {
+                (None, _) => name,
+                (Some(only), Content::Figure(_)) => only,
+                (Some(_), Content::Bytes(_)) => continue,
+            };
+            let drawn = content.drawn(name, &self.output.sheet);
+            let place = self.output.folder.join(name);
+            for (name, bytes) in drawn.map_err(|error| failed(&place)(io::Error::other(error)))? {
+                let both = self.output.prepare(&self.stage, &name, &bytes)?;
+                self.prepared.push(both);
+            }
+        }
         Ok(())
     }
 

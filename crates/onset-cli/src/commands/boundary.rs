@@ -4,7 +4,7 @@ use super::{Failure, named, wrote};
 use crate::patience::bar;
 use crate::printing::print;
 use indicatif::ProgressBar;
-use onset_study::boundary::{Boundaries, Summary, Tracing, Watch, files};
+use onset_study::boundary::{Boundaries, Summary, Tracing, Watch, csv, files};
 use onset_study::output::Output;
 use onset_study::settings::Study;
 use serde::Serialize;
@@ -48,8 +48,7 @@ pub fn boundary(study: &Study, tracing: Tracing, out: Option<&Path>) -> Result<E
     counter.finish();
     let boundaries = traced.map_err(Failure::input)?;
     let made = files(&boundaries).map_err(Failure::machine)?;
-    let table = made.iter().find(|(name, _)| name == "boundary.csv");
-    let table = table.map(|(_, bytes)| String::from_utf8_lossy(bytes).into_owned());
+    let table = Some(csv(&boundaries));
     let written = match output {
         Some(output) => output.write(&made)?,
         None => Vec::new(),

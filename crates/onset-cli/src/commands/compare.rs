@@ -4,13 +4,12 @@ use super::{Failure, Read, print_with_files, progress, with_energy, with_files};
 use crate::arguments::{BlockArguments, CompareArguments, RecommendArguments};
 use crate::printing::print;
 use onset_study::compare::{PANELS, Recommendation, Table, Thresholds};
-use onset_study::output::Output;
 use onset_study::settings::{Comparison, Trust};
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Files of a comparison table.
-const FILES: [&str; 4] = ["compare.html", "compare.csv", "compare.svg", "compare.png"];
+/// Files of a comparison table, without the figure.
+const FILES: [&str; 2] = ["compare.html", "compare.csv"];
 
 /// Compares the methods of a file.
 pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
@@ -23,11 +22,17 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
         &arguments.variations,
         &trust,
     )?;
-    let output = arguments.out.as_deref();
-    let output = output.map(|out| Output::at(out, &FILES)).transpose()?;
+    let place = arguments.out.as_deref();
+    let output = arguments.drawing.output(place, "compare", &FILES)?;
     let table = evaluated(&comparison)?;
     let shown = arguments.detail.text(&table);
-    print_with_files(&table, &shown, output, || table.files(), Some(table.csv()))
+    print_with_files(
+        &table,
+        &shown,
+        output,
+        || Ok(table.files()),
+        Some(table.csv()),
+    )
 }
 
 /// Ranks the methods of a file, or all built-in methods.
@@ -44,8 +49,8 @@ pub fn recommend(arguments: &RecommendArguments) -> Result<ExitCode, Failure> {
         &[],
         &arguments.trust.trust(),
     )?;
-    let output = arguments.out.as_deref();
-    let output = output.map(|out| Output::at(out, &FILES)).transpose()?;
+    let place = arguments.out.as_deref();
+    let output = arguments.drawing.output(place, "compare", &FILES)?;
     comparison.override_weak(arguments.thresholds.weak.share);
     let mut table = evaluated(&comparison)?;
     table.thresholds = Thresholds {
@@ -55,7 +60,7 @@ pub fn recommend(arguments: &RecommendArguments) -> Result<ExitCode, Failure> {
         ..arguments.thresholds.thresholds()
     };
     let written = match output {
-        Some(output) => output.write(&table.files().map_err(Failure::machine)?)?,
+        Some(output) => output.write(&table.files())?,
         None => Vec::new(),
     };
     let recommendation = Recommendation::new(table);

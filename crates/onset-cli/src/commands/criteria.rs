@@ -3,22 +3,21 @@
 use super::{Failure, print_with_files};
 use crate::arguments::{CardArguments, CriteriaArguments, LawArguments};
 use onset_study::criteria::Question;
-use onset_study::output::Output;
+use onset_study::output::picture;
 use std::process::ExitCode;
 
 /// Evaluates all stability criteria of a law.
 pub fn criteria(arguments: &CriteriaArguments) -> Result<ExitCode, Failure> {
     let question = question(&arguments.law)?;
-    let output = arguments.out.as_deref();
-    let names = ["criteria.svg", "criteria.png"];
-    let output = output.map(|out| Output::at(out, &names)).transpose()?;
+    let place = arguments.out.as_deref();
+    let output = arguments.drawing.output(place, "criteria", &[])?;
     let answer = question.answer().map_err(Failure::input)?;
     let shown = arguments.detail.text(&answer);
     print_with_files(
         &answer,
         &shown,
         output,
-        || answer.figure().files("criteria"),
+        || Ok(vec![picture("criteria", answer.figure())]),
         None,
     )
 }
@@ -26,11 +25,18 @@ pub fn criteria(arguments: &CriteriaArguments) -> Result<ExitCode, Failure> {
 /// Evaluates the safe range card of a law.
 pub fn card(arguments: &CardArguments) -> Result<ExitCode, Failure> {
     let question = question(&arguments.law)?;
-    let names = ["card.svg", "card.png", "card.json", "card.html"];
-    let output = arguments.out.as_deref();
-    let output = output.map(|out| Output::at(out, &names)).transpose()?;
+    let place = arguments.out.as_deref();
+    let output = arguments
+        .drawing
+        .output(place, "card", &["card.json", "card.html"])?;
     let card = question.card().map_err(Failure::input)?;
-    print_with_files(&card, &card.to_string(), output, || card.files(), None)
+    print_with_files(
+        &card,
+        &card.to_string(),
+        output,
+        || card.files().map_err(Failure::machine),
+        None,
+    )
 }
 
 fn question(arguments: &LawArguments) -> Result<Question, Failure> {

@@ -9,7 +9,6 @@ use onset_study::fit::{
     FitAnswer, FittingError, Mode, Options, Reading, Source, Tests, criteria, families, fitted,
     weights,
 };
-use onset_study::output::Output;
 use std::process::ExitCode;
 
 impl From<FittingError> for Failure {
@@ -59,9 +58,10 @@ pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
     }
     let families = families(&arguments.law)?;
     let tests = Tests::read(&files, &reading).map_err(FittingError::Table)?;
-    let output = arguments.out.as_deref();
-    let output = output.map(|out| Output::at(out, &FitAnswer::names()));
-    let output = output.transpose()?;
+    let place = arguments.out.as_deref();
+    let output = arguments
+        .drawing
+        .output(place, "fit", &FitAnswer::names())?;
     let options = Options {
         weights: weights(&arguments.weights, arguments.floor)?,
         range: arguments.stable.0,

@@ -4,7 +4,6 @@ use super::{Failure, print_with_files, progress};
 use crate::arguments::LimitArguments;
 use onset_study::answers::{Problem, Strain};
 use onset_study::limit::{LimitAnswer, LimitQuestion};
-use onset_study::output::Output;
 use std::process::ExitCode;
 
 /// Searches for the limit of a setting.
@@ -21,9 +20,8 @@ pub fn limit(arguments: &LimitArguments) -> Result<ExitCode, Failure> {
         .between(arguments.range)
         .with_safety(arguments.safety)
         .with_integrator(arguments.integrator);
-    let output = arguments.out.as_deref();
-    let names = ["limit.csv", "limit.svg", "limit.png"];
-    let output = output.map(|out| Output::at(out, &names)).transpose()?;
+    let place = arguments.out.as_deref();
+    let output = arguments.drawing.output(place, "limit", &["limit.csv"])?;
     let bar = progress(question.values(), "values tried:");
     let answer = LimitAnswer::new(&settings, &strain, &question, &|value| {
         bar.set_message(format!("{} = {value}", question.key()));
@@ -34,7 +32,7 @@ pub fn limit(arguments: &LimitArguments) -> Result<ExitCode, Failure> {
         &answer,
         &answer.to_string(),
         output,
-        || answer.files(),
+        || Ok(answer.files()),
         Some(answer.csv()),
     )
 }

@@ -4,7 +4,6 @@ use super::{Failure, another, with_files};
 use crate::arguments::LocalizeArguments;
 use crate::printing::print;
 use onset_study::localization::{LocalizationAnswer, PlasticSettings};
-use onset_study::output::{Output, text};
 use std::process::ExitCode;
 
 /// Follows the path, prints the answer, and draws it if a folder is given.
@@ -25,23 +24,12 @@ pub fn localize(arguments: &LocalizeArguments) -> Result<ExitCode, Failure> {
         .chain(arguments.assignments.iter().cloned())
         .collect();
     let settings = PlasticSettings::from_assignments(&assignments).map_err(Failure::input)?;
-    let names = [
-        "localize.svg",
-        "localize.png",
-        "localize.csv",
-        "localize-directions.csv",
-    ];
-    let output = arguments.out.as_deref();
-    let output = output.map(|out| Output::at(out, &names)).transpose()?;
+    let place = arguments.out.as_deref();
+    let names = ["localize.csv", "localize-directions.csv"];
+    let output = arguments.drawing.output(place, "localize", &names)?;
     let answer = LocalizationAnswer::new(&settings).map_err(Failure::input)?;
     let written = match output {
-        Some(output) => {
-            let figure = answer.figure("Where the material localizes");
-            let mut files = figure.files("localize").map_err(Failure::machine)?;
-            files.push(text("localize.csv", answer.csv()));
-            files.push(text("localize-directions.csv", answer.directions_csv()));
-            output.write(&files)?
-        }
+        Some(output) => output.write(&answer.files())?,
         None => Vec::new(),
     };
     print(&answer, &with_files(&answer, &written), Some(answer.csv()))

@@ -4,7 +4,6 @@ use super::{Failure, with_files};
 use crate::arguments::ModesArguments;
 use crate::printing::print;
 use onset_study::modes::{ModesAnswer, ModesQuestion};
-use onset_study::output::Output;
 use std::process::ExitCode;
 
 /// Computes the spurious modes of a method.
@@ -16,12 +15,11 @@ pub fn modes(arguments: &ModesArguments) -> Result<ExitCode, Failure> {
         amplitude: arguments.amplitude,
         is_exported: arguments.out.is_some(),
     };
-    let output = arguments.out.as_deref();
-    let names = ["modes.svg", "modes.png", "modes.html"];
-    let output = output.map(|out| Output::at(out, &names)).transpose()?;
+    let place = arguments.out.as_deref();
+    let output = arguments.drawing.output(place, "modes", &["modes.html"])?;
     let answer = ModesAnswer::new(&settings, &question)?;
     let written = match output {
-        Some(output) => output.write(&answer.files().map_err(Failure::machine)?)?,
+        Some(output) => output.write(&answer.files())?,
         None => Vec::new(),
     };
     print(&answer, &with_files(&answer, &written), None)

@@ -6,7 +6,6 @@ use crate::fail_on;
 use crate::patience::{self, bar};
 use crate::printing::{print, tell};
 use onset_study::answers::Problem;
-use onset_study::output::Output;
 use onset_study::screen::{
     Question, Recording, ScreenAnswer, ScreenChecks, ScreenError, ScreenFiles, Source,
 };
@@ -69,9 +68,10 @@ fn extents(files: &[PathBuf]) -> Vec<(u64, Option<SystemTime>)> {
 fn once(arguments: &ScreenArguments, last: &str) -> Result<(ExitCode, bool, String), Failure> {
     let (problem, files) = problem(arguments)?;
     let source = source(arguments, files)?;
-    let output = arguments.out.as_deref().filter(|_| !arguments.check);
-    let output = output.map(|out| Output::at(out, &ScreenFiles::NAMES));
-    let output = output.transpose()?;
+    let place = arguments.out.as_deref().filter(|_| !arguments.check);
+    let output = arguments
+        .drawing
+        .output(place, "screen", &ScreenFiles::NAMES)?;
     let dimension = problem.dimension();
     let has_elements = problem.settings.method.method == Family::FiniteElements;
     let (recording, run, mut series) = Recording::open(&source, dimension, has_elements)?;

@@ -37,6 +37,7 @@ pub fn simulate(arguments: &SimulateArguments) -> Result<ExitCode, Failure> {
         is_resumed: arguments.resume,
         is_overwritten: arguments.overwrite,
         checkpoint: arguments.checkpoint,
+        sheet: arguments.drawing.sheet(),
     });
     let is_kept = place.is_some();
     match problem.settings.body.clone() {

@@ -3,7 +3,6 @@
 use super::{Failure, print_with_files, progress};
 use crate::arguments::TuneArguments;
 use onset_study::compare::Thresholds;
-use onset_study::output::Output;
 use onset_study::tune::{TuneAnswer, TuneQuestion};
 use std::process::ExitCode;
 
@@ -16,9 +15,8 @@ pub fn tune(arguments: &TuneArguments) -> Result<ExitCode, Failure> {
             ..arguments.thresholds.thresholds()
         });
     let settings = arguments.problem.settings_with(&[question.key()])?;
-    let output = arguments.out.as_deref();
-    let names = ["tune.csv", "tune.svg", "tune.png"];
-    let output = output.map(|out| Output::at(out, &names)).transpose()?;
+    let place = arguments.out.as_deref();
+    let output = arguments.drawing.output(place, "tune", &["tune.csv"])?;
     let bar = progress(question.values().len(), "values tried:");
     let answer = TuneAnswer::new(&settings, &question, |value| {
         bar.set_message(format!("{} = {value}", question.key()));
@@ -30,7 +28,7 @@ pub fn tune(arguments: &TuneArguments) -> Result<ExitCode, Failure> {
         &answer,
         &shown,
         output,
-        || answer.files(),
+        || Ok(answer.files()),
         Some(answer.csv()),
     )
 }

@@ -1,12 +1,13 @@
 //! Paths of deformation, straight or with traction-free faces, and samples of the states along them.
 
 use super::notes::{is_fluid, notes_on_law};
+use super::path::{CrossingAnswer, PathAnswer};
 use super::problem::{Problem, ProblemError, Strain};
 use super::state::{StateAnswer, rows};
 use crate::criteria::EndAnswer;
-use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
+use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
 use crate::number::told;
-use crate::output::{Files, text};
+use crate::output::{Files, picture, text};
 use crate::settings::Effective;
 use onset::cancel::Scope;
 use onset::criteria::{
@@ -486,13 +487,19 @@ impl PathSamples {
             .caption(self.settings.caption())
     }
 
-    /// The states as `path.csv`, `path.svg` and `path.png`.
-    ///
-    /// # Errors
-    /// [`FigureError`] when the figure is too large.
-    pub fn files(&self, title: &str, changes: [&[f64]; 2]) -> Result<Files, FigureError> {
-        let mut files = vec![text("path.csv", self.csv())];
-        files.extend(self.figure(title, changes).files("path")?);
-        Ok(files)
+    /// The states as `path.csv`, and the figure `path` with the changes of an answer.
+    pub fn files(&self, answer: &PathAnswer) -> Files {
+        let parameters = |crossings: &[CrossingAnswer]| -> Vec<f64> {
+            let parameters = crossings.iter().map(|crossing| crossing.parameter);
+            parameters.collect()
+        };
+        let particles = parameters(&answer.discretization_crossings);
+        let material = parameters(&answer.material_crossings);
+        let title = match &answer.loading {
+            Some(loading) => format!("Stability under loading: {}", loading.title),
+            None => "Stability along a path".to_owned(),
+        };
+        let figure = self.figure(&title, [&particles, &material]);
+        vec![text("path.csv", self.csv()), picture("path", figure)]
     }
 }

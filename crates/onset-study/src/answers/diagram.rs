@@ -8,6 +8,7 @@ use super::state::{ComplexNumber, list};
 use super::zone_path::{CRITICAL, SymmetryPoints, ZonePath};
 use crate::figure::{Axis, Figure, Line, Panel, Points, Rule, palette};
 use crate::number::{told, told_of, vector};
+use crate::output::{Files, picture, text};
 use crate::settings::Effective;
 use nalgebra::Vector3;
 use onset::algebra::Complex;
@@ -262,6 +263,16 @@ impl Diagram {
             points.push((*x, value(heights)));
         }
         points
+    }
+
+    /// The figure `dispersion`, and the files `dispersion.csv` and `density-of-states.csv`.
+    pub fn files(&self) -> Files {
+        let title = "Dispersion of the discretization and of the continuum";
+        vec![
+            picture("dispersion", self.figure(title)),
+            text("dispersion.csv", self.csv()),
+            text("density-of-states.csv", self.density_csv()),
+        ]
     }
 
     /// Draws frequencies upward and growth rates downward, with the density of states in a second panel.

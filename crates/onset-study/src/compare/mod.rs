@@ -19,8 +19,7 @@ pub use thresholds::Thresholds;
 pub(crate) use thresholds::{TUNING_LIMITS, percent};
 
 use crate::answers::{Evidence, ProblemError, notes_on_law, notes_on_method};
-use crate::figure::FigureError;
-use crate::output::{Files, text};
+use crate::output::{Files, picture, text};
 use crate::settings::{Candidate, Comparison};
 use onset::cancel::Scope;
 use rayon::prelude::*;
@@ -102,16 +101,12 @@ impl Table {
         })
     }
 
-    /// Table as `compare.html`, `compare.csv`, `compare.svg` and `compare.png`.
-    ///
-    /// # Errors
-    /// [`FigureError`] if the figure is too large.
-    pub fn files(&self) -> Result<Files, FigureError> {
-        let mut files = vec![
+    /// Table as `compare.html` and `compare.csv`, and the figure `compare`.
+    pub fn files(&self) -> Files {
+        vec![
             text("compare.html", self.html()),
             text("compare.csv", self.csv()),
-        ];
-        files.extend(self.figure().files("compare")?);
-        Ok(files)
+            picture("compare", self.figure()),
+        ]
     }
 }

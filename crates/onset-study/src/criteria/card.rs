@@ -7,16 +7,15 @@ use super::{
     SideAnswer, kink,
 };
 use crate::answers::Evidence;
-use crate::figure::{Axis, Color, Figure, FigureError, Line, Panel, Rule, palette};
+use crate::figure::{Axis, Color, Figure, Line, Panel, Rule, palette};
 use crate::json;
 use crate::number::{told, told_above, told_below};
-use crate::output::{Files, text};
+use crate::output::{Files, picture, text};
 use onset::cancel::Scope;
 use onset::criteria::{BoxEnd, Criterion, SafeBox, Witness, safe_box, widest_safe_box};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt::{Display, Formatter};
-use thiserror::Error;
 
 /// Ranges of stretch in which a law is strongly elliptic.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -104,17 +103,6 @@ pub struct LimitPoint {
     pub nominal_strain: f64,
     /// Nominal stress `P_11`, in simple shear `P_12`. Units of stress.
     pub nominal_stress: f64,
-}
-
-/// Reasons why a card cannot be written.
-#[derive(Debug, Error)]
-pub enum CardError {
-    /// The figure cannot be drawn.
-    #[error(transparent)]
-    Figure(#[from] FigureError),
-    /// The answer cannot be written as JSON.
-    #[error("the card cannot be written as JSON: {0}")]
-    Json(#[from] serde_json::Error),
 }
 
 /// Criteria listed on a card. Drucker's check is the one made by programs that fit laws to tests.
@@ -358,15 +346,16 @@ impl CardAnswer {
             .with(panel)
     }
 
-    /// Returns the files `card.svg`, `card.png`, `card.json` and `card.html`.
+    /// Returns the figure `card`, and the files `card.json` and `card.html`.
     ///
     /// # Errors
-    /// [`CardError`] when the figure cannot be drawn or the answer cannot be written as JSON.
-    pub fn files(&self) -> Result<Files, CardError> {
-        let mut files = self.figure().files("card")?;
-        files.push(text("card.json", json::document(self)?));
-        files.push(text("card.html", self.html()));
-        Ok(files)
+    /// [`serde_json::Error`] if the answer cannot be written as JSON.
+    pub fn files(&self) -> Result<Files, serde_json::Error> {
+        Ok(vec![
+            picture("card", self.figure()),
+            text("card.json", json::document(self)?),
+            text("card.html", self.html()),
+        ])
     }
 }
 

@@ -8,7 +8,7 @@ mod html;
 mod sentence;
 mod short;
 
-pub use card::{BoxAnswer, CardAnswer, CardError, Limits};
+pub use card::{BoxAnswer, CardAnswer, Limits};
 pub use onset::criteria::{Lateral, Mode, Range};
 
 use crate::answers::{Evidence, moduli, notes_on_law};

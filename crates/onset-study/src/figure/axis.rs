@@ -1,7 +1,10 @@
 //! Axes: ranges, scales and ticks at nice numbers.
 
+use serde::Serialize;
+
 /// Scale of an axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Scale {
     /// Equal differences have equal lengths.
     #[default]
@@ -11,7 +14,7 @@ pub enum Scale {
 }
 
 /// One axis of a [`Panel`](super::Panel).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Axis {
     /// Quantity on the axis, with its unit.
     pub label: String,
@@ -114,6 +117,12 @@ impl Axis {
             (start, end) = (start - margin, end + margin);
         }
         (start, end)
+    }
+
+    /// Range as numbers, in which the axis is drawn.
+    pub(super) fn shown(&self) -> (f64, f64) {
+        let (start, end) = self.limits();
+        (self.number(start), self.number(end))
     }
 
     /// Position of the number between the start (0) and the end (1) of the axis.

@@ -1,5 +1,7 @@
 //! Colors and continuous color maps.
 
+use serde::{Serialize, Serializer};
+
 /// An opaque sRGB color.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Color {
@@ -37,6 +39,13 @@ impl Color {
     }
 }
 
+impl Serialize for Color {
+    /// A word as in HTML.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
 impl std::fmt::Display for Color {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "#{:02x}{:02x}{:02x}", self.red, self.green, self.blue)
@@ -44,7 +53,8 @@ impl std::fmt::Display for Color {
 }
 
 /// Color map of a [`Field`](super::Field). All maps are safe for color-blind readers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ColorMap {
     /// Dark to light, for quantities with an order but no special value.
     #[default]
@@ -54,6 +64,7 @@ pub enum ColorMap {
     /// White to black, for prints without color.
     Grey,
     /// Red below zero, white at zero, blue above it: for quantities whose sign matters.
+    #[serde(rename = "red-blue")]
     Diverging,
 }
 

@@ -16,6 +16,47 @@ fn face() -> &'static Face<'static> {
     FACE.get_or_init(|| Face::parse(FONT, 0).expect("the embedded font is whole"))
 }
 
+/// The embedded font with some of its glyphs only, and their new numbers; with all of them if it cannot be cut down.
+pub(super) fn subset(
+    glyphs: impl IntoIterator<Item = GlyphId>,
+) -> (Vec<u8>, impl Fn(GlyphId) -> u16) {
+    let remapper = subsetter::GlyphRemapper::new_from_glyphs_sorted(
+        &glyphs.into_iter().map(|glyph| glyph.0).collect::<Vec<_>>(),
+    );
+    let cut = subsetter::subset(FONT, 0, &remapper).ok();
+    let is_cut = cut.is_some();
+    let number = move |glyph: GlyphId| match is_cut {
+        true => remapper.get(glyph.0).unwrap_or(0),
+        false => glyph.0,
+    };
+    (cut.unwrap_or_else(|| FONT.to_vec()), number)
+}
+
+/// Measures of the font and of a glyph, in thousandths of its size.
+pub(super) struct Measures {
+    /// Extent of all letters: left, lower, right and upper edge.
+    pub(super) bounds: [f32; 4],
+    pub(super) ascent: f32,
+    pub(super) descent: f32,
+    pub(super) capital: f32,
+}
+
+pub(super) fn measures() -> Measures {
+    let own = |length: i16| f32::from(length) * 1000.0 / units();
+    let bounds = face().global_bounding_box();
+    Measures {
+        bounds: [bounds.x_min, bounds.y_min, bounds.x_max, bounds.y_max].map(own),
+        ascent: own(face().ascender()),
+        descent: own(face().descender()),
+        capital: 1000.0 * super::pen::CAPITAL as f32,
+    }
+}
+
+/// Width of a glyph in thousandths of the size of the font.
+pub(super) fn advance(glyph: GlyphId) -> f32 {
+    f32::from(face().glyph_hor_advance(glyph).unwrap_or(0)) * 1000.0 / units()
+}
+
 /// Font units per em.
 pub(super) fn units() -> f32 {
     f32::from(face().units_per_em())

@@ -1,12 +1,14 @@
 //! Layers of a panel: maps, curves, points, arrows, words.
 
 use super::{Color, ColorMap, palette};
+use serde::Serialize;
 
 /// A layer of a [`Panel`](super::Panel), drawn over the layers before it.
 ///
 /// Numbers that are not finite are never drawn. Everything is clipped to the panel. Layers over a map get a white rim, so that they stand out from
 /// every color.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Layer {
     /// Categorical map on a grid.
     Regions(Regions),
@@ -30,7 +32,7 @@ pub enum Layer {
 ///
 /// The grid divides the rectangle evenly in the scale of the axes (in the logarithm on a logarithmic axis); each sample lies in the middle of
 /// its cell.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Regions {
     /// Left and right edge of the grid.
     pub x: (f64, f64),
@@ -47,7 +49,7 @@ pub struct Regions {
 }
 
 /// Map of numbers on a grid as in [`Regions`], with a color bar.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Field {
     /// Left and right edge of the grid.
     pub x: (f64, f64),
@@ -68,7 +70,7 @@ pub struct Field {
 }
 
 /// Curve through a list of vertices.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Line {
     /// Vertices; a NaN interrupts the curve.
     pub points: Vec<(f64, f64)>,
@@ -83,7 +85,8 @@ pub struct Line {
 }
 
 /// Dash pattern of a line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Dash {
     /// One continuous stroke without gaps.
     #[default]
@@ -95,7 +98,7 @@ pub enum Dash {
 }
 
 /// Markers at a list of points.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Points {
     /// Positions of the markers.
     pub points: Vec<(f64, f64)>,
@@ -112,7 +115,8 @@ pub struct Points {
 }
 
 /// Shape of a marker.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Marker {
     /// Disk centered at the point.
     #[default]
@@ -126,7 +130,7 @@ pub enum Marker {
 }
 
 /// Arrows between pairs of points.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Arrows {
     /// Tails of the arrows.
     pub from: Vec<(f64, f64)>,
@@ -141,7 +145,7 @@ pub struct Arrows {
 }
 
 /// Projected balls, each with an arrow from its center; drawn in the order of the list, the farthest first.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Balls {
     /// Balls, the farthest first.
     pub balls: Vec<Ball>,
@@ -158,7 +162,7 @@ pub struct Balls {
 }
 
 /// Projection of a ball with its arrow.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Ball {
     /// Center of the ball.
     pub at: (f64, f64),
@@ -171,7 +175,7 @@ pub struct Ball {
 }
 
 /// Word centered at a point but kept inside the panel.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Label {
     /// Center of the word.
     pub at: (f64, f64),
@@ -182,7 +186,7 @@ pub struct Label {
 }
 
 /// Straight line across the whole panel.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Rule {
     /// Direction of the line.
     pub direction: Direction,
@@ -197,7 +201,8 @@ pub struct Rule {
 }
 
 /// The direction of a [`Rule`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Direction {
     /// Line at a constant y.
     Horizontal,

@@ -4,7 +4,8 @@ use super::axis::{Scale, Tick};
 use super::draw::{Frame, LEVELS, field_range, level_color, shown_values};
 use super::pen::{CAPITAL, INK, NUMBERS, Pen, crisp, polygon, rectangle, segment};
 use super::scene::{Anchor, Paint, Scene};
-use super::{Axis, Dash, Field, Figure, Layer, Panel, font, legend};
+use super::sheet::{MILLIMETER, Size as Asked};
+use super::{Axis, Dash, Field, Figure, Layer, Panel, Sheet, Theme, font, legend};
 use tiny_skia::PathBuilder;
 
 /// Font sizes, in pixels.
@@ -26,43 +27,118 @@ const LABEL_GAP: f64 = 8.0;
 const BAR_GAP: f64 = 12.0;
 const BAR: f64 = 13.0;
 
-/// Draws the whole figure.
-pub(super) fn scene(figure: &Figure) -> Scene {
-    let columns = figure.columns.clamp(1, figure.panels.len().max(1));
-    let usual = if columns == 1 { 420.0 } else { 300.0 };
-    let size = Size::of(figure.panel_size, usual);
-    let panels: Vec<Measured> = figure
-        .panels
-        .iter()
-        .map(|panel| Measured::new(panel, size))
-        .collect();
+/// Size of letters in a picture with a width in print, relative to the usual one: numbers have 8 pt instead of 9.
+const PRINTED: f64 = 8.0 / 9.0;
+/// Smallest width of a panel in a picture with a width in print, before panels are put below each other.
+const NARROWEST: f64 = 150.0;
 
-    let column = |index: usize, size: fn(&Measured) -> f64| {
-        let members = panels.iter().skip(index).step_by(columns);
-        members.map(size).fold(0.0, f64::max)
+/// Draws the figure on a sheet.
+pub(super) fn scene(figure: &Figure, sheet: &Sheet) -> Scene {
+    let mut figure = sheet.dressed(figure);
+    let width = match sheet.size {
+        Some(Asked::Picture(millimeters)) => millimeters * MILLIMETER,
+        _ => {
+            return Scene {
+                theme: sheet.theme,
+                ..drawn(&figure, None, 0.0)
+            };
+        }
     };
+    // The panels take the room that the parts of the picture beside them leave.
+    let available = width / PRINTED;
+    figure.columns = figure.columns.clamp(1, figure.panels.len().max(1));
+    let scene = loop {
+        let columns = figure.columns as f64;
+        let mut panel = available / columns;
+        for _ in 0..8 {
+            let excess = Grid::of(&figure, Some(panel)).width() - available;
+            if excess <= 0.0 {
+                break;
+            }
+            panel = (panel - (excess / columns).max(0.5)).max(40.0);
+        }
+        if panel >= NARROWEST || figure.columns == 1 {
+            break drawn(&figure, Some(panel), available);
+        }
+        figure.columns -= 1;
+    };
+    Scene {
+        scale: width / scene.width,
+        is_printed: true,
+        theme: sheet.theme,
+        ..scene
+    }
+}
+
+/// Measured panels in rows.
+struct Grid<'a> {
+    panels: Vec<Measured<'a>>,
+    columns: usize,
+    /// Left margin, box and right margin of each column.
+    widths: Vec<[f64; 3]>,
+}
+
+impl<'a> Grid<'a> {
+    /// Measures the panels, whose boxes are `usual` wide if nothing else is asked.
+    fn of(figure: &'a Figure, usual: Option<f64>) -> Self {
+        let columns = figure.columns.clamp(1, figure.panels.len().max(1));
+        let usual = usual.unwrap_or(if columns == 1 { 420.0 } else { 300.0 });
+        let size = Size::of(figure.panel_size, usual);
+        let panels: Vec<Measured> = figure
+            .panels
+            .iter()
+            .map(|panel| Measured::new(panel, size))
+            .collect();
+        let column = |index: usize, size: fn(&Measured) -> f64| {
+            let members = panels.iter().skip(index).step_by(columns);
+            members.map(size).fold(0.0, f64::max)
+        };
+        let widths = (0..columns)
+            .map(|i| {
+                [
+                    column(i, |p| p.left),
+                    column(i, |p| p.width),
+                    column(i, |p| p.right),
+                ]
+            })
+            .collect();
+        Self {
+            panels,
+            columns,
+            widths,
+        }
+    }
+
+    /// Width of the columns with the gaps between them.
+    fn content(&self) -> f64 {
+        self.widths.iter().flatten().sum::<f64>() + GAP * (self.columns - 1) as f64
+    }
+
+    /// Width of a picture of the panels.
+    fn width(&self) -> f64 {
+        self.content() + 2.0 * PADDING
+    }
+}
+
+/// Draws the whole figure at least as wide as asked.
+fn drawn(figure: &Figure, usual: Option<f64>, least: f64) -> Scene {
+    let grid = Grid::of(figure, usual);
+    let content = grid.content();
+    let Grid {
+        panels,
+        columns,
+        widths,
+    } = grid;
     let row = |index: usize, size: fn(&Measured) -> f64| {
         let members = panels.iter().skip(index * columns).take(columns);
         members.map(size).fold(0.0, f64::max)
     };
-    let widths: Vec<[f64; 3]> = (0..columns)
-        .map(|i| {
-            [
-                column(i, |p| p.left),
-                column(i, |p| p.width),
-                column(i, |p| p.right),
-            ]
-        })
-        .collect();
-    let gaps = GAP * (columns - 1) as f64;
-    let content = widths.iter().flatten().sum::<f64>() + gaps;
-
     let entries = figure.legend_entries();
     let widest = entries
         .iter()
         .map(legend::entry_width)
         .fold(260.0, f64::max);
-    let width = (content.max(widest) + 2.0 * PADDING).ceil();
+    let width = (content.max(widest) + 2.0 * PADDING).ceil().max(least);
 
     let mut pen = Pen::default();
     let mut y = PADDING;
@@ -104,6 +180,9 @@ pub(super) fn scene(figure: &Figure) -> Scene {
         title: figure.title.clone(),
         description: figure.caption.clone(),
         shapes: pen.shapes,
+        scale: 1.0,
+        is_printed: false,
+        theme: Theme::Light,
     }
 }
 

@@ -3,6 +3,7 @@
 use super::pen::{CAPITAL, NUMBERS, Pen, marker, pixels, polygon, rectangle, segment};
 use super::scene::{Anchor, Paint};
 use super::{Color, Dash, Direction, Layer, Marker, Panel, font, palette};
+use serde::Serialize;
 use tiny_skia::PathBuilder;
 
 /// Distances after a symbol and after a name, and between rows.
@@ -11,7 +12,7 @@ const ENTRY_GAP: f64 = 24.0;
 const LEGEND_ROW: f64 = 21.0;
 
 /// Symbol with its meaning.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LegendEntry {
     /// Name next to the symbol.
     pub name: String,
@@ -20,7 +21,8 @@ pub struct LegendEntry {
 }
 
 /// Symbol of a layer in the legend.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Symbol {
     /// Patch in the color of a class.
     Patch(Color),

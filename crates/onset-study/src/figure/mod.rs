@@ -1,7 +1,7 @@
 //! Figures: axes, layers and their rendering to SVG, PNG and PDF.
 //!
-//! A [`Figure`] is plain data: panels, each with two axes and layers of arrays. SVG, PNG and PDF show the same picture on every machine, because all
-//! are drawn from the same outlines, and letters are outlines of an embedded font. (In the SVG each line of text keeps its words in an `aria-label`.)
+//! A [`Figure`] is plain data: panels, each with two axes and layers of arrays. SVG, PNG and PDF are drawn from it on a [`Sheet`], and other programs
+//! draw it from its serialized form. Letters are text in SVG and PDF, and PNG and PDF have the embedded font.
 //!
 //! ```
 //! use onset_study::figure::{Axis, Figure, Line, Panel, Regions, palette};
@@ -36,6 +36,7 @@ mod pdf;
 mod pen;
 mod scatter;
 mod scene;
+mod sheet;
 
 pub use axis::{Axis, Scale};
 pub use color::{Color, ColorMap};
@@ -43,13 +44,13 @@ pub use layer::{
     Arrows, Ball, Balls, Dash, Direction, Field, Label, Layer, Line, Marker, Points, Regions, Rule,
 };
 pub use legend::{LegendEntry, Symbol};
+pub use sheet::{Sheet, Size, Theme};
 
-use crate::output::{self, Files, OutputError};
-use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
+use serde::Serialize;
+use std::ffi::{OsStr, OsString};
 
 /// Panels in a grid, with a title above, a shared legend and a caption below.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Figure {
     /// Title above all panels; may be empty.
     pub title: String,
@@ -66,7 +67,7 @@ pub struct Figure {
 }
 
 /// Two axes with the layers between them.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Panel {
     /// Title above the panel; may be empty.
     pub title: String,
@@ -98,14 +99,6 @@ pub enum FigureError {
     Encode {
         /// Message of the encoder.
         reason: String,
-    },
-    /// A file or its directory could not be written.
-    #[error("cannot write {}: {source}", path.display())]
-    Write {
-        /// The file or directory.
-        path: PathBuf,
-        /// Error of the operating system.
-        source: std::io::Error,
     },
 }
 
@@ -147,9 +140,26 @@ impl Figure {
         }
     }
 
+    /// The figure for other programs, which draw its serialized form: with the limits of all axes and color bars, and with the legend as it is drawn.
+    pub fn description(&self) -> Self {
+        let mut figure = self.clone();
+        figure.legend = self.legend_entries();
+        for panel in &mut figure.panels {
+            for axis in [&mut panel.x, &mut panel.y] {
+                axis.range = axis.shown();
+            }
+            for layer in &mut panel.layers {
+                if let Layer::Field(field) = layer {
+                    field.range = Some(draw::field_range(field));
+                }
+            }
+        }
+        figure
+    }
+
     /// Returns the picture as an SVG document.
     pub fn to_svg(&self) -> String {
-        layout::scene(self).to_svg()
+        layout::scene(self, &Sheet::default()).to_svg()
     }
 
     /// Returns the picture as a PNG with twice the resolution: four device pixels for each pixel.
@@ -157,38 +167,43 @@ impl Figure {
     /// # Errors
     /// [`FigureError::Size`] if the figure has so many panels that the picture would have more than 2^27 device pixels.
     pub fn to_png(&self) -> Result<Vec<u8>, FigureError> {
-        layout::scene(self).to_png()
+        layout::scene(self, &Sheet::default()).to_png()
     }
 
     /// Returns the picture as a PDF with one page. A pixel is 1/96 inch.
     pub fn to_pdf(&self) -> Vec<u8> {
-        layout::scene(self).to_pdf()
+        layout::scene(self, &Sheet::default()).to_pdf()
     }
 
-    /// Returns the picture as the files `name.svg` and `name.png`.
+    /// Endings of the files of a figure, the last only beside a bare picture.
+    pub const ENDINGS: [&str; 4] = [".svg", ".png", ".pdf", ".txt"];
+
+    /// Returns the picture on a sheet as files with a base name: SVG, PNG and PDF, and the words of a bare picture.
     ///
     /// # Errors
     /// Fails like [`Figure::to_png`].
-    pub fn files(&self, name: impl AsRef<OsStr>) -> Result<Files, FigureError> {
-        let scene = layout::scene(self);
-        let file = |format: &str, bytes: Vec<u8>| {
-            let mut name = name.as_ref().to_owned();
-            name.push(format);
-            (name, bytes)
-        };
-        let png = scene.to_png()?;
-        Ok(vec![file(".svg", scene.to_svg().into()), file(".png", png)])
-    }
-
-    /// Writes `name.svg` and `name.png`, and creates the directory if needed; returns both paths.
-    ///
-    /// # Errors
-    /// Fails like [`Figure::to_png`], and with [`FigureError::Write`] if a path cannot be written.
-    pub fn write(&self, directory: &Path, name: &str) -> Result<[PathBuf; 2], FigureError> {
-        let files = self.files(name)?;
-        output::write(directory, &files)
-            .map_err(|OutputError { path, source }| FigureError::Write { path, source })?;
-        Ok(["svg", "png"].map(|format| directory.join(format!("{name}.{format}"))))
+    pub fn files(
+        &self,
+        name: impl AsRef<OsStr>,
+        sheet: &Sheet,
+    ) -> Result<Vec<(OsString, Vec<u8>)>, FigureError> {
+        let scene = layout::scene(self, sheet);
+        let words = sheet.words_beside(self).map(String::into_bytes);
+        let contents = [
+            Some(scene.to_svg().into_bytes()),
+            Some(scene.to_png()?),
+            Some(scene.to_pdf()),
+            words,
+        ];
+        let named = Self::ENDINGS
+            .iter()
+            .zip(contents)
+            .filter_map(|(ending, content)| {
+                let mut name = name.as_ref().to_owned();
+                name.push(ending);
+                Some((name, content?))
+            });
+        Ok(named.collect())
     }
 }
 

@@ -1,8 +1,9 @@
 //! Picture as a list of painted outlines and words, written as SVG or PNG.
 //!
-//! Both use the same outlines, glyphs included, and appear the same in every viewer.
+//! The text of the SVG is text, which can be searched, edited and set in the font of a paper; its place follows from the embedded font, with which the
+//! PNG is drawn.
 
-use super::{Color, Dash, FigureError, font, palette};
+use super::{Color, Dash, FigureError, Theme, font, palette};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use tiny_skia::{
@@ -10,8 +11,15 @@ use tiny_skia::{
 };
 use ttf_parser::GlyphId;
 
-/// Device pixels per pixel in the PNG, along each side.
-pub(super) const RESOLUTION: f32 = 2.0;
+/// Device pixels per pixel of the PNG along each side, for pictures on a screen.
+const RESOLUTION: f64 = 2.0;
+/// The same for pictures with a size in print: 300 per inch.
+const PRINTED_RESOLUTION: f64 = 300.0 / 96.0;
+/// Fonts of the text of the SVG: the embedded one, the one from which it was derived (equally wide), and what systems have.
+const FONTS: &str = "DejaVu Sans, Bitstream Vera Sans, Verdana, Helvetica, Arial, sans-serif";
+
+/// Width of the rim of words on a map, in units of the shapes.
+pub(super) const RIM: f64 = 3.0;
 
 /// Maximum number of device pixels in a PNG, which limits the memory.
 const MAX_PNG_PIXELS: u64 = 1 << 27;
@@ -25,6 +33,11 @@ pub(super) struct Scene {
     /// Description of the picture, for screen readers and other programs.
     pub(super) description: String,
     pub(super) shapes: Vec<Shape>,
+    /// Pixels of 1/96 inch per unit of the shapes: 1, or less for a picture with a width in print.
+    pub(super) scale: f64,
+    /// Whether the picture has a size in print.
+    pub(super) is_printed: bool,
+    pub(super) theme: Theme,
 }
 
 pub(super) enum Shape {
@@ -124,55 +137,26 @@ impl Words {
     }
 
     /// Width of the rim in font units.
-    pub(super) fn rim_width(&self) -> f32 {
-        3.0 / self.size as f32 * font::units()
+    fn rim_width(&self) -> f32 {
+        RIM as f32 / self.size as f32 * font::units()
     }
 }
 
 impl Scene {
     pub(super) fn to_svg(&self) -> String {
-        let mut body = String::new();
-        let mut glyphs: BTreeMap<GlyphId, Path> = BTreeMap::new();
-        let mut stamps = 0;
-        for shape in &self.shapes {
-            match shape {
-                Shape::Outline { outline, paint } => {
-                    body.push_str("<path");
-                    write_paint(&mut body, paint);
-                    body.push_str(" d=\"");
-                    write_outline(&mut body, outline);
-                    body.push_str("\"/>\n");
-                }
-                Shape::Stamps { outline, at, paint } => {
-                    if at.is_empty() {
-                        continue;
-                    }
-                    stamps += 1;
-                    let _ = write!(body, "<defs><path id=\"m{stamps}\" d=\"");
-                    write_outline(&mut body, outline);
-                    body.push_str("\"/></defs>\n<g");
-                    write_paint(&mut body, paint);
-                    body.push('>');
-                    for &(x, y) in at {
-                        let _ = write!(body, "<use xlink:href=\"#m{stamps}\" x=\"");
-                        write_number(&mut body, x as f32);
-                        body.push_str("\" y=\"");
-                        write_number(&mut body, y as f32);
-                        body.push_str("\"/>");
-                    }
-                    body.push_str("</g>\n");
-                }
-                Shape::Words(words) => write_words(&mut body, words, &mut glyphs),
-            }
-        }
-
-        let mut svg = String::with_capacity(body.len() + 32_768);
+        let mut svg = String::with_capacity(32_768);
         let (width, height) = (self.width, self.height);
+        let size = match self.is_printed {
+            true => [width, height]
+                .map(|own| format!("{}mm", (own * self.scale * 2540.0 / 96.0).round() / 100.0)),
+            false => [width, height].map(|own| own.to_string()),
+        };
         let _ = write!(
             svg,
             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" \
-             xmlns:xlink=\"http://www.w3.org/1999/xlink\" role=\"img\" width=\"{width}\" height=\"{height}\" \
-             viewBox=\"0 0 {width} {height}\">\n"
+             xmlns:xlink=\"http://www.w3.org/1999/xlink\" role=\"img\" width=\"{}\" height=\"{}\" \
+             viewBox=\"0 0 {width} {height}\">\n",
+            size[0], size[1]
         );
         for (tag, text) in [("title", &self.title), ("desc", &self.description)] {
             if !text.is_empty() {
@@ -181,39 +165,75 @@ impl Scene {
                 let _ = writeln!(svg, "</{tag}>");
             }
         }
-        svg.push_str("<defs>\n");
-        for (glyph, outline) in &glyphs {
-            let _ = write!(svg, "<path id=\"g{}\" d=\"", glyph.0);
-            write_outline(&mut svg, outline);
-            svg.push_str("\"/>\n");
+        let background = self.theme.of(palette::WHITE);
+        let _ = writeln!(
+            svg,
+            "<rect width=\"100%\" height=\"100%\" fill=\"{background}\"/>"
+        );
+        let _ = writeln!(svg, "<g stroke-linejoin=\"round\" font-family=\"{FONTS}\">");
+        let mut stamps = 0;
+        for shape in &self.shapes {
+            match shape {
+                Shape::Outline { outline, paint } => {
+                    svg.push_str("<path");
+                    write_paint(&mut svg, &self.theme.paint(paint));
+                    svg.push_str(" d=\"");
+                    write_outline(&mut svg, outline);
+                    svg.push_str("\"/>\n");
+                }
+                Shape::Stamps { outline, at, paint } => {
+                    if at.is_empty() {
+                        continue;
+                    }
+                    stamps += 1;
+                    let _ = write!(svg, "<defs><path id=\"m{stamps}\" d=\"");
+                    write_outline(&mut svg, outline);
+                    svg.push_str("\"/></defs>\n<g");
+                    write_paint(&mut svg, &self.theme.paint(paint));
+                    svg.push('>');
+                    for &(x, y) in at {
+                        let _ = write!(svg, "<use xlink:href=\"#m{stamps}\" x=\"");
+                        write_number(&mut svg, x as f32);
+                        svg.push_str("\" y=\"");
+                        write_number(&mut svg, y as f32);
+                        svg.push_str("\"/>");
+                    }
+                    svg.push_str("</g>\n");
+                }
+                Shape::Words(words) => write_words(&mut svg, words, self.theme),
+            }
         }
-        svg.push_str("</defs>\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n");
-        svg.push_str("<g stroke-linejoin=\"round\">\n");
-        svg.push_str(&body);
         svg.push_str("</g>\n</svg>\n");
         svg
     }
 
     pub(super) fn to_png(&self) -> Result<Vec<u8>, FigureError> {
-        let device = |pixels: f64| (pixels * f64::from(RESOLUTION)).ceil() as u32;
+        let per_pixel = match self.is_printed {
+            true => PRINTED_RESOLUTION,
+            false => RESOLUTION,
+        };
+        let resolution = self.scale * per_pixel;
+        let device = |length: f64| (length * resolution).ceil() as u32;
         let (width, height) = (device(self.width), device(self.height));
         let mut pixmap = Some((width, height))
             .filter(|_| u64::from(width) * u64::from(height) <= MAX_PNG_PIXELS)
             .and_then(|_| Pixmap::new(width, height))
             .ok_or(FigureError::Size { width, height })?;
-        pixmap.fill(tiny_skia::Color::WHITE);
+        let Color { red, green, blue } = self.theme.of(palette::WHITE);
+        pixmap.fill(tiny_skia::Color::from_rgba8(red, green, blue, 255));
         let mut canvas = pixmap.as_mut();
         let mut glyphs: BTreeMap<GlyphId, Option<Path>> = BTreeMap::new();
-        let pixels = Transform::from_scale(RESOLUTION, RESOLUTION);
+        let pixels = Transform::from_scale(resolution as f32, resolution as f32);
         for shape in &self.shapes {
             match shape {
                 Shape::Outline { outline, paint } => {
-                    paint_outline(&mut canvas, outline, paint, pixels);
+                    paint_outline(&mut canvas, outline, &self.theme.paint(paint), pixels);
                 }
                 Shape::Stamps { outline, at, paint } => {
+                    let paint = self.theme.paint(paint);
                     for &(x, y) in at {
                         let place = pixels.pre_translate(x as f32, y as f32);
-                        paint_outline(&mut canvas, outline, paint, place);
+                        paint_outline(&mut canvas, outline, &paint, place);
                     }
                 }
                 Shape::Words(words) => {
@@ -222,6 +242,7 @@ impl Scene {
                     let rim = Paint::stroke(palette::WHITE, rim, Dash::Solid);
                     let paints = words.rim.then_some(rim);
                     for paint in paints.into_iter().chain([Paint::fill(words.color)]) {
+                        let paint = self.theme.paint(&paint);
                         for (glyph, x) in font::glyphs(&words.text) {
                             let outline =
                                 glyphs.entry(glyph).or_insert_with(|| font::outline(glyph));
@@ -238,7 +259,7 @@ impl Scene {
                 }
             }
         }
-        encode(&pixmap)
+        encode(&pixmap, per_pixel)
     }
 }
 
@@ -273,8 +294,8 @@ fn paint_outline(canvas: &mut PixmapMut<'_>, outline: &Path, paint: &Paint, plac
     }
 }
 
-/// Encodes the opaque pixels as an RGB image that prints at 96 pixels per inch.
-fn encode(pixmap: &Pixmap) -> Result<Vec<u8>, FigureError> {
+/// Encodes the opaque pixels as an RGB image, with `per_pixel` device pixels in 1/96 inch.
+fn encode(pixmap: &Pixmap, per_pixel: f64) -> Result<Vec<u8>, FigureError> {
     let failed = |error: png::EncodingError| FigureError::Encode {
         reason: error.to_string(),
     };
@@ -283,7 +304,7 @@ fn encode(pixmap: &Pixmap) -> Result<Vec<u8>, FigureError> {
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Balanced);
-    let per_meter = (f64::from(RESOLUTION) * 96.0 / 0.0254).round() as u32;
+    let per_meter = (per_pixel * 96.0 / 0.0254).round() as u32;
     encoder.set_pixel_dims(Some(png::PixelDimensions {
         xppu: per_meter,
         yppu: per_meter,
@@ -301,46 +322,43 @@ fn encode(pixmap: &Pixmap) -> Result<Vec<u8>, FigureError> {
     Ok(bytes)
 }
 
-fn write_words(out: &mut String, words: &Words, glyphs: &mut BTreeMap<GlyphId, Path>) {
+/// Writes a line of text as text. A rim is painted below the letters.
+fn write_words(out: &mut String, words: &Words, theme: Theme) {
     if words.text.trim().is_empty() {
         return;
     }
-    let place = words.transform();
-    let rims: &[bool] = if words.rim { &[true, false] } else { &[false] };
-    for &rim in rims {
-        out.push_str("<g");
-        if rim {
-            let _ = write!(
-                out,
-                " fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"",
-                palette::WHITE,
-                words.rim_width()
-            );
-        } else {
-            let _ = write!(out, " fill=\"{}\" aria-label=\"", words.color);
-            write_escaped(out, &words.text);
-            out.push('"');
-        }
+    let (x, y) = (words.at.0 as f32, words.at.1 as f32);
+    out.push_str("<text");
+    if words.upward {
+        out.push_str(" transform=\"translate(");
+        write_number(out, x);
+        out.push(' ');
+        write_number(out, y);
+        out.push_str(") rotate(-90)\"");
+    } else {
+        out.push_str(" x=\"");
+        write_number(out, x);
+        out.push_str("\" y=\"");
+        write_number(out, y);
+        out.push('"');
+    }
+    let anchor = match words.anchor {
+        Anchor::Start => "",
+        Anchor::Middle => " text-anchor=\"middle\"",
+        Anchor::End => " text-anchor=\"end\"",
+    };
+    let (size, color) = (words.size, theme.of(words.color));
+    let _ = write!(out, "{anchor} font-size=\"{size}\" fill=\"{color}\"");
+    if words.rim {
+        let rim = theme.of(palette::WHITE);
         let _ = write!(
             out,
-            " transform=\"matrix({} {} {} {} ",
-            place.sx, place.ky, place.kx, place.sy
+            " stroke=\"{rim}\" stroke-width=\"{RIM}\" paint-order=\"stroke\""
         );
-        write_number(out, place.tx);
-        out.push(' ');
-        write_number(out, place.ty);
-        out.push_str(")\">");
-        for (glyph, x) in font::glyphs(&words.text) {
-            if let std::collections::btree_map::Entry::Vacant(entry) = glyphs.entry(glyph) {
-                let Some(outline) = font::outline(glyph) else {
-                    continue;
-                };
-                entry.insert(outline);
-            }
-            let _ = write!(out, "<use xlink:href=\"#g{}\" x=\"{x}\"/>", glyph.0);
-        }
-        out.push_str("</g>\n");
     }
+    out.push('>');
+    write_escaped(out, &words.text);
+    out.push_str("</text>\n");
 }
 
 fn write_paint(out: &mut String, paint: &Paint) {

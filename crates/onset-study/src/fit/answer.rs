@@ -3,7 +3,7 @@
 use super::{FittingError, Tests, assignments, volumetric_misfit};
 use crate::brief::{Brief, Short};
 use crate::number::{counted, told, told_with};
-use crate::output::{Files, text};
+use crate::output::{Files, picture, text};
 use crate::settings::{Program, law_written};
 use crate::shell::quoted;
 use crate::{csv, json};
@@ -388,24 +388,25 @@ impl FitAnswer {
         table
     }
 
-    /// Names of the files of [`FitAnswer::files`].
-    pub fn names() -> Vec<String> {
-        let own = ["fit.toml", "fit.json", "fit.csv", "fit.svg", "fit.png"];
-        let blocks = BLOCKS.map(|(_, name)| name);
-        own.into_iter().chain(blocks).map(str::to_owned).collect()
+    /// Names of the files of [`FitAnswer::files`], without the figure.
+    pub fn names() -> Vec<&'static str> {
+        let own = ["fit.toml", "fit.json", "fit.csv"];
+        own.into_iter()
+            .chain(BLOCKS.map(|(_, name)| name))
+            .collect()
     }
 
     /// Settings, table, figure, and blocks of the best law for the programs that have the law.
     ///
     /// # Errors
-    /// [`FittingError::Figure`] if the figure is too large.
+    /// [`FittingError::Json`] if the answer cannot be written as JSON.
     pub fn files(&self) -> Result<Files, FittingError> {
         let mut files = vec![
             text("fit.toml", self.study()),
             text("fit.json", json::document(self)?),
             text("fit.csv", self.csv()),
+            picture("fit", self.figure()),
         ];
-        files.extend(self.figure().files("fit")?);
         for (program, name) in BLOCKS {
             if let Some(block) = self.block(program) {
                 files.push(text(name, block));

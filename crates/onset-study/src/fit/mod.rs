@@ -52,9 +52,6 @@ pub enum FittingError {
     /// An answer that cannot be written as JSON.
     #[error(transparent)]
     Json(#[from] serde_json::Error),
-    /// A figure that cannot be drawn.
-    #[error(transparent)]
-    Figure(#[from] crate::figure::FigureError),
     /// A file that cannot be written.
     #[error(transparent)]
     Output(#[from] crate::output::OutputError),

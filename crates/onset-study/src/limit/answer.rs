@@ -5,9 +5,9 @@ use crate::answers::{
     BodyStepAnswer, Evidence, FiniteBodyAnswer, LATTICE_NOTE, Problem, ProblemError, Strain, notes,
 };
 use crate::csv;
-use crate::figure::{Axis, Figure, FigureError, Line, Panel, Points, Rule, palette};
+use crate::figure::{Axis, Figure, Line, Panel, Points, Rule, palette};
 use crate::number::{told, told_above, told_below};
-use crate::output::{Files, text};
+use crate::output::{Files, picture, text};
 use crate::range::{middle, spread};
 use crate::settings::{Effective, Settings, Units};
 use onset::cancel::Scope;
@@ -492,14 +492,12 @@ impl LimitAnswer {
         text
     }
 
-    /// The answer as `limit.csv`, `limit.svg` and `limit.png`.
-    ///
-    /// # Errors
-    /// [`FigureError`] when the figure is too large.
-    pub fn files(&self) -> Result<Files, FigureError> {
-        let mut files = vec![text("limit.csv", self.csv())];
-        files.extend(self.figure().files("limit")?);
-        Ok(files)
+    /// The answer as `limit.csv` and the figure `limit`.
+    pub fn files(&self) -> Files {
+        vec![
+            text("limit.csv", self.csv()),
+            picture("limit", self.figure()),
+        ]
     }
 
     fn value(&self, told: String) -> String {

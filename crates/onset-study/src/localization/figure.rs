@@ -2,8 +2,18 @@
 
 use super::LocalizationAnswer;
 use crate::figure::{Axis, Figure, Line, Panel, Points, Rule, palette};
+use crate::output::{Files, picture, text};
 
 impl LocalizationAnswer {
+    /// The figure `localize`, and the files `localize.csv` and `localize-directions.csv`.
+    pub fn files(&self) -> Files {
+        vec![
+            picture("localize", self.figure("Where the material localizes")),
+            text("localize.csv", self.csv()),
+            text("localize-directions.csv", self.directions_csv()),
+        ]
+    }
+
     /// Draws plastic and critical moduli against plastic shear strain, and critical moduli by direction at the state closest to localization.
     pub fn figure(&self, title: impl Into<String>) -> Figure {
         Figure::new(title)

@@ -1,24 +1,22 @@
 //! Modes as displacement fields of a patch, for initial conditions of a simulation.
 
 use super::{ModesAnswer, ShownMode};
-use crate::figure::FigureError;
-use crate::output::{Files, text};
+use crate::output::{Files, picture, text};
 use std::fmt::Write;
 
 impl ModesAnswer {
-    /// Returns the figure (`modes.svg`, `modes.png`), the animation (`modes.html`), and for each mode the displacement field of the patch
+    /// Returns the figure (`modes`), the animation (`modes.html`), and for each mode the displacement field of the patch
     /// (`mode-1.csv` and `mode-1.vtk`).
-    ///
-    /// # Errors
-    /// [`FigureError`] when the figure is too large.
-    pub fn files(&self) -> Result<Files, FigureError> {
-        let mut files = self.figure().files("modes")?;
-        files.push(text("modes.html", self.page()));
+    pub fn files(&self) -> Files {
+        let mut files = vec![
+            picture("modes", self.figure()),
+            text("modes.html", self.page()),
+        ];
         for (n, mode) in self.modes.iter().enumerate() {
             files.push(text(format!("mode-{}.csv", n + 1), mode.csv()));
             files.push(text(format!("mode-{}.vtk", n + 1), mode.vtk(self.cells)));
         }
-        Ok(files)
+        files
     }
 }
 

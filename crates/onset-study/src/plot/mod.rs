@@ -40,7 +40,7 @@ pub struct Plot<'a> {
     /// Source of the boundaries.
     pub boundaries: Lines,
     /// Changes to the usual appearance.
-    pub look: Look<'a>,
+    pub look: Look,
 }
 
 /// Source of the boundaries in a figure.
@@ -58,11 +58,7 @@ pub enum Lines {
 
 /// Changes to the usual appearance of a figure.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Look<'a> {
-    /// Title of the figure; `None` for the title of the study.
-    pub title: Option<&'a str>,
-    /// Width and height of a panel in pixels of 1/96 inch; `None` for the default size.
-    pub size: Option<(f64, f64)>,
+pub struct Look {
     /// Ends of the horizontal axis; `None` for the range of the map.
     pub x: Option<(f64, f64)>,
     /// Ends of the vertical axis; `None` for the range of the map.
@@ -73,17 +69,13 @@ pub struct Look<'a> {
     pub color_map: Option<ColorMap>,
 }
 
-impl Look<'_> {
+impl Look {
     /// Applies the changes to a figure.
     ///
     /// # Errors
     /// [`PlotError::NoColorBar`] when a change of the color bar has nothing to change.
     fn applied(&self, mut figure: Figure) -> Result<Figure, PlotError> {
         let mut has_color_bar = false;
-        if let Some(title) = self.title {
-            title.clone_into(&mut figure.title);
-        }
-        figure.panel_size = self.size;
         for panel in &mut figure.panels {
             panel.x.range = self.x.unwrap_or(panel.x.range);
             panel.y.range = self.y.unwrap_or(panel.y.range);

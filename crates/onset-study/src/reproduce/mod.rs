@@ -9,8 +9,7 @@ pub use claims::{Claim, ClaimVerdict};
 pub use report::Report;
 
 use crate::answers::ProblemError;
-use crate::figure::FigureError;
-use crate::output::{Output, OutputError, text};
+use crate::output::{Output, OutputError, picture, text};
 use crate::settings::{SettingError, Study};
 use onset::method::MethodError;
 use std::path::Path;
@@ -25,9 +24,6 @@ pub enum ReproduceError {
     /// Invalid study file of the paper.
     #[error(transparent)]
     Study(#[from] SettingError),
-    /// Figure that cannot be drawn.
-    #[error(transparent)]
-    Figure(#[from] FigureError),
     /// File that cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -53,7 +49,6 @@ pub fn run(out: &Path, progress: &dyn Fn(&str)) -> Result<Report, ReproduceError
     let (mut drawn, mut files) = (Vec::new(), Vec::new());
     for figure in figures::ALL {
         let plate = (figure.make)()?;
-        files.extend(plate.figure.files(figure.name)?);
         for (name, table) in plate.tables {
             files.push(text(format!("{name}.csv"), table));
         }
@@ -62,6 +57,7 @@ pub fn run(out: &Path, progress: &dyn Fn(&str)) -> Result<Report, ReproduceError
             plate.figure.title.clone(),
             plate.figure.caption.clone(),
         ));
+        files.push(picture(figure.name, plate.figure));
         progress(figure.name);
     }
     let mut checked = Vec::new();

@@ -10,9 +10,9 @@ use super::study::{command, study};
 use super::{Frame, Question, Recording, Run, ScreenError};
 use crate::answers::{Problem, StateAnswer, StateQuestion, notes};
 use crate::brief::{Brief, Short};
-use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
+use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
 use crate::number::{counted, told, told_with};
-use crate::output::{Files, text};
+use crate::output::{Files, picture, text};
 use crate::settings::Effective;
 use onset::kinematics::DeformationGradient;
 use onset::verdict::Mechanism;
@@ -728,10 +728,7 @@ impl ScreenAnswer {
     }
 
     /// Table, document, study and figure.
-    ///
-    /// # Errors
-    /// [`FigureError`] if the figure cannot be drawn.
-    pub fn files(&self) -> Result<Files, FigureError> {
+    pub fn files(&self) -> Files {
         let document = serde_json::to_string_pretty(self).unwrap_or_default();
         let mut files = vec![
             text("screen.csv", self.csv()),
@@ -741,8 +738,8 @@ impl ScreenAnswer {
         files.extend(actual.map(|actual| text("modes.vtu", actual.vtu())));
         let study = self.study.iter();
         files.extend(study.map(|study| text("first.toml", study.as_str())));
-        files.extend(self.figure().files("screen")?);
-        Ok(files)
+        files.push(picture("screen", self.figure()));
+        files
     }
 
     /// Amplitudes over time, and below them the smallest acoustic eigenvalue and the ratio of the steps.

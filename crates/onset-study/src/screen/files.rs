@@ -16,13 +16,11 @@ pub struct ScreenFiles<'r> {
 }
 
 impl<'r> ScreenFiles<'r> {
-    /// Names of the files whose number does not depend on the frames.
-    pub const NAMES: [&'static str; 7] = [
+    /// Names of the files whose number does not depend on the frames, without the figure.
+    pub const NAMES: [&'static str; 5] = [
         "screen.pvd",
         "screen.csv",
         "screen.json",
-        "screen.svg",
-        "screen.png",
         "first.toml",
         "modes.vtu",
     ];
@@ -91,16 +89,14 @@ impl<'r> ScreenFiles<'r> {
     /// Writes the files that do not depend on frames; returns the paths of all files.
     ///
     /// # Errors
-    /// [`ScreenError`] if a figure cannot be drawn or a file not be written.
+    /// [`ScreenError::Output`] if a figure cannot be drawn or a file not be written.
     pub fn finish(mut self, answer: &ScreenAnswer) -> Result<Vec<PathBuf>, ScreenError> {
         if !self.written.is_empty() {
             let all = self.written.iter();
             let all = all.map(|(time, name)| (*time, name.as_str()));
             self.batch.add("screen.pvd", pvd(all).as_bytes())?;
         }
-        for (name, bytes) in answer.files()? {
-            self.batch.add(name, &bytes)?;
-        }
+        self.batch.add_all(&answer.files())?;
         Ok(self.batch.finish()?)
     }
 }

@@ -25,7 +25,6 @@ pub use onset_frames::FrameRange;
 pub use remedy::Remedy;
 
 use crate::answers::ProblemError;
-use crate::figure::FigureError;
 use crate::output::OutputError;
 use onset_frames::FrameError;
 use thiserror::Error;
@@ -155,9 +154,6 @@ pub enum ScreenError {
         /// Number of frames that were read.
         count: usize,
     },
-    /// The figure cannot be drawn.
-    #[error(transparent)]
-    Figure(#[from] FigureError),
     /// Results cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),

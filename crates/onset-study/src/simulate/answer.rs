@@ -84,6 +84,9 @@ pub struct SimulateAnswer {
     /// Paths of the files written.
     #[serde(skip)]
     pub files: Vec<PathBuf>,
+    /// Times and amplitudes of the record.
+    #[serde(skip)]
+    pub(super) samples: Vec<[f64; 2]>,
 }
 
 impl SimulateAnswer {
@@ -154,6 +157,7 @@ impl SimulateAnswer {
             notes: notes_on_patch(&problem.settings, &*problem.material),
             settings: problem.settings.effective(),
             files: Vec::new(),
+            samples: progress.samples.clone(),
         }
     }
 }
@@ -303,7 +307,7 @@ fn standing(plan: &Plan, patch: &dyn PatchMotion, progress: &Progress) -> Verdic
 }
 
 /// Formats a rate in words; growth below the given fraction of the rate is printed as zero.
-fn rate_in_words(rate: &Rate, share: f64, units: Units) -> String {
+pub(super) fn rate_in_words(rate: &Rate, share: f64, units: Units) -> String {
     let size = rate.growth.hypot(rate.frequency);
     let growth = || {
         let growth = match rate.growth.abs() <= share * size {

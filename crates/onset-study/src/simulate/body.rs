@@ -8,6 +8,7 @@ use super::plan::{
 use super::run::{Course, Keeper, Moving, Place, Watch, grid};
 use crate::answers::{Problem, notes_on_patch};
 use crate::number::{counted, told};
+use crate::output::picture;
 use crate::settings::{BodySettings, Effective};
 use onset::kinematics::DeformationGradient;
 use onset::motion::{BodyError, BodyMotion, BodyQuantities, Fault, PatchState, Start};
@@ -234,8 +235,7 @@ fn run(
             evaluated.map_err(|fault| keeper.failed(fault))?;
             let time = course.step * course.steps as f64;
             let units = problem.settings.effective().units();
-            let drawn = figure(&*moving.body, time, units).files("body");
-            last.extend(drawn.map_err(|error| refused(error.to_string(), "leave --out out"))?);
+            last.push(picture("body", figure(&*moving.body, time, units)));
         }
     }
     let files = keeper.keep(&moving, last)?;

@@ -9,6 +9,7 @@ mod answer;
 mod body;
 mod checkpoint;
 mod error;
+mod figure;
 mod page;
 mod patch;
 mod picture;

@@ -6,7 +6,7 @@ use super::run::{Keeper, Moving, Place, Watch, grid};
 use super::{Question, SimulateAnswer, SimulateError};
 use crate::answers::Problem;
 use crate::methods::reduced;
-use crate::output::text;
+use crate::output::{picture, text};
 use onset::method::MethodError;
 use onset::motion::{Fault, PatchMotion, PatchState};
 
@@ -58,6 +58,7 @@ fn run(
     let mut last = Vec::new();
     if !is_interrupted {
         last = keeper.collection();
+        last.push(picture("simulate", answer.figure()));
         if plan.course.is_shown {
             let spacing = problem.analysis.spacing();
             let page = page(&answer, &moving.places, &keeper.progress.fields, spacing);

@@ -2,8 +2,9 @@
 
 use super::SimulateError;
 use super::checkpoint::{CHECKPOINT, FRESH_START, Progress};
+use crate::figure::Sheet;
 use crate::input;
-use crate::output::{Files, Output, text, write};
+use crate::output::{Content, Files, Output, text};
 use crate::vtk;
 use onset::method::MethodError;
 use onset::motion::{Fault, Ground, PatchState};
@@ -28,6 +29,8 @@ pub struct Place {
     pub is_overwritten: bool,
     /// Number of steps between checkpoints; `None` for a few seconds.
     pub checkpoint: Option<u64>,
+    /// Sheet of the figures.
+    pub sheet: Sheet,
 }
 
 /// Observer of a run, which may end it.
@@ -271,7 +274,7 @@ impl<'a> Keeper<'a> {
         &mut self,
         place: &Place,
         others: Files,
-        checkpoint: Option<(OsString, Vec<u8>)>,
+        checkpoint: Option<(OsString, Content)>,
     ) -> Result<Vec<PathBuf>, SimulateError> {
         let mut files = std::mem::take(&mut self.pending);
         files.extend(others);
@@ -280,7 +283,9 @@ impl<'a> Keeper<'a> {
             history(self.course.columns, &self.progress.history),
         ));
         files.extend(checkpoint);
-        write(&place.folder, &files).map_err(|source| SimulateError::Output {
+        let output = Output::at::<&str>(&place.folder, &[]);
+        let written = output.and_then(|output| output.on(place.sheet.clone()).write(&files));
+        written.map_err(|source| SimulateError::Output {
             source,
             checkpoint: self.last.clone(),
         })

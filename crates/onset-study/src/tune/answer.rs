@@ -5,9 +5,9 @@ use crate::answers::{Evidence, LATTICE_NOTE, ProblemError, notes, stabilization}
 use crate::brief::{Brief, Short};
 use crate::compare::{Measured, TUNING_LIMITS, Thresholds, outcome, percent};
 use crate::csv;
-use crate::figure::{Axis, Figure, FigureError, Line, Panel, Rule, palette};
+use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
 use crate::number;
-use crate::output::{Files, text};
+use crate::output::{Files, picture, text};
 use crate::range::middle;
 use crate::settings::{CompareSettings, Effective, Settings};
 use onset::cancel::Scope;
@@ -324,14 +324,9 @@ impl TuneAnswer {
         text
     }
 
-    /// The answer as `tune.csv`, `tune.svg` and `tune.png`.
-    ///
-    /// # Errors
-    /// [`FigureError`] when the figure is too large.
-    pub fn files(&self) -> Result<Files, FigureError> {
-        let mut files = vec![text("tune.csv", self.csv())];
-        files.extend(self.figure().files("tune")?);
-        Ok(files)
+    /// The answer as `tune.csv` and the figure `tune`.
+    pub fn files(&self) -> Files {
+        vec![text("tune.csv", self.csv()), picture("tune", self.figure())]
     }
 }
 

@@ -1,0 +1,95 @@
+//! Files of answers with a figure: their place, and how the figure is drawn.
+
+use crate::commands::Failure;
+use clap::Args;
+use onset_study::figure::{Figure, Sheet, Size, Theme};
+use onset_study::output::Output;
+use std::path::Path;
+
+/// Options of commands that draw a figure.
+#[derive(Debug, Clone, Default, Args)]
+pub struct DrawingArguments {
+    /// Width of the picture with a unit, for example 84mm: letters have 8 pt then; or width and height of a panel in pixels (96 per inch), for example
+    /// 420,315. With stretches on both axes a panel may be smaller.
+    #[arg(long, value_name = "SIZE", help_heading = "Look")]
+    pub size: Option<Size>,
+    /// Title of the figure.
+    #[arg(
+        long,
+        value_name = "TEXT",
+        conflicts_with = "bare",
+        help_heading = "Look"
+    )]
+    pub title: Option<String>,
+    /// Draw neither title nor caption; NAME.txt has them.
+    #[arg(long, help_heading = "Look")]
+    pub bare: bool,
+    /// Colors: light or dark [default: light].
+    #[arg(long, value_name = "NAME", value_parser = theme, help_heading = "Look")]
+    pub theme: Option<Theme>,
+}
+
+fn theme(name: &str) -> Result<Theme, String> {
+    let known = Theme::ALL.into_iter().find(|own| own.name() == name);
+    known.ok_or_else(|| "expected light or dark".to_owned())
+}
+
+impl DrawingArguments {
+    /// The sheet of the figures.
+    pub fn sheet(&self) -> Sheet {
+        Sheet {
+            size: self.size,
+            title: self.title.clone(),
+            bare: self.bare,
+            theme: self.theme.unwrap_or_default(),
+        }
+    }
+
+    /// Prepares the files of an answer with one figure: all of them in a folder, or for NAME.svg, NAME.png or NAME.pdf the figure alone; `None` without
+    /// a place.
+    ///
+    /// # Errors
+    /// [`Failure`] if the place cannot be written, if it has the ending of another format, or if the look of a figure is chosen without a place.
+    pub fn output(
+        &self,
+        out: Option<&Path>,
+        figure: &str,
+        others: &[&str],
+    ) -> Result<Option<Output>, Failure> {
+        let Some(out) = out else {
+            let given = [
+                ("--size", self.size.is_some()),
+                ("--title", self.title.is_some()),
+                ("--bare", self.bare),
+                ("--theme", self.theme.is_some()),
+            ];
+            return match given.iter().find(|(_, is_given)| *is_given) {
+                Some((option, _)) => Err(Failure::input(format!(
+                    "{option} has no effect: no figure is drawn\n  hint: give its place, for example --out {figure}.pdf"
+                ))),
+                None => Ok(None),
+            };
+        };
+        let sheet = self.sheet();
+        let names = |name: &str| Figure::ENDINGS.map(|ending| format!("{name}{ending}"));
+        let extension = out.extension().and_then(|extension| extension.to_str());
+        let output = match (extension, out.file_stem().and_then(|stem| stem.to_str())) {
+            (Some("svg" | "png" | "pdf"), Some(stem)) => {
+                let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
+                Output::at(folder.unwrap_or(Path::new(".")), &names(stem))?.only(stem.as_ref())
+            }
+            (Some("eps" | "ps" | "jpg" | "jpeg" | "tif" | "tiff" | "gif" | "webp"), _) => {
+                return Err(Failure::input(format!(
+                    "cannot draw {}: figures are written as SVG, PNG and PDF\n  hint: give a name that ends in .svg, .png or .pdf",
+                    out.display()
+                )));
+            }
+            _ => {
+                let mut all = names(figure).to_vec();
+                all.extend(others.iter().map(|name| (*name).to_owned()));
+                Output::at(out, &all)?
+            }
+        };
+        Ok(Some(output.on(sheet)))
+    }
+}

@@ -1,0 +1,178 @@
+//! Sheet: size, colors, and what stands around the panels of a drawn figure.
+
+use super::scene::{Paint, Stroke};
+use super::{Color, Figure};
+use std::str::FromStr;
+
+/// Pixels of a millimeter.
+pub(super) const MILLIMETER: f64 = 96.0 / 25.4;
+/// Smallest and largest width of a picture in print, in millimeters.
+const WIDTHS: (f64, f64) = (30.0, 1000.0);
+
+/// How a figure is drawn.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Sheet {
+    /// Size of the picture or of its panels; the usual size if `None`.
+    pub size: Option<Size>,
+    /// Title instead of the figure's own one.
+    pub title: Option<String>,
+    /// Whether title and caption are left out, as in a paper, which has them in its text.
+    pub bare: bool,
+    /// Colors of background, axes and words.
+    pub theme: Theme,
+}
+
+/// Size of a picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Size {
+    /// Width of the whole picture in millimeters; letters have 8 pt, or less if the panels need more room.
+    Picture(f64),
+    /// Width and height of the box of a panel in pixels (1/96 inch); the maximum for an equal aspect.
+    Panel(f64, f64),
+}
+
+/// Colors of background, axes and words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Theme {
+    /// Black on white.
+    #[default]
+    Light,
+    /// White on black, for slides and dark pages. Colors of layers stay; greys are inverted.
+    Dark,
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    /// Reads a width with a unit (`84mm`), or width and height of a panel in pixels (`420,315`).
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |text: &str| text.trim().parse::<f64>().ok().filter(|n| n.is_finite());
+        if let Some((width, height)) = text.split_once(',') {
+            let side = |text| number(text).filter(|side| (40.0..=4000.0).contains(side));
+            return match (side(width), side(height)) {
+                (Some(width), Some(height)) => Ok(Self::Panel(width, height)),
+                _ => Err(
+                    "expected width and height in pixels from 40 to 4000, for example 420,315"
+                        .to_owned(),
+                ),
+            };
+        }
+        const UNITS: [(&str, f64); 4] =
+            [("mm", 1.0), ("cm", 10.0), ("in", 25.4), ("pt", 25.4 / 72.0)];
+        let (low, high) = WIDTHS;
+        UNITS
+            .iter()
+            .find_map(|(unit, size)| Some(number(text.trim().strip_suffix(unit)?)? * size))
+            .filter(|width| (low..=high).contains(width))
+            .map(Self::Picture)
+            .ok_or_else(|| {
+                format!(
+                    "expected a width from {low} to {high} mm with its unit (mm, cm, in or pt), for example 84mm, or width and height of a panel in pixels, for example 420,315"
+                )
+            })
+    }
+}
+
+impl Theme {
+    /// All themes, in the order of the help.
+    pub const ALL: [Self; 2] = [Self::Light, Self::Dark];
+
+    /// The word used on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Light => "light",
+            Self::Dark => "dark",
+        }
+    }
+
+    /// Color that is drawn for a color of the light theme.
+    pub(super) fn of(self, color: Color) -> Color {
+        let parts = [color.red, color.green, color.blue];
+        let [low, high] =
+            [parts.iter().min(), parts.iter().max()].map(|part| part.copied().unwrap_or(0));
+        match self {
+            Self::Dark if high - low < 0x10 => {
+                DARK.toward(BRIGHT, 1.0 - f64::from(color.green) / 255.0)
+            }
+            _ => color,
+        }
+    }
+
+    /// Paint that is drawn for a paint of the light theme. The colors of maps, whose lightness has a meaning, stay.
+    pub(super) fn paint(self, paint: &Paint) -> Paint {
+        if paint.crisp {
+            return *paint;
+        }
+        Paint {
+            fill: paint.fill.map(|color| self.of(color)),
+            stroke: paint.stroke.map(|stroke| Stroke {
+                color: self.of(stroke.color),
+                ..stroke
+            }),
+            crisp: false,
+        }
+    }
+}
+
+/// Background and ink of the dark theme.
+const DARK: Color = Color::hex(0x16181c);
+const BRIGHT: Color = Color::hex(0xf2f2f2);
+
+impl Sheet {
+    /// The figure with the title of the sheet, or without title and caption.
+    pub(super) fn dressed(&self, figure: &Figure) -> Figure {
+        let mut figure = figure.clone();
+        if let Some(title) = &self.title {
+            figure.title.clone_from(title);
+        }
+        if self.bare {
+            figure.title.clear();
+            figure.caption.clear();
+        }
+        if let Some(Size::Panel(width, height)) = self.size {
+            figure.panel_size = Some((width, height));
+        }
+        figure
+    }
+
+    /// Text that stands beside a bare picture: title and caption; `None` if the picture has them or there is none.
+    pub(super) fn words_beside(&self, figure: &Figure) -> Option<String> {
+        let title = self.title.as_ref().unwrap_or(&figure.title);
+        let words: Vec<&str> = [title.trim(), figure.caption.trim()]
+            .into_iter()
+            .filter(|words| !words.is_empty())
+            .collect();
+        (self.bare && !words.is_empty()).then(|| words.join("\n\n") + "\n")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::palette;
+    use super::*;
+
+    #[test]
+    fn a_size_is_a_width_with_a_unit_or_a_panel_in_pixels() {
+        for (text, size) in [
+            ("84mm", Size::Picture(84.0)),
+            ("8.4 cm", Size::Picture(84.0)),
+            ("2in", Size::Picture(50.8)),
+            ("420,315", Size::Panel(420.0, 315.0)),
+        ] {
+            assert_eq!(text.parse(), Ok(size), "{text}");
+        }
+        for text in [
+            "84", "mm", "-84mm", "1e9mm", "NaNmm", "420,", "420,1", "84px", "",
+        ] {
+            assert!(text.parse::<Size>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_dark_theme_swaps_black_and_white_and_keeps_colors() {
+        assert_eq!(Theme::Dark.of(palette::WHITE), DARK);
+        assert_eq!(Theme::Dark.of(palette::BLACK), BRIGHT);
+        assert_eq!(Theme::Dark.of(palette::BLUE), palette::BLUE);
+        assert_eq!(Theme::Light.of(palette::WHITE), palette::WHITE);
+    }
+}
