@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 import html
 import json
 import os
-from typing import TYPE_CHECKING, Any, Self, cast
+from typing import TYPE_CHECKING, Any, Literal, Self, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from ._settings import Material, law_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import FigureBase
     import xarray
 
 
@@ -167,15 +168,52 @@ class Answer(Record):
         return dict(self._files or {})
 
     @asks
-    def save(self, folder: str | os.PathLike[str]) -> list[str]:
-        """Writes the files of ``--out`` into a folder, and returns their paths.
+    def save(
+        self,
+        folder: str | os.PathLike[str],
+        *,
+        size: str | None = None,
+        title: str | None = None,
+        bare: bool = False,
+        theme: Literal["light", "dark"] = "light",
+    ) -> list[str]:
+        """Writes the files of ``--out`` into a folder, with the figure as SVG, PNG and PDF, and returns their paths.
+
+        Parameters
+        ----------
+        folder
+            Folder, which is created if it is missing.
+        size
+            Width of the figure with a unit, ``"84mm"``, with letters of 8 pt; or width and height of a panel in pixels, ``"420,315"``.
+        title
+            Title of the figure.
+        bare
+            Leave title and caption out of the figure; they are written into a text file beside it.
+        theme
+            Colors of background, axes and words.
 
         Raises
         ------
+        InputError
+            If an argument is out of range.
         MachineError
             If the files cannot be written.
         """
-        return self._answer.save(place(folder, "folder"))
+        return self._answer.save(place(folder, "folder"), size, title, bare, theme)
+
+    @asks
+    def figure(self) -> dict[str, Any]:
+        """Returns the description of the figure: ``title``, ``caption``, ``legend`` and ``panels``, each with two axes and layers of numbers.
+
+        Raises
+        ------
+        OnsetError
+            If the answer has no figure.
+        """
+        told = self._answer.figure()
+        if told is None:
+            raise OnsetError("this answer has no figure")
+        return cast("dict[str, Any]", json.loads(told))
 
     def _picture(self) -> str | None:
         """Returns the figure as SVG, or ``None`` if the answer has no figure."""
@@ -194,17 +232,26 @@ class Answer(Record):
             f"<details{'' if picture else ' open'}><summary>all of it</summary><pre>{html.escape(rest.strip())}</pre></details></div>"
         )
 
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws the figure of the answer into `ax`, or into a new figure.
+    def plot(self, ax: Axes | Sequence[Axes] | None = None, fig: FigureBase | None = None) -> Axes:
+        """Draws the figure of the command with matplotlib, in its current style, and returns the axes of the first panel.
+
+        Parameters
+        ----------
+        ax
+            Axes, one for each panel; a single one is divided for several panels.
+        fig
+            Figure or subfigure in which the panels are laid out, instead of `ax`; by default a new figure.
 
         Raises
         ------
         OnsetError
-            If the answer has no figure.
+            If the answer has no figure, or matplotlib is not installed.
+        InputError
+            If the number of axes is not the number of panels.
         """
-        from . import _plots
+        from . import _figure
 
-        return _plots.picture(self.files(), ax)
+        return _figure.draw(self.figure(), ax, fig)
 
 
 class _Moving(Answer):
@@ -316,11 +363,12 @@ class State(_Moving):
         object.__setattr__(self, "_spectrum", spectrum)
         return self
 
-    def plot(self, ax: Axes | None = None) -> Axes:
+    def plot(self, ax: Axes | Sequence[Axes] | None = None, fig: FigureBase | None = None) -> Axes:
         """Draws ``omega^2`` (1/time^2) of particles and continuum along the wave vector of the softest wave, up to twice its length."""
         from . import _plots
+        from ._figure import axes
 
-        return _plots.along_wave(self.wave_vector, self._spectrum, ax)
+        return _plots.along_wave(self.wave_vector, self._spectrum, axes(ax, fig))
 
 
 class Waves(_Moving):
@@ -364,11 +412,12 @@ class Waves(_Moving):
         """Dynamical matrix ``D(k)``, shape (branches, branches); 1/time^2."""
         return np.asarray(_value(self._fields["dynamical_matrix"]), dtype=np.complex128)
 
-    def plot(self, ax: Axes | None = None) -> Axes:
+    def plot(self, ax: Axes | Sequence[Axes] | None = None, fig: FigureBase | None = None) -> Axes:
         """Draws ``omega^2`` (1/time^2) of particles and continuum for comparison."""
         from . import _plots
+        from ._figure import axes
 
-        return _plots.levels(self.omega_squared, self.continuum_omega_squared, ax)
+        return _plots.levels(self.omega_squared, self.continuum_omega_squared, axes(ax, fig))
 
 
 class Bands(_Moving):
@@ -462,12 +511,6 @@ class Bands(_Moving):
         """Arc lengths of the corners along the path, shape (corners,); 1/length."""
         return np.array([corner["length"] for corner in self._fields["corners"]], dtype=np.float64)
 
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws frequencies along the path; growing waves are drawn below zero, at minus their growth rate."""
-        from . import _plots
-
-        return _plots.bands(self, ax)
-
 
 class Path(Answer):
     """Loss and recovery of stability along a path.
@@ -477,15 +520,6 @@ class Path(Answer):
     """
 
     __slots__ = ()
-
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws the softest mode of the particles and the smallest acoustic eigenvalue of the material along the path.
-
-        The two diagrams replace `ax`, side by side; the first of them is returned. Dashed lines mark the changes between stable and unstable.
-        """
-        from . import _plots
-
-        return _plots.path(self.files()["path.csv"].decode(), self, ax)
 
 
 class Boundary(Answer):
@@ -506,11 +540,12 @@ class Boundary(Answer):
             told.append((cast(str, feature["properties"]["of"]), np.array(points, dtype=np.float64)))
         return told
 
-    def plot(self, ax: Axes | None = None) -> Axes:
+    def plot(self, ax: Axes | Sequence[Axes] | None = None, fig: FigureBase | None = None) -> Axes:
         """Draws the curves over the axes of the study."""
         from . import _plots
+        from ._figure import axes
 
-        return _plots.curves(self, ax)
+        return _plots.curves(self, axes(ax, fig))
 
 
 class Modes(_Moving):
@@ -686,11 +721,12 @@ class Audit(Answer):
             raise InputError(str(self))
         return self
 
-    def plot(self, ax: Axes | None = None) -> Axes:
+    def plot(self, ax: Axes | Sequence[Axes] | None = None, fig: FigureBase | None = None) -> Axes:
         """Draws the error of each check on a logarithmic axis."""
         from . import _plots
+        from ._figure import axes
 
-        return _plots.checks(self, ax)
+        return _plots.checks(self, axes(ax, fig))
 
 
 class Simulation(Answer):
@@ -700,12 +736,6 @@ class Simulation(Answer):
     """
 
     __slots__ = ()
-
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws the measured and the predicted rate for comparison."""
-        from . import _plots
-
-        return _plots.rates(self, ax)
 
 
 class Screening(Answer):
@@ -785,12 +815,6 @@ class Screening(Answer):
             arrays[name] = ("mode", np.array([mode[name] for mode in actual["modes"]]))
         return dataset(arrays, {"mode": np.arange(1, 1 + len(displacements)), "axis": ["x", "y", "z"]})
 
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws observed and predicted amplitudes over time."""
-        from . import _plots
-
-        return _plots.amplitudes(self, ax)
-
 
 class Mapped(Answer):
     """Summary of a map: number and fraction of states for each verdict in ``verdicts``, and the store."""
@@ -802,11 +826,12 @@ class Mapped(Answer):
         """Folder of the store, as given."""
         return cast(str, self._fields["store"])
 
-    def plot(self, ax: Axes | None = None) -> Axes:
+    def plot(self, ax: Axes | Sequence[Axes] | None = None, fig: FigureBase | None = None) -> Axes:
         """Draws the number of states of the map for each verdict."""
         from . import _plots
+        from ._figure import axes
 
-        return _plots.shares(self, ax)
+        return _plots.shares(self, axes(ax, fig))
 
 
 class Verdicts:
@@ -858,11 +883,12 @@ class Verdicts:
         rows = "".join(f"<tr><td>{html.escape(name)}</td><td>{count}</td></tr>" for name, count in self.count().items())
         return f"<table>{rows}</table>"
 
-    def plot(self, ax: Axes | None = None) -> Axes:
+    def plot(self, ax: Axes | Sequence[Axes] | None = None, fig: FigureBase | None = None) -> Axes:
         """Draws the number of states for each verdict."""
         from . import _plots
+        from ._figure import axes
 
-        return _plots.bars(list(self.count()), list(self.count().values()), "states", ax)
+        return _plots.bars(list(self.count()), list(self.count().values()), "states", axes(ax, fig))
 
 
 class Dispersion:
@@ -892,8 +918,9 @@ class Dispersion:
     def _repr_html_(self) -> str:
         return f"<p>{html.escape(repr(self))}</p>"
 
-    def plot(self, ax: Axes | None = None) -> Axes:
+    def plot(self, ax: Axes | Sequence[Axes] | None = None, fig: FigureBase | None = None) -> Axes:
         """Draws ``omega^2`` (1/time^2) against the length of the wave vector (1/length)."""
         from . import _plots
+        from ._figure import axes
 
-        return _plots.scatter(self, ax)
+        return _plots.scatter(self, axes(ax, fig))

@@ -62,6 +62,42 @@ def test_answers_have_text_html_and_a_plot(tmp_path: Path) -> None:
             assert [Path(path).read_bytes() for path in written] == list(answer.files().values())
 
 
+def test_figures_are_drawn_with_native_axes(tmp_path: Path) -> None:
+    from matplotlib import pyplot
+
+    for answer in answers(tmp_path):
+        if not isinstance(answer, onset.Answer):
+            continue
+        try:
+            told = answer.figure()
+        except onset.OnsetError as error:
+            assert str(error) == "this answer has no figure"
+            continue
+        figure = pyplot.figure()
+        left, right = figure.subfigures(1, 2)
+        first = answer.plot(fig=right)
+        panels = right.axes[: len(told["panels"])]
+        assert first is panels[0] and not left.axes
+        for axes, panel in zip(panels, told["panels"], strict=True):
+            assert not axes.images
+            assert (axes.get_xlabel(), axes.get_ylabel()) == (panel["x"]["label"], panel["y"]["label"])
+            assert axes.get_xlim() == pytest.approx(panel["x"]["range"]) and axes.get_ylim() == pytest.approx(panel["y"]["range"])
+            curves = [layer["line"] for layer in panel["layers"] if "line" in layer]
+            drawn = [line.get_xydata() for line in axes.lines]
+            for curve in curves:
+                points = np.array(curve["points"], dtype=float)
+                assert any(own.shape == points.shape and np.array_equal(own, points, equal_nan=True) for own in drawn)
+        legend = [text.get_text() for own in right.legends for text in own.get_texts()]
+        assert legend == [entry["name"] for entry in told["legend"]]
+        figure.canvas.draw()
+        pyplot.close("all")
+        with pytest.raises(onset.InputError, match="into both"):
+            answer.plot(first, fig=right)
+        with pytest.raises(onset.InputError, match="panels, and 5 axes"):
+            answer.plot(pyplot.figure().subplots(1, 5))
+        pyplot.close("all")
+
+
 def test_plots_of_paths_label_units_and_clip_rounding_to_zero() -> None:
     from matplotlib import pyplot
 
@@ -72,16 +108,29 @@ def test_plots_of_paths_label_units_and_clip_rounding_to_zero() -> None:
     assert figure is not None
     particles, material = figure.axes
     assert particles is first and particles.get_xlabel() == material.get_xlabel() == "imposed stretch λ (−)"
-    assert particles.get_ylabel().endswith("(−)") and material.get_ylabel().endswith("(stress)")
-    x, y = particles.lines[0].get_xydata().T
+    assert particles.get_ylabel().endswith("(−)") and material.get_ylabel() == "smallest acoustic eigenvalue (stress)"
+    x, y = particles.lines[-1].get_xydata().T
     assert (x[0], x[-1]) == (1.0, 2.0) and not np.any(y)
     # The shear modulus at F = 1, unscaled.
-    assert material.lines[0].get_xydata()[0, 1] == pytest.approx(0.4)
+    assert material.lines[-1].get_xydata()[0, 1] == pytest.approx(0.4)
     pyplot.close("all")
+    # One axes is divided for the two panels.
     _, both = pyplot.subplots(1, 2)
-    onset.path(onset.Material("blatz-ko"), SPH, from_=(1, 1), to=(4, 1)).plot(both[1])
-    assert both[1].get_xlabel() == "stretch λ₁ (−)"
+    drawn = onset.path(onset.Material("blatz-ko"), SPH, from_=(1, 1), to=(4, 1)).plot(both[1])
+    assert drawn is both[1] and drawn.get_xlabel() == "stretch λ₁ (−)" and len(drawn.get_figure().axes) == 3
     pyplot.close("all")
+
+
+def test_files_of_an_answer_can_be_made_for_a_paper(tmp_path: Path) -> None:
+    answer = onset.path(RUBBER, SPH, from_=(1, 1), to=(1.2, 1))
+    written = {Path(path).name: Path(path) for path in answer.save(tmp_path, size="84mm", bare=True, theme="dark")}
+    assert set(written) == {"path.csv", "path.svg", "path.png", "path.pdf", "path.txt"}
+    assert 'width="84mm"' in written["path.svg"].read_text()
+    assert written["path.txt"].read_text().startswith("Stability along a path\n\n")
+    with pytest.raises(onset.InputError, match="size: expected a width"):
+        answer.save(tmp_path, size="84")
+    with pytest.raises(onset.InputError, match="theme"):
+        answer.save(tmp_path, theme="blue")  # type: ignore[arg-type]
 
 
 def test_attributes_agree_with_the_document() -> None:

@@ -12,7 +12,7 @@ use pyo3::types::{PyBytes, PyDict};
 use serde::Serialize;
 use std::fmt::Display;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Function that computes the files of an answer.
 type Draw = dyn Fn() -> Result<Files, Failure> + Send + Sync;
@@ -29,7 +29,25 @@ pub struct Answer {
     /// Table of the option `--format csv`.
     #[pyo3(get)]
     csv: String,
-    draw: Option<Arc<Draw>>,
+    files: Option<Arc<Drawn>>,
+}
+
+/// Files of an answer, which are computed when they are first asked for.
+struct Drawn {
+    draw: Box<Draw>,
+    made: OnceLock<Files>,
+}
+
+impl Drawn {
+    fn made(&self) -> Result<&Files, Failure> {
+        match self.made.get() {
+            Some(made) => Ok(made),
+            None => {
+                let made = (self.draw)()?;
+                Ok(self.made.get_or_init(|| made))
+            }
+        }
+    }
 }
 
 impl Answer {
@@ -42,7 +60,7 @@ impl Answer {
             json: json::document(answer).map_err(Failure::machine)?,
             text: readable(text.to_string().trim_end()),
             csv: json::csv(answer).map_err(Failure::machine)?,
-            draw: None,
+            files: None,
         })
     }
 
@@ -57,7 +75,10 @@ impl Answer {
         mut self,
         draw: impl Fn() -> Result<Files, Failure> + Send + Sync + 'static,
     ) -> Self {
-        self.draw = Some(Arc::new(draw));
+        self.files = Some(Arc::new(Drawn {
+            draw: Box::new(draw),
+            made: OnceLock::new(),
+        }));
         self
     }
 }
@@ -93,25 +114,25 @@ impl Answer {
         bare: bool,
         theme: String,
     ) -> PyResult<Vec<PathBuf>> {
-        let Some(draw) = self.draw.clone() else {
+        let Some(files) = self.files.clone() else {
             return Ok(Vec::new());
         };
         interrupt::answer(py, move || {
             let sheet = sheet(size.as_deref(), title, bare, &theme)?;
             let output = Output::at::<&str>(&folder, &[])?.on(sheet);
-            Ok(output.write(&draw()?)?)
+            Ok(output.write(files.made()?)?)
         })
     }
 
     /// Files of the answer by name; empty if the command writes no files.
     fn files<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let files = PyDict::new(py);
-        if let Some(draw) = self.draw.clone() {
+        let told = PyDict::new(py);
+        if let Some(files) = self.files.clone() {
             let all = interrupt::answer(py, move || {
                 let sheet = Sheet::default();
                 let mut all = Vec::new();
-                for (name, content) in draw()? {
-                    let drawn = content.drawn(&name, &sheet).map_err(Failure::machine)?;
+                for (name, content) in files.made()? {
+                    let drawn = content.drawn(name, &sheet).map_err(Failure::machine)?;
                     all.extend(
                         drawn
                             .into_iter()
@@ -121,19 +142,19 @@ impl Answer {
                 Ok(all)
             })?;
             for (name, bytes) in all {
-                files.set_item(name.to_string_lossy(), PyBytes::new(py, &bytes))?;
+                told.set_item(name.to_string_lossy(), PyBytes::new(py, &bytes))?;
             }
         }
-        Ok(files)
+        Ok(told)
     }
 
     /// Description of the figure as JSON; `None` without a figure.
     fn figure(&self, py: Python<'_>) -> PyResult<Option<String>> {
-        let Some(draw) = self.draw.clone() else {
+        let Some(files) = self.files.clone() else {
             return Ok(None);
         };
         interrupt::answer(py, move || {
-            let figure = draw()?.into_iter().find_map(|(_, content)| match content {
+            let figure = files.made()?.iter().find_map(|(_, content)| match content {
                 Content::Figure(figure) => Some(figure),
                 Content::Bytes(_) => None,
             });
