@@ -689,7 +689,10 @@ class Tuning(Answer):
 
 
 class Limit(Answer):
-    """Values of a setting that admit a time step, in ``admitted``, and all values ``tried`` with their ``critical_time_step`` and ``verdict``."""
+    """Values of a setting that admit a time step or keep states stable, in ``admitted``, and all values ``tried``.
+
+    Values tried have their ``critical_time_step`` and ``verdict``, or the ``stable_share`` of the states.
+    """
 
     __slots__ = ()
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 import os
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 from uuid import uuid4
 import warnings
 
@@ -937,16 +937,19 @@ def limit(
     method: MethodLike = None,
     *,
     vary: str,
-    time_step: float | str,
+    time_step: float | str | None = None,
+    keeps: Literal["stable"] | None = None,
+    stretches: tuple[float, float] | None = None,
     stretch: ArrayLike | None = None,
     F: ArrayLike | None = None,
     range: tuple[float, float] | None = None,
     safety: float = 1.0,
     integrator: str = "kick-drift-kick",
 ) -> Limit:
-    """Values of a modulus, spacing or coefficient that a time step admits: ``onset limit``.
+    """Values of a modulus, spacing or coefficient that a time step admits, or that keep states stable: ``onset limit``.
 
-    A value is admitted if `time_step` is at most `safety` times the critical time step of the state.
+    With `time_step` a value is admitted if the step is at most `safety` times the critical time step of the state. With ``keeps="stable"`` a value is
+    admitted if the verdict on all states of a window of stretches is stable.
 
     Parameters
     ----------
@@ -956,6 +959,10 @@ def limit(
         Key with a numerical value, ``"material.young"`` or ``"discretization.spacing"``.
     time_step
         Time step; time. A text has a unit, ``"1 us"``.
+    keeps
+        ``"stable"``, instead of `time_step`.
+    stretches
+        With `keeps`: smallest and largest stretch along the axes; 0.7 to 1.5 if omitted.
     stretch, F
         State, as in ``onset.state``; ``F = 1`` if omitted.
     range
@@ -975,7 +982,16 @@ def limit(
         raise TypeError(f"vary is {type(vary).__name__}; expected the name of a key")
     if not isinstance(integrator, str):
         raise TypeError(f"integrator is {type(integrator).__name__}; expected a name")
+    if (time_step is None) == (keeps is None):
+        raise InputError('a limit has `time_step` or `keeps="stable"`\n  hint: give one of them')
     problem = problem_of(material, method)
+    if time_step is None:
+        if keeps != "stable" or stretch is not None or F is not None:
+            raise InputError('expected keeps="stable" with `stretches`, without `stretch` and `F`')
+        window = None if stretches is None else pair(stretches, "stretches")
+        return Limit(problem.keeps(vary, window, None if range is None else pair(range, "range")))
+    if stretches is not None:
+        raise InputError('stretches has no effect with time_step\n  hint: give keeps="stable" instead')
     given = (None, None) if stretch is None and F is None else state_as_typed(F, stretch)
     step = time_step if isinstance(time_step, str) else repr(positive(time_step, "time_step"))
     ends = None if range is None else pair(range, "range")

@@ -138,7 +138,7 @@ const TUNE_EXAMPLES: &str = "Examples:
 const LIMIT_EXAMPLES: &str = "Examples:
   onset limit --time-step 0.01 --vary material.young --set material.young=2 --set material.poisson=0.3
   onset limit --time-step '1 us' --vary discretization.spacing studies/rubber.toml --safety 0.8
-  onset limit --time-step 0.1 --vary discretization.penalty --range 0,10 --set discretization.method=tlsph";
+  onset limit --keeps stable --stretches 0.8,1.3 --vary discretization.penalty --range 0,2 --set discretization.method=tlsph";
 const COMPARE_EXAMPLES: &str = "Examples:
   onset compare comparisons/methods-2d.toml --out results
   onset compare --set discretization.method=tlsph --vary discretization.penalty=0,0.1,0.5,1
@@ -1195,8 +1195,19 @@ pub struct TuneArguments {
 #[derive(Debug, Args)]
 pub struct LimitArguments {
     /// Time step that must be stable, with a unit if the settings have units, for example 0.01 or "1 us".
-    #[arg(long, value_name = "DT", allow_hyphen_values = true)]
-    pub time_step: String,
+    #[arg(
+        long,
+        value_name = "DT",
+        allow_hyphen_values = true,
+        required_unless_present = "keeps"
+    )]
+    pub time_step: Option<String>,
+    /// Instead of a time step: which values keep all states of a window of stretches stable? The only word is stable.
+    #[arg(long, value_name = "WORD", value_parser = ["stable"], conflicts_with_all = ["time_step", "stretch", "deformation_gradient", "safety", "integrator"])]
+    pub keeps: Option<String>,
+    /// With --keeps: smallest and largest stretch along the axes [default: 0.7,1.5].
+    #[arg(long, value_name = "LOW,HIGH", value_parser = window, allow_hyphen_values = true, requires = "keeps")]
+    pub stretches: Option<(f64, f64)>,
     /// Setting to vary: a key with a numerical value, for example material.young or discretization.spacing.
     #[arg(long, value_name = "KEY")]
     pub vary: String,

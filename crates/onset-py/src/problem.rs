@@ -15,7 +15,7 @@ use onset_study::answers::{
 };
 use onset_study::criteria::{Lateral, Mode};
 use onset_study::figure::Sheet;
-use onset_study::limit::{Integrator, LimitAnswer, LimitQuestion};
+use onset_study::limit::{Integrator, KeepsAnswer, LimitAnswer, LimitQuestion, USUAL_STRETCHES};
 use onset_study::map::{Evaluator, Record};
 use onset_study::output::picture;
 use onset_study::settings::{MapSettings, MaterialSettings, Settings, Trust};
@@ -184,6 +184,24 @@ impl Problem {
         })
     }
 
+    /// Finds the values of a setting that keep a window of states stable.
+    fn keeps(
+        &self,
+        py: Python<'_>,
+        key: String,
+        stretches: Option<(f64, f64)>,
+        range: Option<(f64, f64)>,
+    ) -> PyResult<Answer> {
+        let problem = Arc::clone(&self.0);
+        interrupt::answer(py, move || {
+            let question = LimitQuestion::new(&key)?.between(range);
+            let (low, high) = stretches.unwrap_or(USUAL_STRETCHES);
+            let kept = KeepsAnswer::new(&problem.settings, &question, [low, high], &|_| ())?;
+            let answer = Answer::of(&kept, &kept)?.with_table(&kept.csv());
+            Ok(answer.with_files(move || Ok(kept.files())))
+        })
+    }
+
     /// Finds the values of a setting that admit a time step.
     fn limit(
         &self,
@@ -206,11 +224,12 @@ impl Problem {
                 let known = Integrator::NAMES.join(", ");
                 Failure::Input(format!("no such integrator\n  hint: available: {known}"))
             })?;
-            let question = LimitQuestion::new(&key, &time_step)?
+            let question = LimitQuestion::new(&key)?
                 .between(range)
                 .with_safety(safety)
                 .with_integrator(integrator);
-            let limit = LimitAnswer::new(&problem.settings, &strain, &question, &|_| ())?;
+            let limit =
+                LimitAnswer::new(&problem.settings, &strain, &question, &time_step, &|_| ())?;
             let answer = Answer::of(&limit, &limit)?.with_table(&limit.csv());
             Ok(answer.with_files(move || Ok(limit.files())))
         })

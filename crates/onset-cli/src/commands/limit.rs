@@ -1,14 +1,14 @@
-//! `onset limit`: values of a setting that allow a given time step.
+//! `onset limit`: values of a setting that allow a given time step, or keep a window of states stable.
 
 use super::{Failure, print_with_files, progress};
 use crate::arguments::LimitArguments;
 use onset_study::answers::{Problem, Strain};
-use onset_study::limit::{LimitAnswer, LimitQuestion};
+use onset_study::limit::{KeepsAnswer, LimitAnswer, LimitQuestion, USUAL_STRETCHES};
 use std::process::ExitCode;
 
 /// Searches for the limit of a setting.
 pub fn limit(arguments: &LimitArguments) -> Result<ExitCode, Failure> {
-    let question = LimitQuestion::new(&arguments.vary, &arguments.time_step);
+    let question = LimitQuestion::new(&arguments.vary);
     let open: Vec<&str> = question.iter().map(LimitQuestion::key).collect();
     let settings = arguments.problem.settings_with(&open)?;
     let strain = match arguments.strain.is_given() {
@@ -23,16 +23,19 @@ pub fn limit(arguments: &LimitArguments) -> Result<ExitCode, Failure> {
     let place = arguments.out.as_deref();
     let output = arguments.drawing.output(place, "limit", &["limit.csv"])?;
     let bar = progress(question.values(), "values tried:");
-    let answer = LimitAnswer::new(&settings, &strain, &question, &|value| {
+    let is_told = |value| {
         bar.set_message(format!("{} = {value}", question.key()));
         bar.inc(1);
-    })?;
+    };
+    let Some(step) = &arguments.time_step else {
+        let (low, high) = arguments.stretches.unwrap_or(USUAL_STRETCHES);
+        let answer = KeepsAnswer::new(&settings, &question, [low, high], &is_told)?;
+        bar.finish_and_clear();
+        let (text, table) = (answer.to_string(), answer.csv());
+        return print_with_files(&answer, &text, output, || Ok(answer.files()), Some(table));
+    };
+    let answer = LimitAnswer::new(&settings, &strain, &question, step, &is_told)?;
     bar.finish_and_clear();
-    print_with_files(
-        &answer,
-        &answer.to_string(),
-        output,
-        || Ok(answer.files()),
-        Some(answer.csv()),
-    )
+    let (text, table) = (answer.to_string(), answer.csv());
+    print_with_files(&answer, &text, output, || Ok(answer.files()), Some(table))
 }

@@ -1,14 +1,15 @@
 //! Critical time steps over the values of a setting, and the intervals of values for which a step is stable.
 
+use super::interval::{Admitted, End, EndKind, Trial, admitted, ends_of_domain, ranges};
 use super::{LimitQuestion, VALUES};
 use crate::answers::{
     BodyStepAnswer, Evidence, FiniteBodyAnswer, LATTICE_NOTE, Problem, ProblemError, Strain, notes,
 };
 use crate::csv;
 use crate::figure::{Axis, Figure, Line, Panel, Points, Rule, palette};
-use crate::number::{told, told_above, told_below};
+use crate::number::told;
 use crate::output::{Files, picture, text};
-use crate::range::{middle, spread};
+use crate::range::spread;
 use crate::settings::{Effective, Settings, Units};
 use onset::cancel::Scope;
 use onset::time_step::{Integrator, undamped_time_step};
@@ -18,10 +19,6 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// Maximum number of evaluations for the refinement of a limit.
-const REFINEMENTS: usize = 60;
-/// Maximum number of halvings toward values that cannot be evaluated.
-const HALVINGS: usize = 12;
 /// Tolerance of the logarithmic step ratio at a limit, and of the relative width of the bracket.
 const LIMIT_TOLERANCE: f64 = 1e-10;
 
@@ -48,6 +45,9 @@ pub struct Tried {
     /// Whether the value was added by the refinement, between values of the grid.
     #[serde(skip)]
     is_refined: bool,
+    /// Logarithm of the ratio of the critical to the needed step; NaN if the value cannot be evaluated.
+    #[serde(skip)]
+    margin: f64,
 }
 
 /// Serializes numbers that are not finite as `null`.
@@ -57,52 +57,25 @@ fn finite<S: serde::Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::
         .serialize(serializer)
 }
 
-impl Tried {
-    /// Logarithm of the ratio of the critical to the needed step; NaN if the value cannot be evaluated.
-    fn margin(&self, needed: f64) -> f64 {
-        (self.critical_time_step / needed).ln()
+impl Trial for Tried {
+    const TOLERANCE: f64 = LIMIT_TOLERANCE;
+
+    fn value(&self) -> f64 {
+        self.value
+    }
+
+    fn note(&self) -> Option<&str> {
+        self.note.as_deref()
+    }
+
+    fn margin(&self) -> f64 {
+        self.margin
     }
 
     fn refined(mut self) -> Self {
         self.is_refined = true;
         self
     }
-}
-
-/// Kind of an end of an admissible interval.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum EndKind {
-    /// Beyond the end the step is too large.
-    Limit,
-    /// End of the range of values.
-    Range,
-    /// Values beyond the end cannot be evaluated.
-    Undefined,
-}
-
-/// End of an interval of values that admit the step.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct End {
-    /// Last value that admits the step.
-    pub value: f64,
-    /// Reason why the interval ends.
-    pub kind: EndKind,
-    /// Nearest value found that cannot be evaluated; `None` if all values can be evaluated.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub undefined_at: Option<f64>,
-    /// Reason why the value `undefined_at` cannot be evaluated; `null` without such a value.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub note: Option<String>,
-}
-
-/// Interval of values that admit the step.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Admitted {
-    /// Smallest value of the interval.
-    pub from: End,
-    /// Largest value of the interval.
-    pub to: End,
 }
 
 /// Answer of `onset limit`: the values of a setting that admit a time step.
@@ -170,9 +143,11 @@ impl Search<'_> {
         let share = self.question.integrator.undamped_reach()
             / Integrator::CentralDifferences.undamped_reach();
         let of_body = body.and_then(|body| body.time_step).map(|own| own * share);
+        let step = of_body.map_or(step, |own| own.min(step));
         Ok(Tried {
             value,
-            critical_time_step: of_body.map_or(step, |own| own.min(step)),
+            critical_time_step: step,
+            margin: (step / self.needed).ln(),
             body,
             verdict: Some(assessment.verdict),
             isolated_point_time_step: transferred.and_then(|waves| waves.isolated_point()),
@@ -186,6 +161,7 @@ impl Search<'_> {
         self.measured(value).unwrap_or_else(|error| Tried {
             value,
             critical_time_step: f64::NAN,
+            margin: f64::NAN,
             body: None,
             verdict: None,
             isolated_point_time_step: None,
@@ -193,61 +169,11 @@ impl Search<'_> {
             is_refined: false,
         })
     }
-
-    fn admits(&self, tried: &Tried) -> bool {
-        tried.margin(self.needed) >= 0.0
-    }
-
-    /// Refines the end between a value that admits the step and a neighbor that does not.
-    fn end(&self, inside: &Tried, outside: &Tried, all: &mut Vec<Tried>) -> End {
-        let (mut inside, mut outside) = (inside.clone(), outside.clone());
-        for n in 0..REFINEMENTS {
-            let width = (outside.value - inside.value).abs();
-            let is_close = width <= LIMIT_TOLERANCE * inside.value.abs().max(outside.value.abs());
-            let is_of_domain = outside.note.is_some() && n >= HALVINGS;
-            if is_close || is_of_domain || inside.margin(self.needed) <= LIMIT_TOLERANCE {
-                break;
-            }
-            // Two secant steps, then one bisection, so that both ends of the interval move.
-            let halved = middle(inside.value, outside.value);
-            let value = match n % 3 {
-                2 => halved,
-                _ => self.secant(&inside, &outside).unwrap_or(halved),
-            };
-            let between = self.tried(value).refined();
-            all.push(between.clone());
-            match self.admits(&between) {
-                true => inside = between,
-                false => outside = between,
-            }
-        }
-        End {
-            value: inside.value,
-            kind: match outside.note {
-                Some(_) => EndKind::Undefined,
-                None => EndKind::Limit,
-            },
-            undefined_at: outside.note.as_ref().map(|_| outside.value),
-            note: outside.note,
-        }
-    }
-
-    /// Zero of the margin by linear interpolation between two values, logarithmic if both are positive.
-    fn secant(&self, inside: &Tried, outside: &Tried) -> Option<f64> {
-        let (a, b) = (inside.margin(self.needed), outside.margin(self.needed));
-        let share = a / (a - b);
-        let is_positive = inside.value > 0.0 && outside.value > 0.0;
-        let value = match is_positive {
-            true => inside.value * (outside.value / inside.value).powf(share),
-            false => inside.value + share * (outside.value - inside.value),
-        };
-        let is_between = (value - inside.value) * (value - outside.value) < 0.0;
-        is_between.then_some(value)
-    }
 }
 
 impl LimitAnswer {
-    /// Evaluates all values in parallel, and refines the limits; `is_told` is called with each value.
+    /// Evaluates all values in parallel, and refines the limits; `step` is the time step as text, with an optional unit, and `is_told` is called with
+    /// each value.
     ///
     /// # Errors
     /// [`ProblemError`] when settings or state are invalid, no value can be evaluated, or the key is not used.
@@ -255,6 +181,7 @@ impl LimitAnswer {
         settings: &Settings,
         strain: &Strain,
         question: &LimitQuestion,
+        step: &str,
         is_told: &(dyn Fn(f64) + Sync),
     ) -> Result<Self, ProblemError> {
         question.check(settings)?;
@@ -266,7 +193,7 @@ impl LimitAnswer {
         if let Some(present) = present {
             question.settings(settings, present)?;
         }
-        let time_step = question.time_step(settings)?;
+        let time_step = LimitQuestion::time_step(step, settings)?;
         let search = Search {
             question,
             settings,
@@ -290,30 +217,7 @@ impl LimitAnswer {
                 source: Box::new(source),
             })?;
         }
-        let mut all = grid.clone();
-        let admitted = grid
-            .chunk_by(|a, b| search.admits(a) == search.admits(b))
-            .filter(|run| search.admits(&run[0]))
-            .map(|run| {
-                // Neighbors are found by position, because a run is part of the grid.
-                let first = grid.partition_point(|one| one.value < run[0].value);
-                let mut end = |own: &Tried, beyond: Option<&Tried>| match beyond {
-                    Some(beyond) => search.end(own, beyond, &mut all),
-                    None => End {
-                        value: own.value,
-                        kind: EndKind::Range,
-                        undefined_at: None,
-                        note: None,
-                    },
-                };
-                let before = first.checked_sub(1).map(|n| &grid[n]);
-                Admitted {
-                    from: end(&run[0], before),
-                    to: end(&run[run.len() - 1], grid.get(first + run.len())),
-                }
-            })
-            .collect();
-        all.sort_by(|a, b| a.value.total_cmp(&b.value));
+        let (admitted, all) = admitted(grid, &|value| search.tried(value));
         let problem = question.settings(settings, present.unwrap_or(high));
         let problem = problem.and_then(Problem::new).ok();
         let is_transferred = |problem: &Problem| problem.analysis.is_transferred();
@@ -364,9 +268,7 @@ impl LimitAnswer {
     }
 
     fn admitting(&self) -> impl Iterator<Item = &Tried> {
-        let needed = self.needed();
-        let tried = self.tried.iter();
-        tried.filter(move |one| one.margin(needed) >= 0.0)
+        self.tried.iter().filter(|one| one.is_admitted())
     }
 
     /// Warning if the waves of a filled body admit the step but an isolated material point does not.
@@ -402,18 +304,6 @@ impl LimitAnswer {
                 "The verdict on the state is {} with {with} of these values: the step applies to the waves that do not grow.",
                 names.join(" or ")
             )
-        })
-    }
-
-    /// Notes on intervals that end because values beyond cannot be evaluated.
-    fn ends_of_domain(&self) -> impl Iterator<Item = String> {
-        let ends = self.admitted.iter().flat_map(|own| [&own.from, &own.to]);
-        ends.filter_map(|end| {
-            let note = end.note.as_deref()?.lines().next()?;
-            let [from, to] = [end.value, end.undefined_at?].map(|value| self.value(told(value)));
-            Some(format!(
-                "At {to}: {note}; no value between {from} and {to} was tried."
-            ))
         })
     }
 
@@ -523,18 +413,15 @@ impl LimitAnswer {
             safety => format!("{} of the critical one", told(safety)),
         };
         let below = format!("A time step of {step} is below {critical} with");
-        let from = |own: &Admitted| self.value(told_above(own.from.value));
-        let to = |own: &Admitted| self.value(told_below(own.to.value));
         let [first, last] = [self.tried.first(), self.tried.last()]
             .map(|one| self.value(told(one.map_or(f64::NAN, |one| one.value))));
-        let is_open = |end: &End| end.kind == EndKind::Range;
-        match &self.admitted[..] {
-            [] if self.is_unstable_for_every_step() => format!(
+        match self.admitted.is_empty() {
+            true if self.is_unstable_for_every_step() => format!(
                 "Waves without damping are unstable for every time step of {} with every {} from {first} to {last}.",
                 self.integrator.unwrap_or_default(),
                 self.key
             ),
-            [] => {
+            true => {
                 let steps = self.tried.iter().filter(|one| one.note.is_none());
                 let best =
                     steps.max_by(|a, b| a.critical_time_step.total_cmp(&b.critical_time_step));
@@ -547,30 +434,9 @@ impl LimitAnswer {
                 });
                 format!("{below} no {} from {first} to {last}{best}.", self.key)
             }
-            [only] if is_open(&only.from) && is_open(&only.to) => {
-                format!(
-                    "{below} every {} from {} to {}.",
-                    self.key,
-                    from(only),
-                    to(only)
-                )
-            }
-            [only] if is_open(&only.from) => {
-                format!("{below} {} up to {}.", self.key, to(only))
-            }
-            [only] if is_open(&only.to) => {
-                format!(
-                    "{below} {} from {} on, as far as {last}.",
-                    self.key,
-                    from(only)
-                )
-            }
-            several => {
-                let ranges: Vec<String> = several
-                    .iter()
-                    .map(|own| format!("from {} to {}", from(own), to(own)))
-                    .collect();
-                format!("{below} {} {}.", self.key, ranges.join(", and "))
+            false => {
+                let values = ranges(&self.admitted, self.key, &last, &|own| self.value(own));
+                format!("{below} {values}.")
             }
         }
     }
@@ -626,7 +492,8 @@ impl fmt::Display for LimitAnswer {
         if let Some(present) = self.present_sentence() {
             write!(formatter, " {present}")?;
         }
-        for sentence in self.ends_of_domain().chain(self.verdicts()) {
+        let ends = ends_of_domain(&self.admitted, &|own| self.value(own));
+        for sentence in ends.into_iter().chain(self.verdicts()) {
             write!(formatter, " {sentence}")?;
         }
         let heading = match self.unit {
@@ -646,7 +513,7 @@ impl fmt::Display for LimitAnswer {
                     told(one.value),
                     self.step(one.critical_time_step),
                     verdict.name(),
-                    match one.margin(self.needed()) >= 0.0 {
+                    match one.is_admitted() {
                         true => "",
                         false => ", step too large",
                     }

@@ -1,11 +1,16 @@
 //! Limits of a setting for a given time step: the largest modulus, the smallest spacing or density, the largest penalty.
 //!
 //! The step of a simulation is often prescribed by other parts of it or by cost. The critical step of a state is evaluated on a grid of values. The
-//! values at which it equals the needed step are found by secant steps with interposed bisection.
+//! values at which it equals the needed step are found by secant steps with interposed bisection. Instead of a step, the stability of all states in a
+//! window of stretches can be required.
 
 mod answer;
+mod interval;
+mod keeps;
 
-pub use answer::{Admitted, End, EndKind, LimitAnswer, Tried};
+pub use answer::{LimitAnswer, Tried};
+pub use interval::{Admitted, End, EndKind};
+pub use keeps::{KeepsAnswer, Kept};
 
 pub use onset::time_step::Integrator;
 
@@ -19,6 +24,9 @@ const VALUES: usize = 25;
 /// Ratio of the ends of the default range to the present value of the setting.
 const DEFAULT_RANGE_RATIO: f64 = 1e6;
 
+/// Stretches of the states that must be stable, if nothing else is asked.
+pub const USUAL_STRETCHES: (f64, f64) = (0.7, 1.5);
+
 /// The time step, as a value with a unit.
 static TIME_STEP: Key = Key {
     name: "--time-step",
@@ -27,23 +35,21 @@ static TIME_STEP: Key = Key {
     read_with: &[],
 };
 
-/// A setting to vary, and the time step that must be stable.
+/// A setting to vary, and how.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LimitQuestion {
     key: &'static Key,
-    /// Time step as typed, with or without a unit.
-    step: String,
     range: Option<[f64; 2]>,
     safety: f64,
     integrator: Integrator,
 }
 
 impl LimitQuestion {
-    /// Parses the name of the key to vary and the time step (text, with an optional unit).
+    /// Parses the name of the key to vary.
     ///
     /// # Errors
     /// [`SettingError`] when the key does not exist or is not a number.
-    pub fn new(name: &str, step: &str) -> Result<Self, SettingError> {
+    pub fn new(name: &str) -> Result<Self, SettingError> {
         let origin = || Origin::CommandLine(name.to_owned());
         let Some(key) = Key::named(name) else {
             let numbers = KEYS.iter().filter(|key| key.is_varied());
@@ -63,7 +69,6 @@ impl LimitQuestion {
         }
         Ok(Self {
             key,
-            step: step.to_owned(),
             range: None,
             safety: 1.0,
             integrator: Integrator::KickDriftKick,
@@ -103,10 +108,10 @@ impl LimitQuestion {
         settings.check_read(self.key, Origin::CommandLine(self.key.name.to_owned()), &[])
     }
 
-    /// Converts the time step to the units of the settings.
-    fn time_step(&self, settings: &Settings) -> Result<f64, SettingError> {
-        let origin = Origin::CommandLine(format!("--time-step {}", self.step));
-        let typed = Value::typed(&self.step, Some(TIME_STEP.kind));
+    /// Converts a time step, as typed with or without a unit, to the units of the settings.
+    fn time_step(step: &str, settings: &Settings) -> Result<f64, SettingError> {
+        let origin = Origin::CommandLine(format!("--time-step {step}"));
+        let typed = Value::typed(step, Some(TIME_STEP.kind));
         let measured = units::converted(&TIME_STEP, &typed, &origin)?;
         if measured.is_some() && !settings.units().are_si() {
             let message = "the time step has a unit, but the settings have no units".to_owned();
