@@ -453,8 +453,10 @@ fn a_pdf_holds_outlines_and_text_in_an_embedded_font() {
     // The font has the letters used, and no others.
     let font = holding(b"glyf");
     let face = ttf_parser::Face::parse(font, 0).expect("a font");
-    let used: HashSet<char> = texts.concat().chars().collect();
-    assert_eq!(usize::from(face.number_of_glyphs()), used.len() + 1);
+    let used = texts.concat().chars().collect::<HashSet<_>>().len();
+    // Some letters are composed of others.
+    let kept = usize::from(face.number_of_glyphs());
+    assert!((used + 1..used + 6).contains(&kept), "{kept} for {used}");
     // The page is as wide as the SVG; an inch has 72 points and 96 pixels.
     let (width, _) = size_of(&figure.to_svg());
     let told = format!("/MediaBox [0 0 {}", 0.75 * width);

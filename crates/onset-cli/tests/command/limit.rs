@@ -49,6 +49,40 @@ fn the_smallest_spacing_and_density_follow_from_the_wave_speed() {
 }
 
 #[test]
+fn the_largest_lame_constant_that_keeps_a_range_of_stretches_stable_is_that_of_its_end() {
+    // Uniaxial strain: A = mu (1 + 1/l^2) + lambda (1 - ln l)/l^2 stays positive up to l = 4 if lambda < mu (l^2 + 1)/(ln l - 1).
+    let line = format!("limit --vary material.lambda --keeps stable --stretches 1,4 {LAW} {BARS}");
+    let answer = document(&line);
+    let largest = number(&answer, "/admitted/0/to/value");
+    let exact = 17.0 / (4.0_f64.ln() - 1.0);
+    assert!((largest / exact - 1.0).abs() < 2e-6 && largest <= exact, "{largest} for {exact}");
+    assert_eq!(answer["admitted"][0]["to"]["kind"], "limit");
+    assert_eq!((&answer["states"], &answer["present"]["stable_share"]), (&33.into(), &1.0.into()));
+    // Beyond the limit the state that is lost is the end of the range, and it is lost by the law.
+    let tried = answer["tried"].as_array().expect("values");
+    let beyond = tried.iter().find(|own| own["value"].as_f64() > Some(exact)).expect("a value");
+    assert_eq!((&beyond["verdict"], &beyond["stretches"][0]), (&"physical".into(), &4.0.into()));
+    let text = onset_line(&line).stdout;
+    assert!(text.starts_with("All 33 states with stretches from 1 to 4 along the axes are stable with material.lambda up to 44.0"), "{text}");
+}
+
+#[test]
+fn a_limit_is_of_a_time_step_or_of_stability() {
+    for (more, told) in [
+        ("", "--time-step"),
+        ("--keeps stable --time-step 1", "--keeps"),
+        ("--keeps stable --stretch 1.2", "--keeps"),
+        ("--keeps safe", "stable"),
+        ("--time-step 1 --stretches 0.8,1.2", "--keeps"),
+        ("--keeps stable --stretches 0,2", "positive stretches"),
+    ] {
+        let output = onset_line(&format!("limit --vary material.mu {more} {LAW} {BARS}"));
+        assert_eq!(output.code, 2, "{more}");
+        assert!(output.stderr.contains(told), "{more}: {}", output.stderr);
+    }
+}
+
+#[test]
 fn the_limit_applies_to_the_given_state() {
     let line =
         format!("limit --vary discretization.spacing --time-step 0.1 {LAW} {BARS} --stretch 1.3");

@@ -47,7 +47,8 @@ pub struct Admitted {
 
 /// Result for a value of the setting.
 pub(super) trait Trial: Clone {
-    /// Relative width to which the end of an interval is refined, and margin that counts as zero.
+    /// Width to which the end of an interval is refined, relative to its value or to the cell of the grid if that is larger, and margin that counts as
+    /// zero.
     const TOLERANCE: f64;
 
     fn value(&self) -> f64;
@@ -101,9 +102,12 @@ pub(super) fn admitted<T: Trial>(
 /// Refines the end between an admitted value and a neighbor that is not.
 fn refined<T: Trial>(inside: &T, outside: &T, trial: &dyn Fn(f64) -> T, all: &mut Vec<T>) -> End {
     let (mut inside, mut outside) = (inside.clone(), outside.clone());
+    // For an end at zero the width is relative to the cell of the grid.
+    let cell = (outside.value() - inside.value()).abs();
     for n in 0..REFINEMENTS {
         let width = (outside.value() - inside.value()).abs();
-        let is_close = width <= T::TOLERANCE * inside.value().abs().max(outside.value().abs());
+        let size = inside.value().abs().max(outside.value().abs());
+        let is_close = width <= T::TOLERANCE * size.max(cell);
         let is_of_domain = outside.note().is_some() && n >= HALVINGS;
         if is_close || is_of_domain || inside.margin() <= T::TOLERANCE {
             break;

@@ -309,9 +309,11 @@ impl Units {
     /// assert_eq!(Units::Si.label("growth rate", "1/time"), "growth rate (1/s)");
     /// assert_eq!(Units::Own.label("min ω²", "1/time^2"), "min ω² (1/time²)");
     /// assert_eq!(Units::Own.label("stretch λ₁", "1"), "stretch λ₁ (−)");
+    /// assert_eq!([Units::Si, Units::Own].map(|units| units.label("time", "time")), ["time (s)", "time"]);
     /// ```
     pub fn label(self, what: &str, dimension: &'static str) -> String {
         let unit = match self.unit(dimension) {
+            unit if unit == what => return what.to_owned(),
             "1" => "−".to_owned(),
             unit => unit.replace("^2", "²").replace("^3", "³"),
         };
