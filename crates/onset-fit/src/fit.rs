@@ -144,7 +144,7 @@ pub struct Fitted {
     pub uncertainty: Uncertainty,
     /// Names of the free constants that are at their bounds.
     pub at_bounds: Vec<String>,
-    /// Loading and smallest stretch of the range at which the chains of the law are straight; `None` if they are straight at no state of the range.
+    /// Loading and smallest stretch of the range at which the chains of the law are fully extended; `None` if no state of the range extends them fully.
     pub locked: Option<(Mode, f64)>,
 }
 

@@ -501,7 +501,7 @@ pub fn limits(family: &Family, constants: &[f64], criteria: &[Criterion]) -> Vec
     all
 }
 
-/// First state in tension, in a range, at which the chains of a law are straight; the stretch is the smallest one of all loadings.
+/// First state of a range in tension at which the chains of a law are fully extended; the stretch is the smallest of all loadings.
 pub(crate) fn locked(family: &Family, constants: &[f64], range: &[Patch]) -> Option<(Mode, f64)> {
     let first = family.locking(constants)?;
     let invariant = |logs: [f64; 3]| logs.iter().map(|log| (2.0 * log).exp()).sum::<f64>() - 3.0;

@@ -106,9 +106,9 @@ impl Bounds {
 /// Differences between the particles of a frame and a list of numbers; see [`Frame::in_order_of`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Order {
-    /// Numbers that the frame lacks.
+    /// Listed numbers that the frame does not have.
     pub missing: Vec<u64>,
-    /// Numbers that only the frame has; these particles are removed.
+    /// Numbers in the frame that are not listed; their particles are removed.
     pub new: Vec<u64>,
     /// Numbers that occur more than once in the frame; the first occurrence is kept.
     pub doubled: Vec<u64>,

@@ -453,17 +453,17 @@ const ROWS: &[Row] = &[
         &[
             (
                 "nodal",
-                "points: particles; volumes: Voronoi",
+                "points: the particles; volumes: Voronoi cells of the points",
                 "equation (41) of the paper",
             ),
             (
                 "stress-points",
-                "points: particles and centers of the Delaunay cells; volumes: Voronoi",
+                "points: the particles and the centers of the Delaunay cells; volumes: Voronoi cells of the points",
                 "equations (42), (43) of the paper; Dyka et al.",
             ),
             (
                 "stress-points-only",
-                "points: centers of the Delaunay cells; volumes: Voronoi",
+                "points: the centers of the Delaunay cells; volumes: Voronoi cells of the points",
                 "Randles et al.",
             ),
             (

@@ -64,7 +64,7 @@ fn a_diagram_is_also_available_as_json() {
         .iter()
         .map(|corner| corner["name"].as_str())
         .collect();
-    // At this state two kinds of edges differ; the last segment passes through the critical wave.
+    // The state makes the edges of the hexagonal zone unequal (M, M′); the last segment passes through the critical wave vector k*.
     let expected = ["Γ", "M", "K", "Γ", "M′", "Γ", "k*"].map(Some);
     assert_eq!(names[..expected.len()], expected);
     let count = |key: &str| diagram[key].as_array().map(Vec::len);

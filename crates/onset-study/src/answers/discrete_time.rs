@@ -105,7 +105,7 @@ impl DiscreteTimeAnswer {
             lines.push((
                 "largest time step",
                 format!(
-                    "the step of the {name} transfer is stable below {} ({LATTICE_NOTE})",
+                    "the {name} transfer is stable for steps below {} ({LATTICE_NOTE})",
                     time(largest)
                 ),
             ));

@@ -166,7 +166,7 @@ pub struct CriteriaAnswer {
     pub disagreements: Vec<String>,
 }
 
-/// Every criterion for one loading.
+/// Results of every criterion for one loading.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LoadingAnswer {
     /// Deformation mode that is imposed.

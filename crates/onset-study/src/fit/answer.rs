@@ -50,7 +50,7 @@ pub struct LossAnswer {
     pub inside_of_data: bool,
 }
 
-/// State at which the chains of a law are straight.
+/// State at which the chains of a law are fully extended.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LockAnswer {
     /// Loading of the specimen.
@@ -98,7 +98,7 @@ pub struct LawAnswer {
     pub spare_points: usize,
     /// Names of the free constants at their bounds.
     pub at_bounds: Vec<String>,
-    /// First state in the range at which the chains of the law are straight; `null` if the range has no such state.
+    /// First state in the range at which the chains of the law are fully extended; `null` if the range has no such state.
     pub locks: Option<LockAnswer>,
     /// Settings of the law.
     pub settings: Vec<String>,
@@ -480,7 +480,7 @@ fn remarks(laws: &[LawAnswer]) -> Vec<String> {
         }
         if let Some(lock) = &own.locks {
             notes.push(format!(
-                "{}: inside the range its chains are straight from stretch {} in {} tension on; {}",
+                "{}: inside the range, its chains are fully extended from stretch {} in {} tension on; {}",
                 own.law,
                 short(lock.stretch),
                 lock.mode.name(),

@@ -992,7 +992,7 @@ impl Table<'_> {
                 true => Err(self.line(
                     line,
                     format!(
-                        "the {what} is {}, more than any rubber can bear ({LARGEST})",
+                        "the {what} is {}, more than any rubber can withstand ({LARGEST})",
                         told(stretch)
                     ),
                     percents,
@@ -1022,7 +1022,7 @@ impl Table<'_> {
             return Err(self.line(
                 line,
                 format!(
-                    "the {what} is {}, more than any rubber can bear ({LARGEST})",
+                    "the {what} is {}, more than any rubber can withstand ({LARGEST})",
                     told(stretch)
                 ),
                 match column {

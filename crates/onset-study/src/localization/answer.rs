@@ -424,7 +424,7 @@ impl std::fmt::Display for LocalizationAnswer {
             )?;
             writeln!(
                 formatter,
-                "  critical modulus        {} (of strong ellipticity {})",
+                "  critical modulus        {} (for loss of strong ellipticity: {})",
                 stress(point.critical_modulus),
                 stress(point.strong_critical_modulus)
             )?;

@@ -48,9 +48,9 @@ pub struct BodyModeAnswer {
     pub kind: ModeKind,
     /// Fraction of the mode that is not linear in the neighborhood of a particle, from 0 to 1.
     pub short_waves: f64,
-    /// Fraction of the particles that strain, `(sum g)^2 / (n sum g^2)` with the squared gradients `g` of the mode.
+    /// Fraction of the particles that the mode strains, `(sum g)^2 / (n sum g^2)` with the squared gradients `g` of the mode.
     pub strained: f64,
-    /// Width of the region that strains: `strained` times the longest side of the body; particle spacings.
+    /// Width of the strained region, `strained` times the longest side of the body; in particle spacings.
     pub width: f64,
     /// Particle with the largest displacement.
     pub particle: usize,
@@ -273,7 +273,7 @@ impl BodyModeAnswer {
                 told_with(self.width, 2)
             ),
             ModeKind::ShortWave => format!(
-                "short waves ({:.0} % of it alternates between neighbors)",
+                "short waves ({:.0} % of the mode alternates between neighbors)",
                 100.0 * self.short_waves
             ),
         };

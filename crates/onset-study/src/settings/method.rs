@@ -147,7 +147,7 @@ pub struct MethodSettings {
     pub corrected_forces: bool,
     /// Updated SPH: form of the forces.
     pub momentum: MomentumForm,
-    /// Updated SPH: rule of the densities.
+    /// Updated SPH: rule for the evolution of the densities.
     pub density_evolution: DensityEvolution,
     /// Total-Lagrangian SPH: coefficient of the zero-energy-mode penalty.
     pub penalty: f64,
@@ -424,7 +424,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.penalty-form",
         Kind::Words(&["published", "smd"]),
-        "total-Lagrangian SPH: the published penalty, or the penalty of LAMMPS' SMD with regularized denominators, whose coefficient is the hourglass amplitude",
+        "total-Lagrangian SPH: form of the penalty, published or as in LAMMPS' SMD (regularized denominators; the coefficient is the hourglass amplitude)",
     )
     .only_with(PENALIZED),
     key(

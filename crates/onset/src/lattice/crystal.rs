@@ -78,10 +78,10 @@ impl<const D: usize> Crystal<D> {
         })
     }
 
-    /// Creates a lattice with particles of given volumes (length^D) at places given in lattice coordinates.
+    /// Creates a crystal from the volumes (length^D) of its particles and their positions in lattice coordinates.
     ///
     /// # Errors
-    /// [`LatticeError::NoSites`] if no place is given, or if the numbers of volumes and places differ.
+    /// [`LatticeError::NoSites`] if no position is given, or if the numbers of volumes and positions differ.
     pub fn with_volumes(
         lattice: BravaisLattice<D>,
         sites: Vec<Fractional<D>>,

@@ -1,4 +1,4 @@
-//! The trait [`Discretization`] for the kernel methods of [`crate::method`].
+//! Implementation of [`Discretization`] for the kernel methods of [`crate::method`].
 
 use super::kernel::{KernelChoices, KernelScheme};
 use super::{DirectWaves, Discretization, PatchForces, PeriodicPatch, SeenForm, StrainOperator};

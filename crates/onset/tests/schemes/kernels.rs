@@ -279,7 +279,8 @@ fn long_waves_of_linearly_complete_functions_on_bravais_lattices_agree_with_the_
 }
 
 #[test]
-fn irregularity_lifts_the_zero_energy_modes_of_nodal_integration_by_its_square() {
+fn frequencies_of_former_zero_energy_modes_of_nodal_integration_are_proportional_to_the_irregularity()
+ {
     let square = Crystal::of_lattice(lattice::<2>(LatticeKind::Square));
     let large = square.supercell([2, 2]).expect("a crystal");
     let choices = KernelChoices {

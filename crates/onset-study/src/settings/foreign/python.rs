@@ -127,7 +127,7 @@ fn no_model(
     if let Some((place, (name, reason))) = refused {
         return Trouble::new(
             line_of(text, place),
-            format!("{name} of felupe is not read: {reason}"),
+            format!("{name} of felupe is not supported: {reason}"),
             "choose another law, or type its energy with --energy",
         );
     }

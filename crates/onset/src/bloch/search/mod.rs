@@ -884,7 +884,8 @@ impl<const D: usize> ZoneSearch<D> {
         rival: f64,
     ) -> Vec<SVector<f64, D>> {
         let (points, stride) = grid.near_crossings(matrix.is_centrosymmetric(), rival);
-        // The predicted growth rate of a pocket can be half of the rate found by a descent from there. In the plane all pockets are cheap to examine.
+        // The growth rate predicted for a pocket can be as low as half of the rate that a descent finds from there. In the plane it is cheap to examine
+        // all pockets.
         let rival = match grid.has_asymmetry() {
             true => 0.5 * rival,
             false => 0.0,

@@ -257,9 +257,9 @@ pub fn trace_boundary_from<E>(
     Ok(boundary)
 }
 
-/// Change of phase between two points, bracketed to `1e-13` of the window.
+/// Returns a change of phase between two points, bracketed to `1e-13` of the window.
 ///
-/// If several are found, the nearest to `from` is returned. `None` if both points are in one phase, or if one is outside the window.
+/// If several are found, the nearest to `from` is returned; `None` if both points are in the same phase, or if one is outside the window.
 ///
 /// # Errors
 /// Errors of the probe.
