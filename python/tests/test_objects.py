@@ -186,7 +186,7 @@ def test_numeric_strings_become_numbers_in_studies() -> None:
     assert table == onset.compare({"1": method.replace(support=2.6)}, RUBBER, states=2)
     assert onset.recommend(read, methods=None, dimension=1).csv
     assert onset.recommend(methods=[onset.Method(lattice="chain", kernel="cubic-spline", support="2.6")]).csv
-    # A key that takes a list accepts a single value; a text stays a text.
+    # A key that takes a list accepts a single value; a string remains a string.
     library = onset.Material("umat", library="2", properties="1, 2.5")
     text = library._section_text()
     assert 'library = "2"\n' in text and "properties = [1, 2.5]\n" in text

@@ -353,7 +353,7 @@ pub enum Command {
     /// Compute the verdicts on all states of a study into a Zarr store; resumable
     #[command(after_help = MAP_EXAMPLES)]
     Map(MapArguments),
-    /// Find where each stability criterion is lost along standard loadings
+    /// Find where each stability criterion is violated along standard loadings
     ///
     /// The criteria are ellipticity, Hill, Drucker, Baker-Ericksen, the largest load and others. The stretches of traction-free faces are solved for.
     #[command(after_help = CRITERIA_EXAMPLES, after_long_help = with_keys(CRITERIA_EXAMPLES, &law_keys()))]
@@ -1515,7 +1515,7 @@ pub struct SetArguments {
     pub energy: Option<String>,
 }
 
-/// Block of another program instead of a study.
+/// Arguments for an input block of another program in place of a study.
 #[derive(Clone, Debug, Default, Args)]
 pub struct BlockArguments {
     /// FILE is a block of another program: abaqus or calculix (*HYPERELASTIC ...), ansys (TB,HYPER ...), febio (material type="Ogden"), felupe

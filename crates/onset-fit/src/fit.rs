@@ -136,7 +136,7 @@ pub struct Fitted {
     pub relative: f64,
     /// Errors of each test.
     pub misfits: Vec<Misfit>,
-    /// Smallest stretches up to 10 at which each criterion is lost in tension; for incompressible response.
+    /// Smallest stretches up to 10 at which each criterion is violated in tension; for incompressible response.
     pub limits: Vec<Limit>,
     /// State of the range at which a stability criterion has its smallest value; `None` without a range.
     pub worst: Option<Worst>,

@@ -451,9 +451,9 @@ fn improved(
 pub struct Limit {
     /// Loading of the specimen.
     pub mode: Mode,
-    /// Criterion that is lost.
+    /// Criterion that is violated.
     pub criterion: Criterion,
-    /// Stretch at which the criterion is lost.
+    /// Stretch at which the criterion is violated.
     pub stretch: f64,
 }
 
@@ -462,7 +462,7 @@ const LARGEST_STRETCH: f64 = 10.0;
 /// States along a loading.
 const ALONG: usize = 400;
 
-/// Smallest stretches at which each criterion is lost in uniaxial, equibiaxial and planar tension up to stretch 10, by increasing stretch.
+/// Smallest stretches at which each criterion is violated in uniaxial, equibiaxial and planar tension up to stretch 10, by increasing stretch.
 pub fn limits(family: &Family, constants: &[f64], criteria: &[Criterion]) -> Vec<Limit> {
     let mut all = Vec::new();
     for mode in Mode::LOADINGS {

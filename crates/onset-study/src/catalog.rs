@@ -954,7 +954,7 @@ impl LawEntry {
                 &format!("{name} = {default}{unit}: {meaning}; {expected}"),
             )?;
         }
-        line("holds: ", self.domain)?;
+        line("domain: ", self.domain)?;
         line("symmetry: ", self.symmetry)?;
         line("small strains: ", self.small_strains)?;
         match self.stressed_reference {

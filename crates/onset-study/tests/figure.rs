@@ -442,7 +442,7 @@ fn a_pdf_holds_outlines_and_text_in_an_embedded_font() {
     // Each line of text of the SVG is a line of text here; a label on a map has a rim, too.
     let texts = texts(&figure.to_svg());
     assert_eq!(count("Tj"), texts.len() + 1);
-    // PDF viewers need the table of characters to search and copy text.
+    // PDF viewers need the ToUnicode map to search and copy text.
     let characters = String::from_utf8_lossy(holding(b"beginbfchar"));
     for letter in texts.concat().chars() {
         assert!(

@@ -271,7 +271,7 @@ fn a_full_disk_is_reported_and_finished_tiles_are_kept() {
     let place = Place::new(&study);
     place.computed("whole.zarr", "");
     place.computed("a.zarr", "--tiles 0..1");
-    // In place of a full disk, files are limited to one block, which the chunks of a full tile exceed.
+    // A full disk is simulated: files are limited to one block, less than the chunks of a full tile.
     let arguments = place.arguments("a.zarr", "--resume");
     let limited = "ulimit -f 1; trap '' XFSZ; exec \"$@\"";
     let output = Command::new("sh")

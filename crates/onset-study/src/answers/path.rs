@@ -416,7 +416,7 @@ impl std::fmt::Display for PathAnswer {
             )?,
             None if self.is_fluid => writeln!(
                 formatter,
-                "The material is a fluid, which is not strongly elliptic in any state: it cannot lose ellipticity along the path."
+                "The material is a fluid, which is not strongly elliptic in any state: there is no loss of ellipticity along the path."
             )?,
             None if self.is_marginal => writeln!(
                 formatter,

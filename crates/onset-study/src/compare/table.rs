@@ -180,7 +180,7 @@ impl Table {
             column(
                 "neighbors",
                 "neighbors",
-                "number of particles or nodes that contribute to the force on one of them",
+                "number of particles or nodes that contribute to the force on one of them; for kernel methods and material points the neighbors of all points of a cell, per particle or node",
                 |m| m.neighbors,
                 |x| format!("{x:.0}"),
             ),

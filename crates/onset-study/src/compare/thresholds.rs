@@ -7,7 +7,7 @@ use serde::Serialize;
 pub struct Thresholds {
     /// Smallest acceptable ratio of a wave's frequency to the frequency of the slowest material wave; slower waves are weakly controlled.
     pub weak: f64,
-    /// Largest acceptable fraction of the states of a window that have a wrong verdict.
+    /// Largest acceptable fraction of states in the window with wrong verdicts.
     pub wrong: f64,
     /// Largest acceptable relative error of the long-wavelength moduli.
     pub long_waves: f64,

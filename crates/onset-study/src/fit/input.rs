@@ -604,7 +604,7 @@ impl Table<'_> {
             let column = Column::named(&plain);
             if column.is_none() {
                 notes.push(format!(
-                    "{}: the column `{name}` is not read",
+                    "{}: the column `{name}` is ignored",
                     self.path.display()
                 ));
             }
@@ -992,7 +992,7 @@ impl Table<'_> {
                 true => Err(self.line(
                     line,
                     format!(
-                        "the {what} is {}, more than any rubber can withstand ({LARGEST})",
+                        "the {what} is {}; the largest accepted value is {LARGEST}",
                         told(stretch)
                     ),
                     percents,
@@ -1022,7 +1022,7 @@ impl Table<'_> {
             return Err(self.line(
                 line,
                 format!(
-                    "the {what} is {}, more than any rubber can withstand ({LARGEST})",
+                    "the {what} is {}; the largest accepted value is {LARGEST}",
                     told(stretch)
                 ),
                 match column {

@@ -222,7 +222,7 @@ fn proofs() -> Vec<(Field, Taken)> {
         ),
         flags(
             CORRECTED,
-            "whether the proof corrects verdict or stability of the search; all numbers except growth_rate are results of the search",
+            "whether the proof corrects the verdict or the stability found by the search; all numbers except growth_rate are results of the search",
             vec!["as-searched", "corrected"],
             |record| i8::from(proof(record).corrects),
         ),

@@ -219,7 +219,8 @@ pub trait Analysis: Send + Sync {
     /// [`MethodError`] if material or method cannot be evaluated.
     fn spurious_modes(&self, threshold: f64) -> Result<SpuriousModes<3>, MethodError>;
 
-    /// Returns the masses of the particles of a cell, for consistent mass matrices the row sums; mass (per unit of the omitted dimensions).
+    /// Returns the masses of the particles of a cell, for consistent mass matrices the row sums; mass (in 2D per unit thickness, in 1D
+    /// per unit cross-section).
     ///
     /// # Errors
     /// [`MethodError`] if material or method cannot be evaluated there.

@@ -11,7 +11,7 @@ use nalgebra::{Matrix1, Matrix2, Matrix3, SMatrix, SVector};
 const REDUCTION_STEPS: usize = 1000;
 /// Relative difference of lengths and angles that counts as rounding.
 const LENGTH_TOLERANCE: f64 = 1e-9;
-/// Largest lattice coordinate of a short primitive vector. Beyond it the places of particles lose their digits.
+/// Largest lattice coordinate of a short primitive vector. Beyond it the positions of particles lose their digits.
 pub(super) const SHEAR_RATIO: f64 = 1e5;
 /// Largest ratio of the lengths of short primitive vectors.
 pub(super) const ELONGATION_RATIO: f64 = 30.0;

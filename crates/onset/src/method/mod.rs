@@ -850,7 +850,7 @@ fn assert_near(name: &'static str, coordinates: &[f64]) -> Result<(), MethodErro
             value.abs() <= COORDINATES,
             name,
             *value,
-            "lattice coordinates from -1e6 to 1e6; equivalent places in other cells differ by whole numbers",
+            "lattice coordinates from -1e6 to 1e6; equivalent positions in other cells differ by whole numbers",
         )
     })
 }

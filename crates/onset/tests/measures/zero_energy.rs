@@ -125,7 +125,7 @@ fn the_verdict_does_not_depend_on_how_many_particles_a_cell_has() {
             "{penalty}"
         );
     }
-    // The two particles of a honeycomb cell move freely against each other.
+    // The two particles of a honeycomb cell can move freely relative to each other.
     let honeycomb = Crystal::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
     let scheme = scheme(honeycomb, 0.0);
     let survey = Survey::new(&scheme, &*solid).expect("a survey");

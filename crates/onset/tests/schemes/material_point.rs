@@ -445,7 +445,7 @@ impl Bar {
 }
 
 #[test]
-fn a_simulated_bar_grows_or_oscillates_as_its_waves_predict() {
+fn modes_of_a_simulated_bar_grow_or_oscillate_at_the_predicted_rates() {
     let material = ModifiedMooneyRivlin::default();
     let at =
         |stretch: f64| DeformationGradient::from_stretches([stretch, 1.0, 1.0]).expect("a state");

@@ -98,7 +98,7 @@ fn growth_is_reported_for_short_and_long_steps() {
         assert!((growth - 2.0_f64.sqrt()).abs() < 1e-5, "{step}: {growth}");
     }
     for step in [1e10, 1e30, 1e100] {
-        // For long steps the larger factor approaches z = |omega^2| dt^2 = 4 dt^2; the other one does not grow.
+        // The larger factor is z = -omega^2 dt^2 = 4 dt^2 to leading order, and only this factor grows.
         let growth = waves.fastest(step).0.re * step;
         let expected = 2.0 * (2.0 * step).ln();
         assert!(

@@ -377,7 +377,7 @@ fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     {
         return Err(Trouble::new(
             block.line,
-            format!("*HYPERELASTIC has `{other}`, which is not supported"),
+            format!("*HYPERELASTIC has the parameter `{other}`, which is not supported"),
             "supported: NEO HOOKE, MOONEY-RIVLIN, YEOH, REDUCED POLYNOMIAL, POLYNOMIAL, OGDEN, ARRUDA-BOYCE and VAN DER WAALS, with N, and MARLOW with a table",
         ));
     }
