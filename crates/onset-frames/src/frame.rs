@@ -83,7 +83,7 @@ pub struct Bounds {
     pub low: [f64; 3],
     /// Upper corner, without tilt.
     pub high: [f64; 3],
-    /// Tilt factors xy, xz, yz.
+    /// Tilt factors xy, xz, yz; length.
     pub tilt: [f64; 3],
     /// Directions along which the box is repeated.
     pub periodic: [bool; 3],

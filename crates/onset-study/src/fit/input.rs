@@ -78,7 +78,7 @@ pub struct Arrays {
     pub lateral: Option<Vec<f64>>,
 }
 
-/// Choices for the reading of tables.
+/// Options for reading tables.
 #[derive(Clone, Debug, Default)]
 pub struct Reading {
     /// Unit of stress of tables that do not name a unit; `None` if it is unknown.
@@ -123,7 +123,7 @@ const CONTRADICTION: f64 = 10.0;
 const DISAGREEMENT: f64 = 2.5;
 
 impl Tests {
-    /// Reads files and takes arrays, in their order.
+    /// Reads files and arrays, in the given order.
     ///
     /// # Errors
     /// [`TableError`] with the line if a table cannot be used, or if the tests contradict each other.

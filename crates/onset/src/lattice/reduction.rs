@@ -153,7 +153,7 @@ impl<const D: usize> Reduced<D> {
 fn shortened<const D: usize>(vectors: &SMatrix<f64, D, D>) -> Option<(usize, SVector<f64, D>)> {
     for column in 0..D {
         let own = vectors.column(column).into_owned();
-        // Remove the component along another vector, or along a sum or difference of others.
+        // Removes the component along another vector, or along a sum or difference of others.
         for combination in combinations::<D>().filter(|factors| factors[column] == 0.0) {
             let other = vectors * combination;
             let square = other.norm_squared();

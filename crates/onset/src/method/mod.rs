@@ -532,7 +532,7 @@ impl KernelMethodChoices {
         if self.perturbation == 0.0 {
             return Ok(crystal);
         }
-        // A single particle per cell has no other particle to move against.
+        // With a single particle in a cell there is no relative displacement.
         MethodError::require(
             crystal.sites().len() > 1,
             "perturbation",

@@ -319,7 +319,7 @@ impl Block<'_> {
             return Err(Trouble::new(
                 self.line,
                 format!(
-                    "{} data lines with {count} constants are expected, {} found",
+                    "expected {} data lines with {count} constants, found {}",
                     lines,
                     self.data.len()
                 ),

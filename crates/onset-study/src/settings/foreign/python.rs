@@ -402,7 +402,7 @@ fn polynomial(call: &Call) -> Result<ForeignLaw, Trouble> {
     if constants.iter().all(|(_, value)| *value == 0.0) {
         return Err(Trouble::new(
             call.line,
-            format!("{} has no constant other than zero", call.title),
+            format!("all constants of {} are zero", call.title),
             "expected C10=0.5, ...",
         ));
     }

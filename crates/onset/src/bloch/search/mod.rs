@@ -572,7 +572,7 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// Limit `k -> 0` of the scaled measure, minimized over all directions.
     ///
-    /// Infinite if a translation costs energy, because then no long wave becomes soft.
+    /// Infinite if a translation raises the energy, because then no long wave becomes soft.
     pub fn long_wave_limit(&self, matrix: &DynamicalMatrix<D>) -> Mode<D> {
         let limit = self.long_wave_mode(&matrix.long_wave_stiffness());
         if self.rest(matrix, 0.0).omega_squared.re > matrix.noise() {
