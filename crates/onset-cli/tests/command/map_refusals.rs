@@ -259,7 +259,7 @@ fn a_folder_that_cannot_be_written_is_named() {
     let answer = place.map("file/a.zarr", "");
     assert_refused(&answer, 1, &["cannot write", "file/a.zarr", "--out"]);
     assert!(tree(&place.folder) == before);
-    // No user can write there, with any permissions.
+    // Not even the superuser can write there.
     let place = Place::new(STUDY);
     let answer = place.map("/proc/onset.zarr", "");
     assert_refused(&answer, 1, &["cannot write", "/proc/onset.zarr", "--out"]);

@@ -126,7 +126,7 @@ impl Diagram {
     /// Computes the diagram of an assessed state.
     ///
     /// # Errors
-    /// Like [`Diagram::new`].
+    /// Fails like [`Diagram::new`].
     pub fn of(
         problem: &Problem,
         strain: &Strain,

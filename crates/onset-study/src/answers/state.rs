@@ -326,7 +326,7 @@ impl StateAnswer {
     /// Creates the answer for an assessed state.
     ///
     /// # Errors
-    /// Like [`StateAnswer::new`].
+    /// Fails like [`StateAnswer::new`].
     pub fn of(
         problem: &Problem,
         strain: &Strain,

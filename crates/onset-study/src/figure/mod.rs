@@ -77,7 +77,7 @@ pub struct Panel {
     pub y: Axis,
     /// Whether one unit (on logarithmic axes one decade) has the same length in x and y.
     pub equal_aspect: bool,
-    /// Width of the box in usual widths; ignored with an equal aspect.
+    /// Width of the box as a multiple of the usual width; ignored with an equal aspect.
     pub width: f64,
     /// Layers, from back to front.
     pub layers: Vec<Layer>,

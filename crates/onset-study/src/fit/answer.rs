@@ -1,4 +1,4 @@
-//! Answer of a fit: errors, what stability costs, constants, and the ranking of laws.
+//! Answer of a fit: errors, cost of the stability constraint, constants, and ranking of laws.
 
 use super::{FittingError, Tests, assignments, volumetric_misfit};
 use crate::brief::{Brief, Short};

@@ -331,7 +331,7 @@ fn ogden_of_shear_moduli(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     if own.is_empty() {
         return Err(Trouble::new(
             card.line,
-            "there is no term with mu_i and alpha_i other than 0",
+            "mu_i or alpha_i is 0 in every term",
             fields,
         ));
     }

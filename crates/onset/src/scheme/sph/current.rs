@@ -35,7 +35,7 @@ impl<R: Real, const D: usize> Laden<R, D> {
 }
 
 /// Pair forces of particles with kernels in current coordinates and changing neighbors, as needed for finite bodies. Kernels and thresholds are
-/// those of a homogeneous state.
+/// taken from a homogeneous state.
 #[derive(Clone, Debug)]
 pub struct CurrentPairs<const D: usize> {
     /// Kernel with unit integral.
