@@ -18,7 +18,7 @@ ADMITTED = {
     "0BSD", "Apache-2.0", "Apache-2.0 WITH LLVM-exception", "BSD-1-Clause", "BSD-2-Clause", "BSD-3-Clause", "BSL-1.0", "CC0-1.0", "ISC", "MIT",
     "Unicode-3.0", "Unlicense", "Zlib",
 }  # fmt: skip
-#: Names of files that contain a license or a notice that it requires to be shipped.
+#: Names of files that contain a license, or a notice that a license requires to be distributed.
 TEXTS = re.compile(r"(licen[cs]e|copying|copyright|notice|unlicense)", re.IGNORECASE)
 OWN = ("onset", "xtask")
 #: The MIT license below its line of copyright.

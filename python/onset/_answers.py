@@ -462,7 +462,7 @@ class Bands(_Moving):
           a vector with the length of the particle spacing.
         - ``q-position`` is in units of the reciprocal vectors, in which reference and current configuration agree. Each segment contains both of its
           ends.
-        - ``mass`` is per unit of the omitted dimensions. All particles have one chemical `symbol`; the default denotes no element.
+        - ``mass`` is in 2D per unit thickness, in 1D per unit cross-section. All particles have one chemical `symbol`; the default denotes no element.
 
         Raises
         ------
@@ -591,7 +591,7 @@ class Modes(_Moving):
 
 
 class Criteria(Answer):
-    """Loss of each stability criterion along ``loadings``, and ``disagreements`` between the criteria."""
+    """First violation of each stability criterion along ``loadings``, and ``disagreements`` between the criteria."""
 
     __slots__ = ()
 

@@ -101,7 +101,7 @@ def place(value: object, what: str) -> str:
     except Exception as error:
         raise InputError(f"{what} cannot be read as a path: {error}") from error
     if not isinstance(path, str):
-        raise TypeError(f"{what} is a path of {type(path).__name__}; expected a text")
+        raise TypeError(f"{what} is a path of {type(path).__name__}; expected a string")
     if "\0" in path:
         raise InputError(f"{what} has the character 0; expected a path")
     return path

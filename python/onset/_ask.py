@@ -541,7 +541,7 @@ def screen(
     volumes
         Reference volumes, shape (particles,); length^D. The square or cube of the spacing if omitted.
     elements
-        Numbers of the nodes of each element in the order of VTK, shape (elements, nodes). States are then evaluated in the elements instead of the particles.
+        Node indices of each element in the order of VTK, shape (elements, nodes). States are then evaluated in the elements instead of the particles.
     region
         Lower and upper corner of a box of reference positions; other particles are not judged.
     time_step
@@ -613,7 +613,7 @@ def criteria(
     modes: Iterable[str] = (),
     incompressible: bool = False,
 ) -> Criteria:
-    """Loss of each stability criterion of a law along standard loadings: ``onset criteria``.
+    """First violation of each stability criterion of a law along standard loadings: ``onset criteria``.
 
     Parameters
     ----------

@@ -241,7 +241,7 @@ class Mode:
 def symbol_of(symbol: object) -> str:
     """Checks the chemical symbol of particles."""
     if not isinstance(symbol, str):
-        raise TypeError(f"symbol is {type(symbol).__name__}; expected a text")
+        raise TypeError(f"symbol is {type(symbol).__name__}; expected a string")
     if not re.fullmatch(r"[A-Z][A-Za-z0-9]*", symbol):
         raise InputError(f"symbol is {symbol!r}; expected a capital with letters and digits, such as Cu or X")
     return symbol

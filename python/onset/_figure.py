@@ -52,10 +52,12 @@ def draw(figure: Mapping[str, Any], ax: Axes | Sequence[Axes] | None = None, fig
 
 
 def axes(ax: Axes | Sequence[Axes] | None, fig: FigureBase | None) -> Axes:
-    """Returns the given axes, or axes in a figure, by default in a new one."""
+    """Returns the given axes, or axes in `fig`, by default in a new figure."""
     if ax is not None and fig is not None:
         raise InputError("a figure is drawn into `ax` or into `fig`, not into both")
-    return (_laid_out({"panels": [None], "columns": 1}, fig) if ax is None else _given(ax, 1))[0]
+    if ax is None:
+        return _laid_out({"panels": [None], "columns": 1}, fig)[0]
+    return _given(ax, 1)[0]
 
 
 def _laid_out(figure: Mapping[str, Any], fig: FigureBase | None) -> list[Axes]:

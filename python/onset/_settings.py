@@ -62,7 +62,7 @@ def _typed(value: object, key: str) -> str:
         items = [alone(item) for item in listed(value, key)]
         if not any(isinstance(item, (Sequence, np.ndarray)) and not isinstance(item, str) for item in items):
             return ",".join(_typed(item, key) for item in items)
-    raise TypeError(f"{key} is {type(value).__name__}; expected a number, a text, True or False, or a list of numbers")
+    raise TypeError(f"{key} is {type(value).__name__}; expected a number, a string, True or False, or a list of numbers")
 
 
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\Z")
@@ -95,7 +95,7 @@ def toml(value: object, key: str) -> str:
     value = alone(value)
     text = _typed(value, key)
     expects = _keys().get(key, "")
-    if isinstance(value, os.PathLike) or expects == "a text":
+    if isinstance(value, os.PathLike) or expects == "a string":
         return quoted(text, key)
     is_list = expects.startswith("a list")
     if isinstance(value, (Sequence, np.ndarray)) and not isinstance(value, str) and (is_list or not expects):
@@ -547,7 +547,7 @@ class Study:
         if not isinstance(axes, Mapping):
             raise TypeError(f"axes is {type(axes).__name__}; expected quantities with (lowest, highest, states)")
         if not isinstance(title, str):
-            raise TypeError(f"title is {type(title).__name__}; expected a text")
+            raise TypeError(f"title is {type(title).__name__}; expected a string")
         text = f"title = {quoted(title, 'title')}\n" if title else ""
         text += f"\n[material]\n{material_of(material)._section_text()}"
         text += f"\n[discretization]\n{method_of(method)._section_text()}"

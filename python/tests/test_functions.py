@@ -98,7 +98,7 @@ def test_all_functions_without_a_study_file_accept_python_laws(law: onset.Materi
 
 def test_criteria_of_python_and_built_in_laws_agree() -> None:
     def limits(law: onset.Material) -> list[float]:
-        """Limits of each criterion in compression and in tension; 0 if it is not lost."""
+        """Limits of each criterion in compression and in tension; 0 if it is not violated."""
         criteria = onset.criteria(law, modes=["hydrostatic"], range=(0.95, 1.05)).to_dict()["loadings"][0]["criteria"]
         return [criterion[side]["limit"] or 0.0 for criterion in criteria for side in ("compression", "tension") if criterion["defined"]]
 

@@ -173,7 +173,7 @@ def test_settings_support_comparison_repr_and_replacement() -> None:
 BLOCK = "*HYPERELASTIC, NEO HOOKE\n1.0, 0.1"
 
 
-def test_numeric_texts_become_numbers_in_studies() -> None:
+def test_numeric_strings_become_numbers_in_studies() -> None:
     axes = {"stretch-1": ("0.8", 1.3, 2), "stretch-2": (0.8, np.array(1.3), np.array(2))}
     read = onset.Material.read(BLOCK, "abaqus")
     study = onset.Study.of(read, onset.Method(frame="eulerian", support="1.6"), axes, title="2026", map={"adaptive": "false", "tile": "8"})
@@ -186,7 +186,7 @@ def test_numeric_texts_become_numbers_in_studies() -> None:
     assert table == onset.compare({"1": method.replace(support=2.6)}, RUBBER, states=2)
     assert onset.recommend(read, methods=None, dimension=1).csv
     assert onset.recommend(methods=[onset.Method(lattice="chain", kernel="cubic-spline", support="2.6")]).csv
-    # A key that takes a list accepts a single value; a text stays a text.
+    # A key that takes a list accepts a single value; a string remains a string.
     library = onset.Material("umat", library="2", properties="1, 2.5")
     text = library._section_text()
     assert 'library = "2"\n' in text and "properties = [1, 2.5]\n" in text

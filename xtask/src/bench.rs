@@ -26,7 +26,7 @@ pub fn run(quick: bool) -> Result<(), String> {
     )?;
     let target = std::env::var("CARGO_TARGET_DIR").unwrap_or_else(|_| "target".to_owned());
     let current = std::env::current_dir()
-        .map_err(|error| format!("cannot tell the current folder: {error}"))?;
+        .map_err(|error| format!("cannot determine the current folder: {error}"))?;
     let onset = current.join(target).join("release/onset");
     waiting(&interpreter, &onset, quick)?;
     bodies(&cargo, &interpreter, quick)?;

@@ -17,7 +17,7 @@ pub fn environment(name: &str, requirements: &Path) -> Result<PathBuf, String> {
     let wanted = std::fs::read_to_string(requirements)
         .map_err(|error| format!("cannot read {}: {error}", requirements.display()))?;
     let current = std::env::current_dir()
-        .map_err(|error| format!("cannot tell the current folder: {error}"))?;
+        .map_err(|error| format!("cannot determine the current folder: {error}"))?;
     let folder = current.join(".venv").join(name);
     let interpreter = interpreter_in(&folder);
     let installed = folder.join(INSTALLED);

@@ -11,7 +11,7 @@ const TABLE: &str = "book/src/how-to/simulate-table.md";
 /// Description of the failure.
 pub fn run() -> Result<(), String> {
     let table = std::env::current_dir()
-        .map_err(|error| format!("cannot tell the current folder: {error}"))?
+        .map_err(|error| format!("cannot determine the current folder: {error}"))?
         .join(TABLE);
     tested(
         "motions of all methods",

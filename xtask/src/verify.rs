@@ -47,7 +47,7 @@ fn pysph() -> Result<PathBuf, String> {
 /// Description of the failure.
 pub fn run(all: bool) -> Result<(), String> {
     let folder = std::env::current_dir()
-        .map_err(|error| format!("cannot tell the current folder: {error}"))?
+        .map_err(|error| format!("cannot determine the current folder: {error}"))?
         .join("target/verify");
     std::fs::create_dir_all(&folder)
         .map_err(|error| format!("cannot make {}: {error}", folder.display()))?;

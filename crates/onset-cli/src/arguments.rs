@@ -323,7 +323,7 @@ pub enum Command {
         /// alone; nothing is written without it.
         #[arg(long, value_name = "DIR", conflicts_with = "wave_vector")]
         out: Option<PathBuf>,
-        /// How the figure is drawn.
+        /// Options of the figure.
         #[command(flatten)]
         drawing: DrawingArguments,
     },
@@ -340,7 +340,7 @@ pub enum Command {
         /// NAME.pdf for the figure alone; nothing is written without it.
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
-        /// How the figure is drawn.
+        /// Options of the figure.
         #[command(flatten)]
         drawing: DrawingArguments,
         /// Verdicts that end the command with exit code 3.
@@ -353,7 +353,7 @@ pub enum Command {
     /// Compute the verdicts on all states of a study into a Zarr store; resumable
     #[command(after_help = MAP_EXAMPLES)]
     Map(MapArguments),
-    /// Find where each stability criterion is lost along standard loadings
+    /// Find where each stability criterion is violated along standard loadings
     ///
     /// The criteria are ellipticity, Hill, Drucker, Baker-Ericksen, the largest load and others. The stretches of traction-free faces are solved for.
     #[command(after_help = CRITERIA_EXAMPLES, after_long_help = with_keys(CRITERIA_EXAMPLES, &law_keys()))]
@@ -706,7 +706,7 @@ pub struct ScreenArguments {
     /// NAME.pdf for the figure alone; nothing is written without it.
     #[arg(long, value_name = "DIR", help_heading = "Files")]
     pub out: Option<PathBuf>,
-    /// How the figure is drawn.
+    /// Options of the figure.
     #[command(flatten)]
     pub drawing: DrawingArguments,
     /// Largest number of frames whose fields are written.
@@ -800,7 +800,7 @@ pub struct FitArguments {
     /// figure alone; nothing is written without it.
     #[arg(long, value_name = "DIR", help_heading = "Files")]
     pub out: Option<PathBuf>,
-    /// How the figure is drawn.
+    /// Options of the figure.
     #[command(flatten)]
     pub drawing: DrawingArguments,
     /// Length of the printed answer.
@@ -922,7 +922,7 @@ pub struct SimulateArguments {
     /// Folder for history.csv, the figure (simulate.svg, .png, .pdf), fields and checkpoints; nothing is written without it.
     #[arg(long, value_name = "DIR", help_heading = "Files")]
     pub out: Option<PathBuf>,
-    /// How the figure is drawn.
+    /// Options of the figure.
     #[command(flatten)]
     pub drawing: DrawingArguments,
     /// Steps between lines of the history [default: about 400 lines].
@@ -989,7 +989,7 @@ pub struct PlotArguments {
     /// Do not trace the boundaries; take them from the cells of the map.
     #[arg(long)]
     pub no_trace: bool,
-    /// How the figure is drawn.
+    /// Options of the figure.
     #[command(flatten)]
     pub drawing: DrawingArguments,
     /// Limits of the horizontal axis.
@@ -1082,7 +1082,7 @@ pub struct CriteriaArguments {
     /// Folder for the figure (criteria.svg, .png, .pdf), or NAME.svg, NAME.png or NAME.pdf; no figure is drawn without it.
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
-    /// How the figure is drawn.
+    /// Options of the figure.
     #[command(flatten)]
     pub drawing: DrawingArguments,
     /// Length of the printed answer.
@@ -1100,7 +1100,7 @@ pub struct CardArguments {
     /// without it.
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
-    /// How the figure is drawn.
+    /// Options of the figure.
     #[command(flatten)]
     pub drawing: DrawingArguments,
 }
@@ -1119,7 +1119,7 @@ pub struct CompareArguments {
     /// written without it.
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
-    /// How the figure is drawn.
+    /// Options of the figure.
     #[command(flatten)]
     pub drawing: DrawingArguments,
     /// Set a key for all methods, for example material.model=blatz-ko (may be given several times).
@@ -1155,7 +1155,7 @@ pub struct ModesArguments {
     /// figure alone; nothing is written without it.
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
-    /// How the figure is drawn.
+    /// Options of the figure.
     #[command(flatten)]
     pub drawing: DrawingArguments,
 }
@@ -1183,7 +1183,7 @@ pub struct TuneArguments {
     /// Folder for tune.csv and the figure (tune.svg, .png, .pdf), or NAME.svg, NAME.png or NAME.pdf for the figure alone; nothing is written without it.
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
-    /// How the figure is drawn.
+    /// Options of the figure.
     #[command(flatten)]
     pub drawing: DrawingArguments,
     /// Length of the printed answer.
@@ -1231,7 +1231,7 @@ pub struct LimitArguments {
     /// Folder for limit.csv and the figure (limit.svg, .png, .pdf), or NAME.svg, NAME.png or NAME.pdf for the figure alone; nothing is written without it.
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
-    /// How the figure is drawn.
+    /// Options of the figure.
     #[command(flatten)]
     pub drawing: DrawingArguments,
 }
@@ -1304,7 +1304,7 @@ pub struct RecommendArguments {
     /// figure alone; nothing is written without it.
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
-    /// How the figure is drawn.
+    /// Options of the figure.
     #[command(flatten)]
     pub drawing: DrawingArguments,
     /// Set a key for all methods, for example material.model=blatz-ko (may be given several times).
@@ -1374,7 +1374,7 @@ pub struct LocalizeArguments {
     /// nothing is written without it.
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
-    /// How the figure is drawn.
+    /// Options of the figure.
     #[command(flatten)]
     pub drawing: DrawingArguments,
 }
@@ -1526,7 +1526,7 @@ pub struct SetArguments {
     pub energy: Option<String>,
 }
 
-/// Block of another program instead of a study.
+/// Arguments for an input block of another program in place of a study.
 #[derive(Clone, Debug, Default, Args)]
 pub struct BlockArguments {
     /// FILE is a block of another program: abaqus or calculix (*HYPERELASTIC ...), ansys (TB,HYPER ...), febio (material type="Ogden"), felupe

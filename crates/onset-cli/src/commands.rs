@@ -299,7 +299,7 @@ pub fn study(
 pub fn without_axes(name: &str, text: &str, block: Option<Program>) -> Option<String> {
     let program = block.or_else(|| program_of(text))?.name();
     Some(format!(
-        "{name} is an input block of {program}, and this command needs a study with [[axes]]\n  hint: write the keys that `onset criteria {name} --from {program}` prints under [material] of a study; state, path, criteria and others take the block itself"
+        "{name} is an input block of {program}, and this command needs a study with [[axes]]\n  hint: copy the keys printed by `onset criteria {name} --from {program}` into [material] of a study; state, path, criteria and others accept the block directly"
     ))
 }
 

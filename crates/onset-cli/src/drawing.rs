@@ -49,7 +49,7 @@ impl DrawingArguments {
     /// a place.
     ///
     /// # Errors
-    /// [`Failure`] if the place cannot be written, if it has the ending of another format, or if the look of a figure is chosen without a place.
+    /// [`Failure`] if the place cannot be written, if it has the ending of another format, or if options of a figure are given without a place.
     pub fn output(
         &self,
         out: Option<&Path>,

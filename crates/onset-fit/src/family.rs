@@ -546,7 +546,7 @@ impl Family {
         strict.is_some_and(|own| own.contains(&true))
     }
 
-    /// First invariant less 3 at which the chains of a law are straight; `None` for laws without chains.
+    /// Value of `I_1 - 3` at which the chains of a law are fully extended; `None` for laws without chains.
     pub(crate) fn locking(&self, constants: &[f64]) -> Option<f64> {
         self.terms.iter().find_map(|term| {
             let [shape, _] = Self::shapes::<f64>(term, constants);

@@ -136,7 +136,7 @@ pub struct Fitted {
     pub relative: f64,
     /// Errors of each test.
     pub misfits: Vec<Misfit>,
-    /// Smallest stretches up to 10 at which each criterion is lost in tension; for incompressible response.
+    /// Smallest stretches up to 10 at which each criterion is violated in tension; for incompressible response.
     pub limits: Vec<Limit>,
     /// State of the range at which a stability criterion has its smallest value; `None` without a range.
     pub worst: Option<Worst>,
@@ -144,7 +144,7 @@ pub struct Fitted {
     pub uncertainty: Uncertainty,
     /// Names of the free constants that are at their bounds.
     pub at_bounds: Vec<String>,
-    /// Loading and smallest stretch of the range at which the chains of the law are straight; `None` if they are straight at no state of the range.
+    /// Loading and smallest stretch of the range at which the chains of the law are fully extended; `None` if no state of the range extends them fully.
     pub locked: Option<(Mode, f64)>,
 }
 

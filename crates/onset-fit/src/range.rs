@@ -451,9 +451,9 @@ fn improved(
 pub struct Limit {
     /// Loading of the specimen.
     pub mode: Mode,
-    /// Criterion that is lost.
+    /// Criterion that is violated.
     pub criterion: Criterion,
-    /// Stretch at which the criterion is lost.
+    /// Stretch at which the criterion is violated.
     pub stretch: f64,
 }
 
@@ -462,7 +462,7 @@ const LARGEST_STRETCH: f64 = 10.0;
 /// States along a loading.
 const ALONG: usize = 400;
 
-/// Smallest stretches at which each criterion is lost in uniaxial, equibiaxial and planar tension up to stretch 10, by increasing stretch.
+/// Smallest stretches at which each criterion is violated in uniaxial, equibiaxial and planar tension up to stretch 10, by increasing stretch.
 pub fn limits(family: &Family, constants: &[f64], criteria: &[Criterion]) -> Vec<Limit> {
     let mut all = Vec::new();
     for mode in Mode::LOADINGS {
@@ -501,7 +501,7 @@ pub fn limits(family: &Family, constants: &[f64], criteria: &[Criterion]) -> Vec
     all
 }
 
-/// First state in tension, in a range, at which the chains of a law are straight; the stretch is the smallest one of all loadings.
+/// First state of a range in tension at which the chains of a law are fully extended; the stretch is the smallest of all loadings.
 pub(crate) fn locked(family: &Family, constants: &[f64], range: &[Patch]) -> Option<(Mode, f64)> {
     let first = family.locking(constants)?;
     let invariant = |logs: [f64; 3]| logs.iter().map(|log| (2.0 * log).exp()).sum::<f64>() - 3.0;

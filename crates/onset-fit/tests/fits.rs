@@ -223,7 +223,7 @@ fn the_cost_of_stability_agrees_with_independent_programs() -> Outcome {
 }
 
 #[test]
-fn fitted_laws_are_stable_at_random_states_by_the_tangent_of_the_library() -> Outcome {
+fn fitted_laws_are_stable_at_random_states_according_to_the_tangent_of_the_library() -> Outcome {
     let tests = data("treloar")?;
     let range = Range::Box(0.25, 4.0);
     let mut number = numbers();
@@ -521,7 +521,7 @@ fn constants_that_the_tests_do_not_determine_are_reported() -> Outcome {
     let found = fit(&tests, &of("gent")?, &options)?;
     assert_eq!(found.free.at_bounds, ["jm"]);
     let (mode, stretch) = found.free.locked.ok_or("not locked")?;
-    // The chains are straight where 2 x^2 + x^-4 = 3 + jm.
+    // The chains are fully extended where 2 x^2 + x^-4 = 3 + jm.
     assert_eq!(mode, Mode::Equibiaxial);
     assert!(
         (2.0 * stretch.powi(2) + stretch.powi(-4) - 3.0 - found.free.constants[1]).abs() < 1e-6

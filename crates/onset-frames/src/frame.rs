@@ -14,7 +14,7 @@ pub struct Frame {
     pub source: Place,
     /// Number of written dimensions, 1 to 3; further components of positions, displacements and velocities are zero.
     pub dimensions: usize,
-    /// Numbers of the particles; `None` if the file has no numbers.
+    /// IDs of the particles; `None` if the file has no IDs.
     pub identity: Option<Vec<u64>>,
     /// Current position of each particle; length in the units of the run.
     pub position: Vec<[f64; 3]>,
@@ -83,7 +83,7 @@ pub struct Bounds {
     pub low: [f64; 3],
     /// Upper corner, without tilt.
     pub high: [f64; 3],
-    /// Tilt factors xy, xz, yz.
+    /// Tilt factors xy, xz, yz; length.
     pub tilt: [f64; 3],
     /// Directions along which the box is repeated.
     pub periodic: [bool; 3],
@@ -103,14 +103,14 @@ impl Bounds {
     }
 }
 
-/// Differences between the particles of a frame and a list of numbers; see [`Frame::in_order_of`].
+/// Differences between the particles of a frame and a list of IDs; see [`Frame::in_order_of`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Order {
-    /// Numbers that the frame lacks.
+    /// IDs that are missing from the frame.
     pub missing: Vec<u64>,
-    /// Numbers that only the frame has; these particles are removed.
+    /// IDs that occur only in the frame; these particles are removed.
     pub new: Vec<u64>,
-    /// Numbers that occur more than once in the frame; the first occurrence is kept.
+    /// IDs that occur more than once in the frame; the first occurrence is kept.
     pub doubled: Vec<u64>,
 }
 
@@ -132,7 +132,7 @@ impl Frame {
         self.position.is_empty()
     }
 
-    /// Numbers that occur more than once, ascending.
+    /// IDs that occur more than once, ascending.
     pub fn doubled(&self) -> Vec<u64> {
         let mut sorted = self.identity.clone().unwrap_or_default();
         sorted.sort_unstable();
@@ -142,9 +142,9 @@ impl Frame {
         doubled
     }
 
-    /// Sorts the particles in the order of the given numbers, and returns the differences. A frame without numbers stays unchanged.
+    /// Sorts the particles in the order of the given IDs, and returns the differences. A frame without IDs remains unchanged.
     ///
-    /// Missing particles are left out: the frame then has fewer particles than `ids`. Cells that lose a point are removed. `ids` has no number twice;
+    /// Missing particles are left out: the frame then has fewer particles than `ids`. Cells that lose a point are removed. `ids` contains no duplicates;
     /// see [`Frame::doubled`].
     pub fn in_order_of(&mut self, ids: &[u64]) -> Order {
         let mut order = Order::default();

@@ -28,7 +28,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// Name for the user.
+    /// Returns the name of the format, as used in messages.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Lammps => "LAMMPS dump",

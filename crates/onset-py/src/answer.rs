@@ -32,7 +32,7 @@ pub struct Answer {
     files: Option<Arc<Drawn>>,
 }
 
-/// Files of an answer, which are computed when they are first asked for.
+/// Files of an answer, which are computed when they are first requested.
 struct Drawn {
     draw: Box<Draw>,
     made: OnceLock<Files>,

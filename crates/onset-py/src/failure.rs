@@ -21,7 +21,7 @@ pub enum Failure {
     Machine(String),
     /// Defect of the program, raised as `onset.OnsetError`.
     Defect(String),
-    /// Exception of a Python function that the caller handed over, raised unchanged.
+    /// Exception of a Python function that the caller passed, raised unchanged.
     Raised(PyErr),
     /// Call that the user cancelled.
     Ended,

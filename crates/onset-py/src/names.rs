@@ -1,4 +1,4 @@
-//! Names used by the package.
+//! Names and descriptions of keys, laws and verdicts for the Python package.
 
 use onset_study::Verdict;
 use onset_study::settings::{self, Key, Model};

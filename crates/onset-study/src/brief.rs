@@ -17,7 +17,7 @@ const BEGINNING_OF_NOTE: usize = 2;
 
 /// An answer with a short form.
 pub trait Brief: Display {
-    /// Short form of this answer.
+    /// Returns the short form of the answer.
     fn brief(&self) -> Short;
 }
 

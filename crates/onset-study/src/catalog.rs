@@ -453,17 +453,17 @@ const ROWS: &[Row] = &[
         &[
             (
                 "nodal",
-                "points: particles; volumes: Voronoi",
+                "points: the particles; volumes: Voronoi cells of the points",
                 "equation (41) of the paper",
             ),
             (
                 "stress-points",
-                "points: particles and centers of the Delaunay cells; volumes: Voronoi",
+                "points: the particles and the centers of the Delaunay cells; volumes: Voronoi cells of the points",
                 "equations (42), (43) of the paper; Dyka et al.",
             ),
             (
                 "stress-points-only",
-                "points: centers of the Delaunay cells; volumes: Voronoi",
+                "points: the centers of the Delaunay cells; volumes: Voronoi cells of the points",
                 "Randles et al.",
             ),
             (
@@ -954,7 +954,7 @@ impl LawEntry {
                 &format!("{name} = {default}{unit}: {meaning}; {expected}"),
             )?;
         }
-        line("holds: ", self.domain)?;
+        line("domain: ", self.domain)?;
         line("symmetry: ", self.symmetry)?;
         line("small strains: ", self.small_strains)?;
         match self.stressed_reference {

@@ -1,6 +1,6 @@
 //! Output files of commands, which are written all together or not at all.
 //!
-//! The files are written into a private folder in the target folder, forced to disk, and renamed once the last one is complete. If a process ends or
+//! The files are written into a private folder in the target folder, forced to disk, and renamed once the last file is complete. If a process ends or
 //! fails at any time, each file is the old or the new one. If a file cannot be renamed, the previous ones are restored. Whether files can be written
 //! is tested before the computation. (The tiles of a store are written one by one: see [`store`](crate::store).)
 
@@ -51,12 +51,12 @@ pub type Files = Vec<(OsString, Content)>;
 pub enum Content {
     /// The bytes of the file.
     Bytes(Vec<u8>),
-    /// A figure, which is drawn when it is written, as one file for each format: the name has no ending.
+    /// A figure, which is drawn when it is written, into one file for each format. The name has no ending.
     Figure(Box<Figure>),
 }
 
 impl Content {
-    /// The files of a content with a name: one, or those of a figure on a sheet.
+    /// Returns the files of a content with a name: one file, or all files of a figure on a sheet.
     ///
     /// # Errors
     /// [`FigureError`] if the figure cannot be drawn.
@@ -100,7 +100,7 @@ fn made_for_nothing() -> MutexGuard<'static, Vec<PathBuf>> {
 pub fn end_all() {
     let made = made_for_nothing();
     for folder in made.iter() {
-        // A folder that is not empty stays.
+        // A folder that is not empty is kept.
         let _ = fs::remove_dir(folder);
     }
     std::mem::forget(made);
@@ -152,7 +152,7 @@ impl Output {
         self
     }
 
-    /// Writes nothing but the figure, under this base name.
+    /// Writes only the figure, under this base name.
     pub fn only(mut self, name: &OsStr) -> Self {
         self.only = Some(name.to_owned());
         self
@@ -320,7 +320,7 @@ impl Drop for Output {
         }
         let mut all = made_for_nothing();
         for folder in &self.made {
-            // A folder that is not empty stays.
+            // A folder that is not empty is kept.
             let _ = fs::remove_dir(folder);
         }
         all.retain(|folder| !self.made.contains(folder));

@@ -125,7 +125,7 @@ fn every_number_of_every_method_is_answered_or_refused_with_its_range() {
             }
             for (assignment, number) in typed(key) {
                 let is_admitted = admits(key.kind, number);
-                // Admitted counts are skipped, because cells with thousands of particles take long.
+                // Admitted counts are skipped, because cells with thousands of particles take too long.
                 if is_admitted && key.kind.takes() == Some("whole") {
                     continue;
                 }

@@ -442,7 +442,7 @@ fn a_pdf_holds_outlines_and_text_in_an_embedded_font() {
     // Each line of text of the SVG is a line of text here; a label on a map has a rim, too.
     let texts = texts(&figure.to_svg());
     assert_eq!(count("Tj"), texts.len() + 1);
-    // Readers search and copy text by the table of characters.
+    // PDF viewers need the ToUnicode map to search and copy text.
     let characters = String::from_utf8_lossy(holding(b"beginbfchar"));
     for letter in texts.concat().chars() {
         assert!(
@@ -494,7 +494,7 @@ fn a_picture_for_print_has_its_width_and_letters_of_8_points() {
 }
 
 #[test]
-fn a_bare_picture_has_its_words_beside_it_and_a_dark_one_a_dark_background() {
+fn the_words_of_a_bare_picture_are_in_a_text_file_and_a_dark_picture_has_a_dark_background() {
     let figure = Figure::new("A title")
         .caption("A caption.")
         .with(unit_panel("a"));
@@ -514,7 +514,7 @@ fn a_bare_picture_has_its_words_beside_it_and_a_dark_one_a_dark_background() {
     let texts = texts(&svg);
     assert!(texts.contains(&"x (m)".into()) && !texts.contains(&"A title".into()));
     assert_eq!(decode(&files[1].1).count(palette::WHITE), 0);
-    // Another title is drawn, and then nothing stands beside the picture.
+    // A replaced title is drawn in the picture, and no text file is written.
     let sheet = Sheet {
         title: Some("Mine".into()),
         ..Sheet::default()

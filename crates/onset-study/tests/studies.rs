@@ -61,7 +61,7 @@ fn the_schema_in_the_repository_is_current() {
     let kept = std::fs::read_to_string(folder().join("study.schema.json")).unwrap_or_default();
     assert!(
         kept == format!("{:#}\n", schema()),
-        "studies/study.schema.json is out of date; renew it with `cargo xtask schema`"
+        "studies/study.schema.json is out of date; regenerate it with `cargo xtask schema`"
     );
 }
 
@@ -225,7 +225,7 @@ fn the_book_describes_every_law_like_the_library() {
             );
         }
         block += &format!(
-            "\nSymmetry: {}. Holds: {}. Small strains: {}. Source: {}.\n",
+            "\nSymmetry: {}. Domain: {}. Small strains: {}. Source: {}.\n",
             law.symmetry.name(),
             law.domain,
             law.small_strains,

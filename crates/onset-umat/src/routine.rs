@@ -218,7 +218,7 @@ impl Routine {
         let strain_increment = strain_like(&increment.strain);
         let start = f64::from(step.number - 1) * step.duration;
         let [sse, spd, scd] = point.energies;
-        // Matrices are stored by columns, as in Fortran. A PNEWDT above 1 means no request. The block is filled anew for every call, so that changes
+        // Matrices are stored by columns, as in Fortran. A PNEWDT above 1 means no request. The block is refilled for every call, so that changes
         // of input arguments by the routine do not persist.
         let mut block = Arguments::of(&[
             ("STRESS", &point.stress),
@@ -253,8 +253,8 @@ impl Routine {
         let procedure = [1, 1, 1, 0];
         let (one, three, six) = (1, 3, 6);
         // SAFETY: every pointer refers to a live value or array of at least the size that the Abaqus manual specifies. Pointers to numbers refer to a
-        // block that is used only here, with margins. A UMAT that writes further can corrupt this process only, which holds nothing but this
-        // material.
+        // block that is used only here, with margins. A UMAT that writes beyond the margins can corrupt only this process, which holds only
+        // this material.
         unsafe {
             (self.umat)(
                 at("STRESS"),

@@ -63,7 +63,7 @@ pub struct Reply {
 }
 
 impl Reply {
-    /// Refusal with a plain text.
+    /// Creates a refusal with plain text.
     pub fn refused(status: &'static str, why: &str) -> Self {
         Self {
             status,

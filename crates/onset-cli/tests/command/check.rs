@@ -190,6 +190,6 @@ fn the_printed_schema_agrees_with_the_file() {
     let kept = std::fs::read_to_string(path).expect("the schema");
     assert!(
         answer.stdout == kept,
-        "renew studies/study.schema.json with `cargo xtask schema`"
+        "regenerate studies/study.schema.json with `cargo xtask schema`"
     );
 }

@@ -278,7 +278,7 @@ fn blocks_that_determine_no_law_are_refused_with_the_line_number() {
             "form",
             "abaqus",
             "*HYPERELASTIC, USER\n1\n",
-            "`USER`, which is not read",
+            "`USER`, which is not supported",
         ),
         (
             "angles",
@@ -291,7 +291,7 @@ fn blocks_that_determine_no_law_are_refused_with_the_line_number() {
             "user",
             "ansys",
             "TB,HYPER,1,,2,USER\n",
-            "`USER` is not read",
+            "`USER` is not supported",
         ),
     ] {
         let file = block(&format!("block-{name}"), text);

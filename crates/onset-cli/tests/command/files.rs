@@ -64,7 +64,7 @@ fn a_diagram_is_also_available_as_json() {
         .iter()
         .map(|corner| corner["name"].as_str())
         .collect();
-    // At this state two kinds of edges differ; the last segment passes through the critical wave.
+    // In this state the edge midpoints M and M′ of the zone are not equivalent; the last segment passes through the critical wave vector k*.
     let expected = ["Γ", "M", "K", "Γ", "M′", "Γ", "k*"].map(Some);
     assert_eq!(names[..expected.len()], expected);
     let count = |key: &str| diagram[key].as_array().map(Vec::len);
@@ -170,7 +170,7 @@ fn files_are_written_and_reported_in_folders_with_long_names_or_names_that_are_n
     }
 }
 
-/// Without permission to fill a disk: files are limited to one block.
+/// A full disk is simulated: files are limited to one block.
 #[test]
 #[cfg(unix)]
 fn a_full_disk_leaves_existing_files_unchanged_and_gives_a_hint() {

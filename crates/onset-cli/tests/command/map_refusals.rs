@@ -259,7 +259,7 @@ fn a_folder_that_cannot_be_written_is_named() {
     let answer = place.map("file/a.zarr", "");
     assert_refused(&answer, 1, &["cannot write", "file/a.zarr", "--out"]);
     assert!(tree(&place.folder) == before);
-    // No user can write there, with any permissions.
+    // Not even the superuser can write there.
     let place = Place::new(STUDY);
     let answer = place.map("/proc/onset.zarr", "");
     assert_refused(&answer, 1, &["cannot write", "/proc/onset.zarr", "--out"]);
@@ -271,7 +271,7 @@ fn a_full_disk_is_reported_and_finished_tiles_are_kept() {
     let place = Place::new(&study);
     place.computed("whole.zarr", "");
     place.computed("a.zarr", "--tiles 0..1");
-    // Without permission to fill a disk: files are limited to one block, which the chunks of a full tile exceed.
+    // A full disk is simulated: files are limited to one block, less than the chunks of a full tile.
     let arguments = place.arguments("a.zarr", "--resume");
     let limited = "ulimit -f 1; trap '' XFSZ; exec \"$@\"";
     let output = Command::new("sh")

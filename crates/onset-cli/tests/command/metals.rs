@@ -216,7 +216,7 @@ fn the_path_of_a_fluid_does_not_contradict_its_note() {
     ));
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     assert!(
-        answer.stdout.contains("strongly elliptic at no state")
+        answer.stdout.contains("not strongly elliptic in any state")
             && !answer.stdout.contains("llipticity is not lost"),
         "{}",
         answer.stdout

@@ -82,7 +82,7 @@ fn states_report_the_resistance_to_alternating_neighbors() {
 #[test]
 fn a_weak_mode_of_a_larger_cell_is_reported_with_its_actual_wave_vector() {
     let line = "set method=tlsph set lattice=square set penalty=0.02";
-    // Offsets of the particles far below the displayed digits keep the larger cell.
+    // Particle offsets too small to be displayed prevent the reduction to the primitive cell.
     let text = onset_line(&format!("modes {line} set cells=2 set perturbation=1e-9")).stdout;
     assert!(
         text.contains("1.9 % of the material's frequency, as the wave (1, 0)"),

@@ -516,7 +516,7 @@ fn single_stretches_and_decimal_commas_get_a_hint() {
         ),
         (
             "state --stretch 1,2,0,9",
-            "commas between them: --stretch 1.2,0.9",
+            "commas between numbers: --stretch 1.2,0.9",
         ),
         (
             "state --deformation-gradient 1,1,0,2,0,0,0,9",

@@ -334,7 +334,7 @@ impl Source {
     /// Random value of a key.
     fn value(&mut self, key: &Key) -> String {
         match (key.section.as_str(), key.name.as_str()) {
-            // Large cells take long by nature.
+            // Large cells take long even without a defect.
             ("discretization", "cells") => self.of(&["1", "2", "0", "-1", "1e9", "17"]).to_owned(),
             ("discretization", "support" | "horizon") if self.chance(80) => {
                 format!("{:?}", 1.6 + 0.5 * self.random.number())
@@ -869,7 +869,7 @@ impl Source {
     }
 
     fn recommend(&mut self, line: &mut Line) {
-        // The built-in methods take long by nature: they are drawn in one and two dimensions, on few states.
+        // The built-in methods take long even without a defect: they are drawn in one and two dimensions, on few states.
         if self.chance(80) {
             let text = self.comparison();
             self.file(line, text);

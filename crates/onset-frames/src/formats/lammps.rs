@@ -9,7 +9,7 @@ use crate::reading::Reading;
 use crate::text::{Lines, words};
 use std::path::PathBuf;
 
-const HINT: &str = "give a text dump of the style custom; binary dumps are not read";
+const HINT: &str = "give a text dump of the style custom; binary dumps are not supported";
 
 /// Contents of a frame before its rows.
 #[derive(Default)]

@@ -197,7 +197,7 @@ mod tests {
     use super::{bounds, is_start, names, pairs};
 
     #[test]
-    fn properties_name_columns() {
+    fn the_properties_key_names_the_columns() {
         let found = names("species:S:1:pos:R:3:F:R:9:id:I:1").expect("properties");
         assert_eq!(
             found[..5],

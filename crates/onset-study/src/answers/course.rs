@@ -24,7 +24,7 @@ use std::fmt;
 pub enum Course {
     /// Straight path from one state to another.
     Straight(Strain, Strain),
-    /// Loading from one imposed stretch to another, with traction-free faces.
+    /// Loading from one imposed stretch to another; the stretches of traction-free faces, if any, are computed.
     Loading {
         /// Imposed mode, and condition on the other directions.
         loading: Loading,

@@ -33,7 +33,7 @@ const RATE_ROUNDING: f64 = 1e-7;
 /// Frequencies along a path through the zone.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Diagram {
-    /// Remarks on law and method for the reader.
+    /// Notes on law and method.
     pub notes: Vec<String>,
     /// All settings in effect.
     pub settings: Effective,
@@ -126,7 +126,7 @@ impl Diagram {
     /// Computes the diagram of an assessed state.
     ///
     /// # Errors
-    /// Like [`Diagram::new`].
+    /// Fails like [`Diagram::new`].
     pub fn of(
         problem: &Problem,
         strain: &Strain,

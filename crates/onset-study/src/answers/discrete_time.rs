@@ -105,7 +105,7 @@ impl DiscreteTimeAnswer {
             lines.push((
                 "largest time step",
                 format!(
-                    "the step of the {name} transfer is stable below {} ({LATTICE_NOTE})",
+                    "the {name} transfer is stable for steps below {} ({LATTICE_NOTE})",
                     time(largest)
                 ),
             ));
@@ -136,7 +136,7 @@ impl DiscreteTimeAnswer {
             lines.push((
                 "longitudinal wave",
                 format!(
-                    "of 8 cells: damped at {}, with the frequency {}",
+                    "8 cells long: damped at {}, with the frequency {}",
                     units.of(told_of(-sound.re, sound.im), "1/s"),
                     rate(sound.im)
                 ),

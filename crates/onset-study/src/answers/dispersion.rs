@@ -28,7 +28,7 @@ pub struct Waves {
     /// Waves of discretization and continuum.
     #[serde(flatten)]
     pub waves: DispersionAnswer,
-    /// Remarks on law and method for the reader.
+    /// Notes on law and method.
     pub notes: Vec<String>,
     /// All settings in effect.
     pub settings: Effective,

@@ -273,15 +273,15 @@ fn notes_on_bonds(settings: &Settings) -> Option<String> {
             (_, false) => " with Poisson's ratio 1/4",
         };
         return Some(format!(
-            "bond-based peridynamics takes one number of the law, its bulk modulus at F = 1 (in the dimensions of the particles); \
-             the bonds are linear springs{ratio}, whatever else the law says, and the continuum beside them is the \
-             whole law. With discretization.bonds = correspondence the particles follow the law"
+            "bond-based peridynamics uses one modulus of the law, its bulk modulus at F = 1 (in the dimensions of the particles); \
+             the bonds are linear springs{ratio}, independent of the other properties of the law. The results for the material \
+             use the whole law. With discretization.bonds = correspondence the particles follow the law"
         ));
     }
     if method.method == Family::Peridynamics && method.bonds == Bonds::Ordinary {
         return Some(
-            "the linear peridynamic solid takes two numbers of the law, its bulk and shear modulus at F = 1; the forces are linear in the \
-             elongations of bonds, whatever else the law says, and the continuum beside them is the whole law. With \
+            "the linear peridynamic solid uses two moduli of the law, its bulk and shear modulus at F = 1; the forces are linear in the \
+             elongations of bonds, independent of the other properties of the law. The results for the material use the whole law. With \
              discretization.bonds = correspondence the particles follow the law"
                 .to_owned(),
         );

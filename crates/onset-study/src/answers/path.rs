@@ -35,7 +35,7 @@ pub struct PathAnswer {
     /// Whether tangents have major symmetry at both ends.
     #[serde(skip)]
     pub is_symmetric: bool,
-    /// Remarks on law and method for the reader.
+    /// Notes on law and method.
     pub notes: Vec<String>,
     /// Evidence that nothing is lost between the sampled states: `searched`.
     pub evidence: Evidence,
@@ -128,7 +128,7 @@ pub struct Place {
     pub deformation_gradient: [[f64; 3]; 3],
     /// Cauchy stress `sigma_ij`. Units of stress.
     pub cauchy: [[f64; 3]; 3],
-    /// Half of the length of the bracket of `parameter`; zero at the start.
+    /// Half the width of the bracket of `parameter`; zero at the start.
     pub tolerance: f64,
     /// Modulus of the law, which sets the scale of rounding errors in stresses; stress.
     #[serde(skip)]
@@ -416,7 +416,7 @@ impl std::fmt::Display for PathAnswer {
             )?,
             None if self.is_fluid => writeln!(
                 formatter,
-                "The material is a fluid, which is strongly elliptic at no state: along the path it has no ellipticity to lose."
+                "The material is a fluid, which is not strongly elliptic in any state: there is no loss of ellipticity along the path."
             )?,
             None if self.is_marginal => writeln!(
                 formatter,

@@ -174,7 +174,7 @@ fn meant(what: &str, text: &str, admitted: impl Fn(usize) -> bool, is_stretch: b
     if items.len().is_multiple_of(2) && admitted(items.len() / 2) && items.iter().all(is_whole) {
         let pairs: Vec<String> = items.chunks(2).map(|pair| pair.join(".")).collect();
         return format!(
-            "write decimal points in numbers, and commas between them: {what} {}",
+            "use points as decimal separators, and commas between numbers: {what} {}",
             pairs.join(",")
         );
     }

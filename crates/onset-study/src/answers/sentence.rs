@@ -53,7 +53,7 @@ pub(super) fn of(
     let wave = match mode.is_long_wave || k.norm() > 0.0 {
         true => wave(&k, along, units),
         // This case needs cells with several particles.
-        false => "particles of a cell moving against each other (k = 0)".to_owned(),
+        false => "particles of a cell moving relative to each other (k = 0)".to_owned(),
     };
     let growth = growth(spectrum.growth_rate(), units);
     let minimum = &assessment.material.minimum;

@@ -61,7 +61,7 @@ pub struct StateAnswer {
     pub evidence: Evidence,
     /// The verdict in plain English.
     pub sentence: String,
-    /// Remarks on law and method for the reader.
+    /// Notes on law and method.
     pub notes: Vec<String>,
     /// Commands that follow up the verdict.
     pub next: Vec<String>,
@@ -326,7 +326,7 @@ impl StateAnswer {
     /// Creates the answer for an assessed state.
     ///
     /// # Errors
-    /// Like [`StateAnswer::new`].
+    /// Fails like [`StateAnswer::new`].
     pub fn of(
         problem: &Problem,
         strain: &Strain,

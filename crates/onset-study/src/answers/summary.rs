@@ -50,7 +50,7 @@ pub struct StudySummary {
     pub seconds_per_state: Option<f64>,
     /// Processor time of the whole map; seconds. `null` if a library must be allowed first.
     pub seconds: Option<f64>,
-    /// Remarks on law and method for the reader.
+    /// Notes on law and method.
     pub notes: Vec<String>,
     /// Warnings about the study.
     pub warnings: Vec<String>,

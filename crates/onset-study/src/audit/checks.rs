@@ -479,7 +479,7 @@ fn energy(subject: &Subject<'_>, measured: &[Measured]) -> Check {
     if measured.iter().all(|state| !state.reports_energy) {
         return Check::noted(name, None, "no energy is reported (SSE is zero)");
     }
-    // Power per reference volume: `P : dF = J sigma : l`.
+    // Power per reference volume: `P : F' = J sigma : l`.
     let errors = |of: fn(&Measured) -> &Matrix3<f64>| -> Vec<f64> {
         let error = |state: &Measured| {
             let kirchhoff = state.sample.deformation.jacobian() * state.sample.cauchy;

@@ -46,7 +46,7 @@ pub(super) const EXCLUSIONS: [&str; 5] = [
     "inconsistent long-wavelength moduli",
 ];
 
-/// Method with its rank.
+/// Method in a ranking: reason for exclusion, score and cost.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Ranked {
     /// Name of the method.

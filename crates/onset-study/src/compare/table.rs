@@ -151,21 +151,21 @@ impl Table {
             column(
                 "false",
                 "false_instability",
-                "fraction of the window of states that is unstable although the material is elliptic",
+                "fraction of the states of the window that are unstable although the material is elliptic",
                 |m| m.fidelity.false_instability,
                 percent,
             )
             .in_short(),
             column(
                 "suppressed", "suppressed_instability",
-                "fraction of the window that is stable although the material is not elliptic",
+                "fraction of the states of the window that are stable although the material is not elliptic",
                 |m| m.fidelity.suppressed_instability,
                 percent,
             ),
             column(
                 "undefined",
                 "undefined",
-                "fraction of the window where the law is defined and the method is not: too few neighbors",
+                "fraction of the states of the window in which the law is defined and the method is not: too few neighbors",
                 |m| m.fidelity.undefined,
                 percent,
             ),
@@ -180,7 +180,7 @@ impl Table {
             column(
                 "neighbors",
                 "neighbors",
-                "number of particles or nodes that contribute to the force on one of them",
+                "number of particles or nodes that contribute to the force on one of them; for kernel methods and material points the neighbors of all points of a cell, per particle or node",
                 |m| m.neighbors,
                 |x| format!("{x:.0}"),
             ),

@@ -7,11 +7,11 @@ use serde::Serialize;
 pub struct Thresholds {
     /// Smallest acceptable ratio of a wave's frequency to the frequency of the slowest material wave; slower waves are weakly controlled.
     pub weak: f64,
-    /// Largest fraction of the window of states with wrong verdicts.
+    /// Largest acceptable fraction of states in the window with wrong verdicts.
     pub wrong: f64,
-    /// Largest relative error of the long-wavelength moduli.
+    /// Largest acceptable relative error of the long-wavelength moduli.
     pub long_waves: f64,
-    /// Largest delay of a method's onset, as a fraction of the material's strain at onset.
+    /// Largest acceptable delay of a method's onset, as a fraction of the material's strain at onset.
     pub later: f64,
     /// Wavelength at which frequencies are compared, in particle spacings.
     pub wavelength: f64,

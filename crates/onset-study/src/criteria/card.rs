@@ -88,13 +88,13 @@ pub struct CriterionLimits {
     pub defined: bool,
     /// Whether the criterion holds in the reference configuration.
     pub holds_in_reference: bool,
-    /// State at which the criterion is lost in compression; `null` if it is kept.
+    /// State at which the criterion is violated in compression; `null` if it is satisfied throughout.
     pub compression: Option<LimitPoint>,
-    /// State at which the criterion is lost in tension; `null` if it is kept.
+    /// State at which the criterion is violated in tension; `null` if it is satisfied throughout.
     pub tension: Option<LimitPoint>,
 }
 
-/// State at which a criterion is lost.
+/// State at which a criterion is violated.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LimitPoint {
     /// Imposed stretch at the limit.

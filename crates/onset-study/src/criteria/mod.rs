@@ -166,7 +166,7 @@ pub struct CriteriaAnswer {
     pub disagreements: Vec<String>,
 }
 
-/// Every criterion for one loading.
+/// Results of every criterion for one loading.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LoadingAnswer {
     /// Deformation mode that is imposed.
@@ -271,9 +271,9 @@ pub struct CriterionAnswer {
 /// Result for a criterion on one side of the reference configuration.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SideAnswer {
-    /// First stretch, counted from the reference configuration, at which the criterion is lost; `null` if the criterion is kept.
+    /// First stretch, counted from the reference configuration, at which the criterion is violated; `null` if it is satisfied throughout.
     pub limit: Option<f64>,
-    /// Whether the limit is only an upper bound: the criterion is lost there, but it may be lost nearer to the reference configuration.
+    /// Whether the limit is only an upper bound: the criterion is violated there, but it may be violated nearer to the reference configuration.
     pub upper_bound: bool,
     /// All losses and recoveries, nearest to the reference configuration first.
     pub changes: Vec<ChangeAnswer>,

@@ -44,7 +44,7 @@ pub(super) fn scene(figure: &Figure, sheet: &Sheet) -> Scene {
             };
         }
     };
-    // The panels take the room that the parts of the picture beside them leave.
+    // The panels fill the width that the other parts of the picture leave.
     let available = width / PRINTED;
     figure.columns = figure.columns.clamp(1, figure.panels.len().max(1));
     let scene = loop {
@@ -79,7 +79,7 @@ struct Grid<'a> {
 }
 
 impl<'a> Grid<'a> {
-    /// Measures the panels, whose boxes are `usual` wide if nothing else is asked.
+    /// Measures the panels. Their boxes are `usual` wide unless the figure sets a size.
     fn of(figure: &'a Figure, usual: Option<f64>) -> Self {
         let columns = figure.columns.clamp(1, figure.panels.len().max(1));
         let usual = usual.unwrap_or(if columns == 1 { 420.0 } else { 300.0 });
@@ -120,7 +120,7 @@ impl<'a> Grid<'a> {
     }
 }
 
-/// Draws the whole figure at least as wide as asked.
+/// Draws the whole figure at least `least` wide.
 fn drawn(figure: &Figure, usual: Option<f64>, least: f64) -> Scene {
     let grid = Grid::of(figure, usual);
     let content = grid.content();

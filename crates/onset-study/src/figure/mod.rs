@@ -77,7 +77,7 @@ pub struct Panel {
     pub y: Axis,
     /// Whether one unit (on logarithmic axes one decade) has the same length in x and y.
     pub equal_aspect: bool,
-    /// Width of the box in usual widths; ignored with an equal aspect.
+    /// Width of the box as a multiple of the usual width; ignored with an equal aspect.
     pub width: f64,
     /// Layers, from back to front.
     pub layers: Vec<Layer>,
@@ -165,7 +165,7 @@ impl Figure {
     /// Returns the picture as a PNG with twice the resolution: four device pixels for each pixel.
     ///
     /// # Errors
-    /// [`FigureError::Size`] if the figure has so many panels that the picture would have more than 2^27 device pixels.
+    /// [`FigureError::Size`] if the panels would need a picture of more than 2^27 device pixels.
     pub fn to_png(&self) -> Result<Vec<u8>, FigureError> {
         layout::scene(self, &Sheet::default()).to_png()
     }
@@ -175,7 +175,7 @@ impl Figure {
         layout::scene(self, &Sheet::default()).to_pdf()
     }
 
-    /// Endings of the files of a figure, the last only beside a bare picture.
+    /// Endings of the files of a figure. The last is for the words of a bare picture and is used only with one.
     pub const ENDINGS: [&str; 4] = [".svg", ".png", ".pdf", ".txt"];
 
     /// Returns the picture on a sheet as files with a base name: SVG, PNG and PDF, and the words of a bare picture.

@@ -1,4 +1,4 @@
-//! Output of a picture as a PDF: one page of its size, with text in the embedded font, of which it holds the letters used.
+//! Output of a picture as a PDF: one page of its size, with text in a subset of the font that contains only the letters used.
 
 use super::scene::{Paint, RIM, Scene, Shape, Words};
 use super::{Color, Dash, Theme, font, palette};
@@ -52,7 +52,7 @@ impl Scene {
         pdf.finish()
     }
 
-    /// Glyphs of the text of the picture, with a character that each stands for.
+    /// Glyphs of the text of the picture, each with a character that it represents.
     fn letters(&self) -> BTreeMap<GlyphId, char> {
         let words = self.shapes.iter().filter_map(|shape| match shape {
             Shape::Words(words) => Some(words),
@@ -116,7 +116,7 @@ fn write_stream(pdf: &mut Pdf, place: Ref, data: &[u8]) {
     }
 }
 
-/// Embeds a font whose letters are named by the numbers of their glyphs, with the characters that they stand for.
+/// Embeds a font whose letters are identified by glyph index, with the character that each glyph represents.
 fn embed(
     pdf: &mut Pdf,
     font: Ref,
@@ -171,7 +171,7 @@ fn embed(
 /// Writes a line of text, above the rim of its letters.
 fn write_words(out: &mut Content, words: &Words, theme: Theme, number: &impl Fn(GlyphId) -> u16) {
     let place = words.transform();
-    // From font units, of which the letters have `units`, to the size of the font.
+    // Scales from font units to the size of the font.
     let units = font::units();
     let [a, b, c, d] = [place.sx, place.ky, place.kx, place.sy].map(|part| part * units);
     let letters: Vec<u8> = font::glyphs(&words.text)
@@ -208,7 +208,7 @@ fn set_stroke(out: &mut Content, color: Color) {
     out.set_stroke_rgb(r, g, b);
 }
 
-/// Paints an outline.
+/// Writes the operators that fill and stroke an outline.
 fn paint_path(out: &mut Content, outline: Path, paint: &Paint) {
     let stroke = match (paint.crisp, paint.fill) {
         (true, Some(color)) => Paint::stroke(color, OVERLAP, Dash::Solid).stroke,

@@ -1,7 +1,7 @@
 //! Picture as a list of painted outlines and words, written as SVG or PNG.
 //!
-//! The text of the SVG is text, which can be searched, edited and set in the font of a paper; its place follows from the embedded font, with which the
-//! PNG is drawn.
+//! The text of the SVG remains text, which can be searched, edited and set in the font of a paper. Its position is computed with the embedded font;
+//! the PNG is drawn with this font.
 
 use super::{Color, Dash, FigureError, Theme, font, palette};
 use std::collections::BTreeMap;
@@ -13,9 +13,9 @@ use ttf_parser::GlyphId;
 
 /// Device pixels per pixel of the PNG along each side, for pictures on a screen.
 const RESOLUTION: f64 = 2.0;
-/// The same for pictures with a size in print: 300 per inch.
+/// Device pixels per pixel of the PNG along each side, for pictures with a size in print: 300 per inch.
 const PRINTED_RESOLUTION: f64 = 300.0 / 96.0;
-/// Fonts of the text of the SVG: the embedded one, the one from which it was derived (equally wide), and what systems have.
+/// Fonts of the text of the SVG: the embedded one, the font from which it was derived (equally wide), and common fonts of operating systems.
 const FONTS: &str = "DejaVu Sans, Bitstream Vera Sans, Verdana, Helvetica, Arial, sans-serif";
 
 /// Width of the rim of words on a map, in units of the shapes.

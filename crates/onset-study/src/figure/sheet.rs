@@ -1,4 +1,4 @@
-//! Sheet: size, colors, and what stands around the panels of a drawn figure.
+//! Sheet: size, colors, title and caption of a drawn figure.
 
 use super::scene::{Paint, Stroke};
 use super::{Color, Figure};
@@ -9,14 +9,14 @@ pub(super) const MILLIMETER: f64 = 96.0 / 25.4;
 /// Smallest and largest width of a picture in print, in millimeters.
 const WIDTHS: (f64, f64) = (30.0, 1000.0);
 
-/// How a figure is drawn.
+/// Options for drawing a figure: size, title, caption and colors.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sheet {
     /// Size of the picture or of its panels; the usual size if `None`.
     pub size: Option<Size>,
-    /// Title instead of the figure's own one.
+    /// Title that replaces the title of the figure; `None` keeps it.
     pub title: Option<String>,
-    /// Whether title and caption are left out, as in a paper, which has them in its text.
+    /// Whether title and caption are left out, as in a paper, whose text contains them.
     pub bare: bool,
     /// Colors of background, axes and words.
     pub theme: Theme,
@@ -34,10 +34,10 @@ pub enum Size {
 /// Colors of background, axes and words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Theme {
-    /// Black on white.
+    /// Black axes and words on white.
     #[default]
     Light,
-    /// White on black, for slides and dark pages. Colors of layers stay; greys are inverted.
+    /// White on black, for slides and dark pages. Colors of layers remain; greys are inverted.
     Dark,
 }
 
@@ -135,7 +135,7 @@ impl Sheet {
         figure
     }
 
-    /// Text that stands beside a bare picture: title and caption; `None` if the picture has them or there is none.
+    /// Title and caption, which are written to a separate file for a bare picture; `None` if the picture contains them or both are empty.
     pub(super) fn words_beside(&self, figure: &Figure) -> Option<String> {
         let title = self.title.as_ref().unwrap_or(&figure.title);
         let words: Vec<&str> = [title.trim(), figure.caption.trim()]

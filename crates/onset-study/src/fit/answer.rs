@@ -1,4 +1,4 @@
-//! Answer of a fit: errors, what stability costs, constants, and the ranking of laws.
+//! Answer of a fit: errors, cost of the stability constraint, constants, and ranking of laws.
 
 use super::{FittingError, Tests, assignments, volumetric_misfit};
 use crate::brief::{Brief, Short};
@@ -37,12 +37,12 @@ pub struct ConstantAnswer {
     pub unit: &'static str,
 }
 
-/// First loss of a criterion along a loading.
+/// First violation of a criterion along a loading.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LossAnswer {
     /// Loading of the specimen.
     pub mode: Mode,
-    /// Criterion that is lost.
+    /// Criterion that is violated.
     pub criterion: Criterion,
     /// Imposed stretch at the loss.
     pub stretch: f64,
@@ -50,7 +50,7 @@ pub struct LossAnswer {
     pub inside_of_data: bool,
 }
 
-/// State at which the chains of a law are straight.
+/// State at which the chains of a law are fully extended.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LockAnswer {
     /// Loading of the specimen.
@@ -80,9 +80,9 @@ pub struct LawAnswer {
     pub free_error: f64,
     /// Sum of squares of the best fit without the stability constraint.
     pub free_loss: f64,
-    /// Smallest stretches up to 10 at which the best fit without the stability constraint loses a criterion in tension.
+    /// Smallest stretches up to 10 at which the best fit without the stability constraint violates a criterion in tension.
     pub free_losses: Vec<LossAnswer>,
-    /// Stretches between the same limits, outside of the range, at which the result loses a criterion.
+    /// Stretches between the same limits, outside of the range, at which the result violates a criterion.
     pub losses: Vec<LossAnswer>,
     /// Whether the best fit without the stability constraint is stable in the range.
     pub needs_no_demand: bool,
@@ -98,7 +98,7 @@ pub struct LawAnswer {
     pub spare_points: usize,
     /// Names of the free constants at their bounds.
     pub at_bounds: Vec<String>,
-    /// First state in the range at which the chains of the law are straight; `null` if the range has no such state.
+    /// First state in the range at which the chains of the law are fully extended; `null` if the range has no such state.
     pub locks: Option<LockAnswer>,
     /// Settings of the law.
     pub settings: Vec<String>,
@@ -480,7 +480,7 @@ fn remarks(laws: &[LawAnswer]) -> Vec<String> {
         }
         if let Some(lock) = &own.locks {
             notes.push(format!(
-                "{}: inside the range its chains are straight from stretch {} in {} tension on; {}",
+                "{}: inside the range, its chains are fully extended from stretch {} in {} tension on; {}",
                 own.law,
                 short(lock.stretch),
                 lock.mode.name(),
@@ -631,8 +631,8 @@ impl LawAnswer {
     fn demand(&self) -> String {
         if self.proof.is_none() {
             return match self.free_losses.first() {
-                None => "It loses no criterion in tension up to stretch 10.".to_owned(),
-                Some(_) => format!("It loses {}.", in_words(&self.free_losses)),
+                None => "It violates no criterion in tension up to stretch 10.".to_owned(),
+                Some(_) => format!("It violates {}.", in_words(&self.free_losses)),
             };
         }
         if self.needs_no_demand {
@@ -650,7 +650,7 @@ impl LawAnswer {
     }
 }
 
-/// First loss of each criterion in words.
+/// First violation of each criterion in words.
 fn in_words(losses: &[LossAnswer]) -> String {
     let mut told: Vec<&LossAnswer> = Vec::new();
     for loss in losses {

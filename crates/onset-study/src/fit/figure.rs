@@ -48,7 +48,7 @@ impl FitAnswer {
     pub fn figure(&self) -> Figure {
         let best = self.best();
         let mut figure = Figure::new(format!("{} fitted to {}", best.law, crate::number::counted(self.tests.len(), "test")))
-            .caption("Circles: measured. Lines: fitted. Dotted and hatched: a criterion is lost, in grey without the stability constraint. Plane: largest stretch and inverse of the smallest one at constant volume.")
+            .caption("Circles: measured. Lines: fitted. Dotted and hatched: a criterion is violated, in grey without the stability constraint. Plane: largest stretch and inverse of the smallest one at constant volume.")
             .columns(2);
         for test in self
             .data

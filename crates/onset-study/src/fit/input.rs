@@ -78,7 +78,7 @@ pub struct Arrays {
     pub lateral: Option<Vec<f64>>,
 }
 
-/// Choices for the reading of tables.
+/// Options for reading tables.
 #[derive(Clone, Debug, Default)]
 pub struct Reading {
     /// Unit of stress of tables that do not name a unit; `None` if it is unknown.
@@ -123,7 +123,7 @@ const CONTRADICTION: f64 = 10.0;
 const DISAGREEMENT: f64 = 2.5;
 
 impl Tests {
-    /// Reads files and takes arrays, in their order.
+    /// Reads files and arrays, in the given order.
     ///
     /// # Errors
     /// [`TableError`] with the line if a table cannot be used, or if the tests contradict each other.
@@ -604,7 +604,7 @@ impl Table<'_> {
             let column = Column::named(&plain);
             if column.is_none() {
                 notes.push(format!(
-                    "{}: the column `{name}` is not read",
+                    "{}: the column `{name}` is ignored",
                     self.path.display()
                 ));
             }
@@ -992,7 +992,7 @@ impl Table<'_> {
                 true => Err(self.line(
                     line,
                     format!(
-                        "the {what} is {}, more than any rubber can bear ({LARGEST})",
+                        "the {what} is {}; the largest accepted value is {LARGEST}",
                         told(stretch)
                     ),
                     percents,
@@ -1022,7 +1022,7 @@ impl Table<'_> {
             return Err(self.line(
                 line,
                 format!(
-                    "the {what} is {}, more than any rubber can bear ({LARGEST})",
+                    "the {what} is {}; the largest accepted value is {LARGEST}",
                     told(stretch)
                 ),
                 match column {

@@ -58,7 +58,7 @@ pub struct HalfAnswer {
 pub struct PointAnswer {
     /// Accumulated plastic shear strain.
     pub slip: f64,
-    /// Strains along the axes since the confined state; logarithmic at finite strain.
+    /// Strains along the axes relative to the confined state; logarithmic at finite strain.
     pub strain: [f64; 3],
     /// Cauchy stresses along the axes, tension positive. Units of stress.
     pub stress: [f64; 3],
@@ -424,7 +424,7 @@ impl std::fmt::Display for LocalizationAnswer {
             )?;
             writeln!(
                 formatter,
-                "  critical modulus        {} (of strong ellipticity {})",
+                "  critical modulus        {} (for loss of strong ellipticity: {})",
                 stress(point.critical_modulus),
                 stress(point.strong_critical_modulus)
             )?;

@@ -49,7 +49,7 @@ fn hint(error: &PlasticityError) -> String {
         }
         PlasticityError::Corner => return String::new(),
         PlasticityError::NotASheet => {
-            "take --path uniaxial-stress or sheet-stretch and plasticity.confinement=0, or plasticity.bands=bulk".to_owned()
+            "use --path uniaxial-stress or sheet-stretch with plasticity.confinement=0, or set plasticity.bands=bulk".to_owned()
         }
         PlasticityError::NoElasticRange => {
             "if the law has no strength without pressure, add plasticity.confinement; laws without an elastic range are not supported".to_owned()

@@ -1,8 +1,8 @@
 //! Adaptive refinement: states are computed near boundaries of the finding, and filled in elsewhere.
 //!
-//! States on a coarse stride are the corners of cells. A cell is halved if the findings at its corners differ, or if the signed measures indicate
+//! The states of a coarse grid are the corners of cells. A cell is halved if the findings at its corners differ, or if the signed measures indicate
 //! that a boundary may pass between corners with the same finding. It is also halved if a state computed for a neighboring cell contradicts its
-//! corners. In the end all states of a cell are corners, or all have one finding. A pocket smaller than a cell of the coarse stride can be missed if
+//! corners. In the end all states of a cell are corners, or all have one finding. A pocket smaller than a cell of the coarse grid can be missed if
 //! no measure indicates it.
 
 use super::record::{Finding, Outcomes, Record};
@@ -111,7 +111,7 @@ fn cells(intervals: &[Vec<(usize, usize)>]) -> Vec<Cell> {
     product(intervals).into_iter().map(cell).collect()
 }
 
-/// Cells on a coarse stride. The last state along each axis is a corner, so that the cells fill the tile without states outside it.
+/// Cells of a coarse grid. The last state along each axis is a corner, so that the cells fill the tile without states outside it.
 fn coarse(extent: &[usize], stride: usize) -> Vec<Cell> {
     let along = |states: &usize| {
         let last = states - 1;

@@ -222,7 +222,7 @@ fn proofs() -> Vec<(Field, Taken)> {
         ),
         flags(
             CORRECTED,
-            "whether the proof corrects verdict or stability of the search; all numbers except growth_rate are results of the search",
+            "whether the proof corrects the verdict or the stability found by the search; all numbers except growth_rate are results of the search",
             vec!["as-searched", "corrected"],
             |record| i8::from(proof(record).corrects),
         ),
@@ -299,7 +299,7 @@ mod tests {
     use crate::settings::{OUTPUTS, Value};
 
     #[test]
-    fn outputs_are_the_numbers_of_a_state_and_stored_only_if_requested() {
+    fn outputs_are_the_numbers_of_a_state_and_are_stored_only_if_requested() {
         let names: Vec<&str> = numbers().iter().map(|(field, _)| field.name).collect();
         assert_eq!(names, OUTPUTS);
         let mut map = MapSettings::default();

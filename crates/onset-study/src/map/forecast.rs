@@ -106,7 +106,7 @@ impl Forecast {
 struct Work {
     /// Number of states along each dimension, slowest first.
     shape: Vec<usize>,
-    /// Numbers of the states that will be computed, if known; empty for all states.
+    /// Indices of the states that will be computed, if known; empty for all states.
     states: Vec<usize>,
     /// Number of states that will be computed.
     evaluations: u64,

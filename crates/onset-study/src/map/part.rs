@@ -21,7 +21,7 @@ pub enum Part {
 }
 
 impl Part {
-    /// Numbers of the selected tiles in a map of `all` tiles.
+    /// Returns the indices of the selected tiles, from 0, in a map of `all` tiles.
     pub fn tiles(&self, all: usize) -> Vec<usize> {
         match self {
             Self::Range(range) => (range.start..range.end.min(all)).collect(),

@@ -106,7 +106,7 @@ pub struct Proved {
     pub certainty: BTreeMap<&'static str, Share>,
     /// Share of the states undecided for each reason, by the name of the reason.
     pub undecided: BTreeMap<&'static str, Share>,
-    /// Number of states where the proof corrects verdict or stability of the search.
+    /// Number of states where the proof corrects the verdict or the stability found by the search.
     pub corrected: u64,
 }
 

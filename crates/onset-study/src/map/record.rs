@@ -82,7 +82,7 @@ pub struct Proof {
     pub bound: f64,
     /// Reason why the particles are undecided; `None` if they are not undecided.
     pub reason: Option<Reason>,
-    /// Whether the proof contradicts verdict or stability of the search.
+    /// Whether the proof contradicts the verdict or the stability found by the search.
     pub corrects: bool,
 }
 

@@ -91,7 +91,7 @@ const MAX_STATES_IN_PROGRESS: usize = 1 << 20;
 type Action<'a> = dyn Fn(usize) -> Result<Option<Tally>, MapError> + Sync + 'a;
 
 impl Plan {
-    /// Numbers of the existing tiles in a part, or of all tiles without a part. The end of a range may exceed the last tile.
+    /// Indices of the existing tiles in a part, or of all tiles without a part. The end of a range may exceed the last tile.
     ///
     /// # Errors
     /// [`MapError::Tiles`] if the map has no tile in the part.

@@ -101,7 +101,7 @@ pub struct Summary {
     pub title: String,
     /// Number of states in the finished tiles of this run.
     pub states: u64,
-    /// Number of computed states, by this run or earlier; the verdicts of all other states are filled in from their surroundings.
+    /// Number of states computed by this run or earlier; the verdicts of all other states are filled in from neighboring states.
     pub evaluated: u64,
     /// Number of states by verdict, over the tiles of this run.
     pub verdicts: BTreeMap<&'static str, Share>,

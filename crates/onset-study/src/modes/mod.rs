@@ -75,7 +75,7 @@ pub struct ModesAnswer {
     pub reduced_cell: Option<ReducedCell>,
     #[serde(skip)]
     is_exported: bool,
-    /// Remarks on law and method for the reader.
+    /// Notes on law and method.
     pub notes: Vec<String>,
     /// All settings in effect.
     pub settings: Effective,

@@ -20,7 +20,7 @@ const ROUNDING_FRACTION: f64 = 1e-9;
 const RADIUS: f64 = 1.6;
 /// Smallest fraction of short waves in a mode of this kind: waves of up to four spacings.
 const SHORT_WAVE_SHARE: f64 = 0.2;
-/// Largest fraction of the body that strains in a localized mode, and its largest width in spacings.
+/// Largest deforming fraction of the body in a localized mode, and its largest width in spacings.
 const LOCALIZED: (f64, f64) = (0.2, 6.0);
 
 /// Kind of a mode of the body.
@@ -46,11 +46,11 @@ pub struct BodyModeAnswer {
     pub growth: f64,
     /// Kind of the mode.
     pub kind: ModeKind,
-    /// Fraction of the mode that is not linear in the neighborhood of a particle, from 0 to 1.
+    /// Fraction of the squared displacement that is not linear near a particle, from 0 to 1.
     pub short_waves: f64,
-    /// Fraction of the particles that strain, `(sum g)^2 / (n sum g^2)` with the squared gradients `g` of the mode.
+    /// Fraction of the particles in the deforming region, `(sum g)^2 / (n sum g^2)` with the squared gradients `g` of the mode.
     pub strained: f64,
-    /// Width of the region that strains: `strained` times the longest side of the body; particle spacings.
+    /// Width of the deforming region, `strained` times the longest side of the body; in particle spacings.
     pub width: f64,
     /// Particle with the largest displacement.
     pub particle: usize,
@@ -273,7 +273,7 @@ impl BodyModeAnswer {
                 told_with(self.width, 2)
             ),
             ModeKind::ShortWave => format!(
-                "short waves ({:.0} % of it alternates between neighbors)",
+                "short waves ({:.0} % of the squared displacement)",
                 100.0 * self.short_waves
             ),
         };

@@ -150,7 +150,7 @@ pub struct ScreenAnswer {
     pub at_the_limit: bool,
     /// Place and time at which the cause begins; for a time step, at which it exceeds the largest stable step. `null` without a cause.
     pub first: Option<Event>,
-    /// Time at which short waves are expected to show; `null` if they are not expected.
+    /// Time at which short waves are expected to become visible; `null` if they are not expected.
     pub expected: Option<f64>,
     /// First short waves above the threshold in the positions; `null` if all short waves stay below it.
     pub observed: Option<Event>,
@@ -176,7 +176,7 @@ pub struct ScreenAnswer {
     pub seed: f64,
     /// Width of the bins of stretch.
     pub bin: f64,
-    /// Time at which growth is expected to show with bins of twice the width; `null` unless the cause is numerical.
+    /// Time at which growth is expected to become visible with bins of twice the width; `null` unless the cause is numerical.
     pub expected_in_wide_bins: Option<f64>,
     /// Number of states that were evaluated.
     pub states: usize,
@@ -488,7 +488,7 @@ impl ScreenAnswer {
             && let Some(time) = grown
         {
             evidence.push(format!(
-                "growing waves of the discretization are expected to show at t = {}",
+                "growing waves of the discretization are expected to become visible at t = {}",
                 told(time)
             ));
         }
@@ -496,7 +496,7 @@ impl ScreenAnswer {
             && let Some(time) = by_step
         {
             evidence.push(format!(
-                "oscillations caused by the time step are expected to show at t = {}",
+                "oscillations caused by the time step are expected to become visible at t = {}",
                 told(time)
             ));
         }
@@ -626,7 +626,7 @@ impl ScreenAnswer {
         };
         let expectation = match self.expected {
             Some(time) => format!(
-                "They are expected to show at t = {}, and are {observed}",
+                "They are expected to become visible at t = {}, and are {observed}",
                 short(time)
             ),
             None => format!("They are {observed}, earlier than expected"),
@@ -636,7 +636,7 @@ impl ScreenAnswer {
         let above = step.filter(|(_, limit)| limit.exceeded.is_some());
         let limit = match (self.at_the_limit, self.cause, above) {
             (false, Cause::None | Cause::Forced, Some((step, limit))) => format!(
-                " The time step {} is above the largest stable step, {}{}.",
+                " The time step {} exceeds the largest stable step, {}{}.",
                 told(step),
                 short(limit.least),
                 match self.cause {
@@ -681,13 +681,13 @@ impl ScreenAnswer {
                 let scheme = question.stepping.name();
                 let of = match limit.and_then(|limit| limit.body) {
                     Some(_) => format!(
-                        "the largest stable step of this body in {scheme}, set by the particles {at}"
+                        "the largest stable step of this body with {scheme}, set by the particles {at}"
                     ),
-                    None => format!("the largest stable step of the lattice in {scheme}"),
+                    None => format!("the largest stable step of the lattice with {scheme}"),
                 };
                 let from = self.first.as_ref();
                 format!(
-                    "First cause: the time step. From t = {} on, {} is above {}, {of}. Oscillations are expected to show at t = {expected}, and are {observed}. A step of {} is safe.",
+                    "First cause: the time step. From t = {} on, the step {} exceeds {}, {of}. Oscillations are expected to become visible at t = {expected}, and are {observed}. A step of {} is safe.",
                     from.map_or("?".to_owned(), |event| short(event.time)),
                     told(step),
                     short(critical),

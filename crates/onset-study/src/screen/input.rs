@@ -449,7 +449,7 @@ impl Recording {
                     let mut moved: Vec<[i64; 3]> =
                         own.iter().map(|n| self.moved(first, last, *n)).collect();
                     moved.sort_unstable();
-                    // Rounding of the file may divide one displacement into neighboring ones.
+                    // Rounding in the file may split one displacement into several nearly equal ones.
                     moved
                         .dedup_by(|a, b| a.iter().zip(b.iter()).all(|(a, b)| a.abs_diff(*b) <= 50));
                     if 2 * own.len() < count && moved.len() <= GRIPS && own.len() > 2 * moved.len()

@@ -22,7 +22,7 @@ const MAXIMUM_CHANGES: usize = 3;
 pub struct Remedy {
     /// Settings that change, `key=value`.
     pub settings: Vec<String>,
-    /// Time at which growing waves are then expected to show; `None` if they are not expected within the run.
+    /// Time at which growing waves are then expected to become visible; `None` if they are not expected within the run.
     pub expected: Option<f64>,
 }
 
@@ -32,7 +32,10 @@ impl Remedy {
         let change = self.settings.join(" and ");
         match self.expected {
             None => format!("with {change} no such wave is expected in this run"),
-            Some(time) => format!("{change}: expected to show at t = {}", told(time)),
+            Some(time) => format!(
+                "{change}: growing waves are expected to become visible at t = {}",
+                told(time)
+            ),
         }
     }
 }

@@ -291,7 +291,7 @@ impl Comparison {
                 ("title", other) => {
                     let message = format!("`title` cannot be {}", described(other));
                     return Err(SettingError::new(file.of(value), message)
-                        .hint("expected a text in quotes"));
+                        .hint("expected a string in quotes"));
                 }
                 (other, _) => {
                     let known = ["title", "material", "discretization", "compare", "methods"];
@@ -483,7 +483,7 @@ impl Comparison {
                 ("name", other) => {
                     let message = format!("`name` cannot be {}", described(other));
                     return Err(SettingError::new(file.of(value), message)
-                        .hint("expected a text in quotes, for example \"SPH\""));
+                        .hint("expected a string in quotes, for example \"SPH\""));
                 }
                 (own, _) => {
                     let full = format!("discretization.{own}");

@@ -52,7 +52,7 @@ impl Kind {
             Self::Whole(least, most) => format!("a whole number from {least} to {most}"),
             Self::PowerOfTwo(least, most) => format!("a power of two from {least} to {most}"),
             Self::Switch => "true | false".to_owned(),
-            Self::Text => "a text".to_owned(),
+            Self::Text => "a string".to_owned(),
             Self::Numbers(unit, admitted) => {
                 let numbers = admitted.expected(unit).replacen("number", "numbers", 1);
                 with_unit(

@@ -70,9 +70,9 @@ pub enum Bonds {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Shear {
-    /// The whole stress acts along gradients.
+    /// All stress components act through kernel gradients.
     Stress,
-    /// The shear stress acts between pairs of particles.
+    /// Shear as pairwise forces between particles.
     Pairs,
 }
 
@@ -147,7 +147,7 @@ pub struct MethodSettings {
     pub corrected_forces: bool,
     /// Updated SPH: form of the forces.
     pub momentum: MomentumForm,
-    /// Updated SPH: rule of the densities.
+    /// Updated SPH: density from summation or from the continuity equation.
     pub density_evolution: DensityEvolution,
     /// Total-Lagrangian SPH: coefficient of the zero-energy-mode penalty.
     pub penalty: f64,
@@ -412,7 +412,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.density-evolution",
         Kind::Words(&["summation", "continuity"]),
-        "updated SPH: evolution of the densities",
+        "updated SPH: density from summation or from the continuity equation",
     )
     .only_with(UPDATED_SPH),
     key(
@@ -424,13 +424,13 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.penalty-form",
         Kind::Words(&["published", "smd"]),
-        "total-Lagrangian SPH: the published penalty, or the penalty of LAMMPS' SMD with regularized denominators, whose coefficient is the hourglass amplitude",
+        "total-Lagrangian SPH: form of the penalty, published or as in LAMMPS' SMD (regularized denominators; the coefficient is the hourglass amplitude)",
     )
     .only_with(PENALIZED),
     key(
         "discretization.shear-forces",
         Kind::Words(&["stress", "pairs"]),
-        "total-Lagrangian SPH: shear by the stress of particles, or between pairs (the essentially non-hourglass formulation of SPHinXsys)",
+        "total-Lagrangian SPH: shear forces from the particle stresses, or pairwise (the essentially non-hourglass formulation of SPHinXsys)",
     )
     .only_with(TOTAL_SPH),
     key(
@@ -525,7 +525,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.mass",
         Kind::Words(&["lumped", "hrz", "consistent"]),
-        "finite elements: mass matrix; hrz: lumped in the ratio of the diagonal (Hinton, Rock, Zienkiewicz)",
+        "finite elements: mass matrix; hrz: lumped in proportion to the diagonal of the consistent matrix (Hinton, Rock, Zienkiewicz)",
     )
     .only_with(ELEMENTS),
     key(

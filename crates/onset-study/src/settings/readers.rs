@@ -211,7 +211,7 @@ fn every_key_changes_an_answer_or_is_refused_by_the_method() {
                 }
                 assert!(
                     changes || !accepted,
-                    "{family}: {} = {value} is taken and changes nothing",
+                    "{family}: {} = {value} is accepted but changes nothing",
                     key.name
                 );
             }

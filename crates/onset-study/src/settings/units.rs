@@ -173,7 +173,7 @@ pub(crate) fn converted(
     match (of(dimension), other) {
         (None, _) => wrong(
             format!(
-                "`{}` has no dimension, and takes no unit such as `{unit}`",
+                "`{}` has no dimension and accepts no unit such as `{unit}`",
                 key.name
             ),
             format!("give a number without unit ({})", key.meaning),

@@ -10,13 +10,13 @@ use nalgebra::{Matrix2, Vector2};
 const MARKS: usize = 60;
 /// Number of vertices of a curve.
 const VERTICES: usize = 400;
-/// Growth over the record from which the amplitude is drawn over a logarithmic axis.
+/// Smallest growth over the record that makes the axis of the amplitude logarithmic.
 const LARGE_GROWTH: f64 = 3.0;
 
 impl SimulateAnswer {
     /// Amplitude of the wave over time: samples of the run, and motions with the predicted and with the measured rate that start like it.
     ///
-    /// A wave that grows several times larger has a logarithmic axis, on which its rate is a slope.
+    /// If the wave grows several times larger, the axis is logarithmic: the rate is a slope.
     pub fn figure(&self) -> Figure {
         let units = self.settings.units();
         let end = self.samples.last().map_or(0.0, |sample| sample[0]);
@@ -85,7 +85,7 @@ impl SimulateAnswer {
         };
         let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
         for [t, y] in &self.samples {
-            // Relative to the size of the motion, so that its start counts as much as its end.
+            // Squared errors relative to the size of the motion, so that its start and its end have equal weight.
             let weight = (-2.0 * rate.growth.max(0.0) * t).exp();
             normal += basis(*t) * basis(*t).transpose() * weight;
             right += basis(*t) * (y * weight);

@@ -78,7 +78,7 @@ pub struct TuneAnswer {
     pub tried: Vec<Tried>,
     /// Evidence for the recommendation: `searched`.
     pub evidence: Evidence,
-    /// Remarks on law and method for the reader.
+    /// Notes on law and method.
     pub notes: Vec<String>,
     /// All settings in effect except the coefficient.
     pub settings: Effective,

@@ -206,7 +206,7 @@ fn unsupported_materials_are_refused_with_their_line() {
         ),
         (
             file("Fung orthotropic", "<E1>1</E1>"),
-            "a deck:5:1: the type \"Fung orthotropic\" is not read",
+            "a deck:5:1: the type \"Fung orthotropic\" is not supported",
         ),
         (
             "<material id=\"1\" type=\"Ogden\">\n<c1>1</c2>\n</material>".to_owned(),

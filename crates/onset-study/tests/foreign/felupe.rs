@@ -71,11 +71,11 @@ fn models_without_an_equal_energy_are_refused_with_their_reason() {
     for (text, fact) in [
         (
             "\nfem.Hyperelastic(fem.alexander, C1=17, C2=19.85, C3=1, gamma=0.735, k=0.00015)",
-            "a deck:2:1: alexander of felupe is not read: its energy is an integral",
+            "a deck:2:1: alexander of felupe is not supported: its energy is an integral",
         ),
         (
             "fem.MaterialAD(fem.morph, p=[1])",
-            "a deck:1:1: morph of felupe is not read: its stress depends on the history",
+            "a deck:1:1: morph of felupe is not supported: its stress depends on the history",
         ),
         (
             "fem.Hyperelastic(fem.miehe_goektepe_lulei, mu=0.1)",

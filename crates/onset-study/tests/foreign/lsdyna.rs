@@ -196,7 +196,7 @@ fn decks_without_constants_are_refused_with_their_line() {
         ),
         (
             "*MAT_ELASTIC\n1,1.,210.,0.3\n",
-            "a deck:1:1: *MAT_ELASTIC is not read",
+            "a deck:1:1: *MAT_ELASTIC is not supported",
         ),
         (
             "*NODE\n1,0.,0.,0.\n",

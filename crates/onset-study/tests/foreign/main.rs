@@ -94,7 +94,7 @@ fn agrees(law: &dyn Hyperelastic, energy: impl Fn(&DeformationGradient) -> f64) 
 
 /// Abaqus Theory Guide, "Hyperelastic material behavior": `sum C_ij (I1bar - 3)^i (I2bar - 3)^j + sum (J - 1)^(2i)/D_i`.
 #[test]
-fn abaqus_polynomials_have_the_energies_of_its_manual() {
+fn abaqus_polynomials_have_the_energies_of_the_abaqus_manual() {
     let law = read(
         Program::Abaqus,
         "*HYPERELASTIC, POLYNOMIAL, N=2\n0.2, 0.05, 0.01, -0.003, 0.002, 0.1, 0.4\n",
@@ -201,7 +201,7 @@ fn foam_blocks_of_abaqus_and_ansys_have_the_energies_of_their_manuals() {
 /// Kilian's energy as in Abaqus, `mu (-(lm^2 - 3)(ln(1 - h) + h) - 2/3 a ((I - 3)/2)^(3/2)) + ((J^2 - 1)/2 - ln J)/D`. The shear modulus in the
 /// reference configuration is `mu`.
 #[test]
-fn abaqus_van_der_waals_has_the_energy_of_its_manual() {
+fn abaqus_van_der_waals_has_the_energy_of_the_abaqus_manual() {
     let law = read(
         Program::Abaqus,
         "*HYPERELASTIC, VAN DER WAALS\n0.434, 10.24, 0.32, 0.958, 0.002",
@@ -244,7 +244,7 @@ fn abaqus_dispersed_fibers_have_the_energy_of_gasser_ogden_and_holzapfel() {
 
 /// The other forms of ANSYS, Mechanical APDL Theory Reference, "Hyperelasticity".
 #[test]
-fn ansys_tables_have_the_energies_of_its_manual() {
+fn ansys_tables_have_the_energies_of_the_ansys_manual() {
     let powers = |f: &DeformationGradient, d: f64| (f.jacobian() - 1.0).powi(2) / d;
     let logarithm = |f: &DeformationGradient, d: f64| {
         let j = f.jacobian();

@@ -196,7 +196,7 @@ fn materials_that_need_functions_are_refused_with_their_line() {
         ),
         (
             "/MAT/ELAST/1\nsteel\n",
-            "a deck:1:1: /MAT/ELAST is not read",
+            "a deck:1:1: /MAT/ELAST is not supported",
         ),
         ("/NODE\n", "there is no hyperelastic law of Radioss"),
     ] {

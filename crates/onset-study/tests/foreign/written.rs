@@ -220,7 +220,7 @@ fn written_blocks_read_back_as_the_same_law() {
             };
             assert!(!case.lacking.contains(&program), "{what}: {}", written.text);
             assert!(
-                written.text.contains("units of stress as given"),
+                written.text.contains("stresses in the units of the input"),
                 "{}",
                 written.text
             );
@@ -365,7 +365,7 @@ fn written_blocks_use_the_constants_of_the_manuals() {
         assert!(
             written
                 .text
-                .contains(&format!("law {law}; units of stress as given")),
+                .contains(&format!("law {law}; stresses in the units of the input")),
             "{}",
             written.text
         );

@@ -21,7 +21,7 @@ pub fn eigenvalues<const D: usize>(matrix: &SMatrix<Complex, D, D>, noise: f64) 
             without_rounding(&mut values, 0.0, noise);
         }
         2 if matrix.iter().all(|entry| entry.im == 0.0) => {
-            // The real case separately, because most matrices are real and this is the innermost loop.
+            // The real case is treated separately, because most matrices are real and this is the innermost loop.
             let [a, b, c, d] = [(0, 0), (0, 1), (1, 0), (1, 1)].each(|index| matrix[index].re);
             let (mean, half) = (0.5 * (a + d), 0.5 * (a - d));
             let largest = half.abs().max(b.abs()).max(c.abs());

@@ -219,7 +219,8 @@ pub trait Analysis: Send + Sync {
     /// [`MethodError`] if material or method cannot be evaluated.
     fn spurious_modes(&self, threshold: f64) -> Result<SpuriousModes<3>, MethodError>;
 
-    /// Returns the masses of the particles of a cell; for consistent mass matrices the row sums. Mass (per unit of the omitted dimensions).
+    /// Returns the masses of the particles of a cell, for consistent mass matrices the row sums; mass (in 2D per unit thickness, in 1D
+    /// per unit cross-section).
     ///
     /// # Errors
     /// [`MethodError`] if material or method cannot be evaluated there.
@@ -277,13 +278,13 @@ pub trait Analysis: Send + Sync {
     /// [`MethodError`] if material or method cannot be evaluated.
     fn long_wave_error(&self) -> Result<f64, MethodError>;
 
-    /// Returns the first instabilities of material and method along a loading up to a stretch.
+    /// Returns the first instabilities of material and method along a loading up to the imposed stretch `end`.
     ///
     /// # Errors
     /// [`MethodError`] if a state cannot be evaluated for a reason other than its support or the domain of the law.
     fn onset(&self, load: Load, end: f64) -> Result<OnsetPair, MethodError>;
 
-    /// Returns the area fractions of a window of states where method and material disagree.
+    /// Returns the fractions of a window of states in which method and material disagree.
     ///
     /// # Errors
     /// [`MethodError`] if a state cannot be evaluated for a reason other than its support or the domain of the law.

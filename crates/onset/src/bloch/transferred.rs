@@ -90,7 +90,7 @@ fn geometric(x: f64, n: u32) -> f64 {
 /// `z^2 - (1 + T + R - q omega^2 dt^2) z + T + R - R q omega^2 dt^2 = 0`.
 ///
 /// There is no such equation in continuous time: over a given physical time shorter steps filter more often, and for `dt -> 0` a wave with
-/// `T + R < 1` stops. Waves with `omega^2 < 0` grow for any step and any filter. Waves with `omega^2 > 0` stay bounded up to
+/// `T + R < 1` stops moving. Waves with `omega^2 < 0` grow for any step and any filter. Waves with `omega^2 > 0` stay bounded up to
 /// `q omega^2 dt^2 = 2 (1 + T + R) / (1 + R)`. Velocities of points without effect on the grid are multiplied by `flip` or vanish, and positions and
 /// deformations without effect on the grid persist, so neither grows.
 ///

@@ -10,7 +10,7 @@ use crate::kinematics::DeformationGradient;
 use crate::method::{Background, CurrentLattice, Frame, MAXIMUM_NEIGHBORS, Method, SupportSize};
 use crate::real::{Interval, Real};
 
-/// Error of the places of quadrature points and primitive vectors, in units in the last place.
+/// Error of the positions of quadrature points and primitive vectors, in units in the last place.
 const PLACE_ULPS: u32 = 4;
 /// Error of Voronoi volumes, in units in the last place.
 const VOLUME_ULPS: u32 = 64;

@@ -39,7 +39,7 @@ pub struct AcousticMinimum<const D: usize> {
     pub polarization: SVector<f64, D>,
     /// Lower bound of the real parts of all eigenvalues in all directions, which shows whether the minimum is global.
     ///
-    /// In one and two dimensions it is the algebraic eigenvalue less rounding. In three dimensions the bound is computed and is usually `1e-10` of
+    /// In one and two dimensions it is the eigenvalue in closed form minus rounding. In three dimensions the bound is computed and is usually `1e-10` of
     /// the largest component below the eigenvalue. The gap is larger where the minimum is flat and no bound for all directions together is attained,
     /// or without major symmetry. Units of the stiffness.
     pub bound: f64,

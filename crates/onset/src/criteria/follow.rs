@@ -1,4 +1,4 @@
-//! Stretches along a loading at which a criterion is lost or regained.
+//! Stretches along a loading at which a criterion begins or ceases to be violated.
 
 use super::root::{bracket_zero, dip};
 use super::{
@@ -22,12 +22,12 @@ pub enum Change {
     Regained,
 }
 
-/// Stretch along a loading at which a criterion is lost or regained.
+/// Stretch along a loading at which a criterion begins or ceases to be violated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
-    /// Whether the criterion is lost or regained.
+    /// Whether the violation of the criterion begins or ends.
     pub change: Change,
-    /// Stretch `lambda` of the change; 1 if the criterion is lost with the first deformation.
+    /// Stretch `lambda` of the change; 1 if the criterion is violated from the first deformation on.
     pub stretch: f64,
     /// Half the width of the bracket of `ln lambda`, or the shift that rounding of the measure or of the free stretches can cause, if that is larger.
     pub tolerance: f64,
@@ -57,7 +57,7 @@ impl Event {
 }
 
 impl Track {
-    /// Stretch at the first loss of the criterion, counted from the reference configuration; `None` if it is not lost.
+    /// Stretch at the first violation of the criterion, counted from the reference configuration; `None` if it is not violated.
     pub fn limit(&self) -> Option<f64> {
         match self.holds_at_start {
             true => self.events.first().map(|event| event.stretch),
@@ -77,7 +77,7 @@ const RESOLUTION: f64 = 1e-14;
 const AT_REFERENCE: f64 = 1e-9;
 /// Finite-difference step of the slope of a measure, in `ln lambda`.
 const SLOPE_STEP: f64 = 1e-5;
-/// Tolerance of the bottom of a dip, relative to the interval.
+/// Tolerance of a local minimum, relative to the interval.
 const DIP: f64 = 2e-11;
 
 /// Follows a criterion along one side of a path, in tension or in compression. Returns `None` if the criterion is not defined there.
@@ -146,7 +146,7 @@ pub fn follow(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Op
             around.sort_by(f64::total_cmp);
             let tolerance = DIP * (around[2] - around[0]);
             let found = dip(&mut upright, around, own * values[n], tolerance);
-            // A dip counts as a loss only if its value exceeds rounding.
+            // A local minimum counts as a violation only if its value exceeds rounding.
             let told = found.filter(|(s, found)| {
                 let there = path.state(*s).and_then(|state| criterion.measure(&state));
                 there.is_some_and(|measure| found.abs() > measure.rounding)

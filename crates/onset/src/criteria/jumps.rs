@@ -574,7 +574,7 @@ fn downhill(
             step = -(inverse * gradient);
             fresh = true;
         }
-        // A jump that costs energy need not be known more accurately.
+        // A jump that raises the energy need not be computed more accurately.
         if !fresh && value > 0.0 && -step.dot(&gradient) <= DESCENT_DECREASE * value {
             break;
         }

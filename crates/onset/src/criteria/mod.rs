@@ -3,7 +3,7 @@
 //! "Stable" has many meanings. A wave, a dead load, a testing machine and a program that fits laws to tests impose different conditions, and a law
 //! can satisfy one and violate another at the same state. A [`Criterion`] names the condition. Its [`Measure`] at a [`State`] is positive where the
 //! condition holds, and includes the perturbation that minimizes it. A [`Loading`] leads to states, with traction-free faces solved for, and
-//! [`follow`] finds where along it a criterion is lost. [`safe_box`] is the largest box of principal stretches in which a law is strongly elliptic.
+//! [`follow`] finds where along it a criterion is violated. [`safe_box`] is the largest box of principal stretches in which a law is strongly elliptic.
 //!
 //! With `P = dW/dF`, `A = dP/dF`, Kirchhoff stress `tau = P F^T`, the polar decomposition `F = R U`, and principal stretches `lambda_i`:
 //!

@@ -1,4 +1,4 @@
-//! Zeros and dips of a function of one variable.
+//! Zeros and local minima of a function of one variable.
 
 use crate::algebra::lowest_between;
 

@@ -3,7 +3,7 @@
 use crate::formula::{FormulaError, Problem};
 use thiserror::Error;
 
-/// Error of a text that is neither the name of a kernel nor a valid formula.
+/// Error for a string that is neither the name of a kernel nor a valid formula.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum KernelError {
     /// The name does not belong to any kernel.

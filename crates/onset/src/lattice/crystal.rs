@@ -51,12 +51,12 @@ pub struct Crystal<const D: usize> {
 }
 
 impl<const D: usize> Crystal<D> {
-    /// Creates a lattice with particles at places given in lattice coordinates.
+    /// Creates a lattice with particles at positions given in lattice coordinates.
     ///
     /// Volumes are the volumes of the Voronoi cells. The spacing is the spacing of the lattice with equal volume per particle.
     ///
     /// # Errors
-    /// [`LatticeError::CoincidentPoints`] if two particles coincide, [`LatticeError::NoSites`] if no place is given.
+    /// [`LatticeError::CoincidentPoints`] if two particles coincide, [`LatticeError::NoSites`] if no position is given.
     pub fn new(
         lattice: BravaisLattice<D>,
         sites: Vec<Fractional<D>>,
@@ -78,10 +78,10 @@ impl<const D: usize> Crystal<D> {
         })
     }
 
-    /// Creates a lattice with particles of given volumes (length^D) at places given in lattice coordinates.
+    /// Creates a lattice with particles of given volumes (length^D) at positions given in lattice coordinates.
     ///
     /// # Errors
-    /// [`LatticeError::NoSites`] if no place is given, or if the numbers of volumes and places differ.
+    /// [`LatticeError::NoSites`] if no position is given, or if the numbers of volumes and positions differ.
     pub fn with_volumes(
         lattice: BravaisLattice<D>,
         sites: Vec<Fractional<D>>,
@@ -161,7 +161,7 @@ impl<const D: usize> Crystal<D> {
         &self.lattice
     }
 
-    /// Places of the particles of a cell, in lattice coordinates.
+    /// Positions of the particles of a cell, in lattice coordinates.
     pub fn sites(&self) -> &[Fractional<D>] {
         &self.sites
     }

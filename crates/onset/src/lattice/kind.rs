@@ -6,7 +6,7 @@ use nalgebra::{SMatrix, SVector};
 
 /// Kind of lattice of the particles: a Bravais lattice with one or two particles in each cell.
 ///
-/// The centers of the Delaunay cells ([`super::delaunay_centers`]) are possible places of stress points.
+/// The centers of the Delaunay cells ([`super::delaunay_centers`]) are possible positions of stress points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -96,7 +96,7 @@ impl LatticeKind {
         }
     }
 
-    /// Places of the particles of a cell, in lattice coordinates.
+    /// Positions of the particles of a cell, in lattice coordinates.
     pub fn sites<const D: usize>(self) -> Vec<Fractional<D>> {
         let second: Option<[f64; 3]> = match self {
             Self::Honeycomb => Some([1.0 / 3.0, 1.0 / 3.0, 0.0]),

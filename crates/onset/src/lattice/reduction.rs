@@ -11,7 +11,7 @@ use nalgebra::{Matrix1, Matrix2, Matrix3, SMatrix, SVector};
 const REDUCTION_STEPS: usize = 1000;
 /// Relative difference of lengths and angles that counts as rounding.
 const LENGTH_TOLERANCE: f64 = 1e-9;
-/// Largest lattice coordinate of a short primitive vector. Beyond it the places of particles lose their digits.
+/// Largest lattice coordinate of a short primitive vector. Beyond it the positions of particles lose their digits.
 pub(super) const SHEAR_RATIO: f64 = 1e5;
 /// Largest ratio of the lengths of short primitive vectors.
 pub(super) const ELONGATION_RATIO: f64 = 30.0;
@@ -153,7 +153,7 @@ impl<const D: usize> Reduced<D> {
 fn shortened<const D: usize>(vectors: &SMatrix<f64, D, D>) -> Option<(usize, SVector<f64, D>)> {
     for column in 0..D {
         let own = vectors.column(column).into_owned();
-        // Remove the component along another vector, or along a sum or difference of others.
+        // Removes the component along another vector, or along a sum or difference of others.
         for combination in combinations::<D>().filter(|factors| factors[column] == 0.0) {
             let other = vectors * combination;
             let square = other.norm_squared();

@@ -7,7 +7,7 @@ use nalgebra::SVector;
 /// Returns the most symmetric mode of the space that degenerate modes span. An eigenvalue solver returns an arbitrary basis of this space.
 ///
 /// The mode is the projection of the simplest wave that retains at least half of its squared norm. The waves are tried in this order: all particles
-/// move along the wave vector, particles of a cell move against each other along it, and both motions along each axis. If the space is invariant
+/// move along the wave vector, particles of a cell move relative to each other along it, and both motions along each axis. If the space is invariant
 /// under the symmetries, the projection is as symmetric as the wave. The largest displacement is one.
 pub(super) fn most_symmetric<const D: usize>(
     span: &[Displacements<D>],

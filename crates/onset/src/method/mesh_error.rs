@@ -27,7 +27,7 @@ pub enum MeshError {
     },
     /// An element has no volume or is partly inverted.
     #[error(
-        "element {element} is flat or inverted; expected edges that do not cross, with the corners of quadrilaterals and bricks in the order of binary numbers"
+        "element {element} is flat or inverted; expected corners in the order (-1,-1), (1,-1), (-1,1), (1,1) for quadrilaterals, in the same binary order for bricks"
     )]
     Distorted {
         /// Number of the element in the cell.

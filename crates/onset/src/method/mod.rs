@@ -532,7 +532,7 @@ impl KernelMethodChoices {
         if self.perturbation == 0.0 {
             return Ok(crystal);
         }
-        // A single particle per cell has no other particle to move against.
+        // With a single particle in a cell there is no relative displacement.
         MethodError::require(
             crystal.sites().len() > 1,
             "perturbation",
@@ -850,7 +850,7 @@ fn assert_near(name: &'static str, coordinates: &[f64]) -> Result<(), MethodErro
             value.abs() <= COORDINATES,
             name,
             *value,
-            "lattice coordinates from -1e6 to 1e6; equivalent places in other cells differ by whole numbers",
+            "lattice coordinates from -1e6 to 1e6; equivalent positions in other cells differ by whole numbers",
         )
     })
 }

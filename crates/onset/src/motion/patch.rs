@@ -37,7 +37,7 @@ pub struct PatchState {
 /// Global quantities of a patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantities {
-    /// Kinetic energy `v.M v / 2`; energy (in 1D and 2D per unit of the omitted dimensions).
+    /// Kinetic energy `v.M v / 2`; energy (in 2D per unit thickness, in 1D per unit cross-section).
     pub kinetic: f64,
     /// Work against the forces along the straight path from the homogeneous state: the potential energy, if the forces have a potential.
     pub potential: f64,

@@ -77,7 +77,7 @@ impl Stepper {
         self.is_composed
     }
 
-    /// Fractions of a step, which add up to one.
+    /// Returns the lengths of the substeps as fractions of the step. They sum to one; some may be negative.
     pub fn parts(self) -> impl Iterator<Item = f64> {
         let all: &'static [f64] = match self.is_composed {
             true => &SIXTH,

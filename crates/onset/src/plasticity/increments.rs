@@ -45,7 +45,7 @@ const ITERATIONS: usize = 40;
 const STRAIN_TOLERANCE: f64 = 1e-11;
 /// Largest admissible lateral stresses, in units of the elastic moduli times the strain of first yield, if the corrections do not converge.
 const STRESS_TOLERANCE: f64 = 1e-6;
-/// Halvings of the increment in which a criterion is lost.
+/// Halvings of the increment in which a criterion is first violated.
 const HALVINGS: usize = 36;
 
 /// Follows a loading of an incremental law, from the confined state through first yield, and finds where it localizes.

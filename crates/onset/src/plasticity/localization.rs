@@ -56,7 +56,7 @@ pub struct Band {
     pub angle_to_minor: f64,
 }
 
-/// Plastic modulus at which a criterion is lost, in the most critical direction.
+/// Plastic modulus at which a criterion is first violated, in the most critical direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Critical {
     /// Critical modulus `h_cr`: the criterion holds for `h > h_cr`. Units of stress.
@@ -68,7 +68,7 @@ pub struct Critical {
 }
 
 impl RateModuli {
-    /// Returns the plastic modulus at which a criterion is lost in one spatial direction. Units of stress.
+    /// Returns the plastic modulus at which a criterion is first violated in one spatial direction. Units of stress.
     ///
     /// With `a = A n`, `b = B n` and the elastic acoustic tensor `q_e`, `det q = det q_e (1 - b . q_e^-1 a / (h + Q:C:P))` vanishes at
     /// `h = b . q_e^-1 a - Q:C:P`, and the symmetric part becomes singular at `h = (b . q_e^-1 a + sqrt(a . q_e^-1 a  b . q_e^-1 b)) / 2 - Q:C:P`.
@@ -250,7 +250,7 @@ impl BandKind {
         }
     }
 
-    /// Name of the kind in a sentence.
+    /// Name of the kind of band for use in sentences, such as "shear band".
     pub fn name(self) -> &'static str {
         match self {
             Self::DilationBand => "dilation band",

@@ -38,7 +38,7 @@ impl Interval {
         high: f64::INFINITY,
     };
 
-    /// Interval that contains zero only.
+    /// Interval that contains only zero.
     pub const ZERO: Self = Self {
         low: 0.0,
         high: 0.0,
@@ -137,7 +137,7 @@ impl Interval {
         }
     }
 
-    /// Largest distance of a member from [`Interval::midpoint`], rounded up.
+    /// Largest distance of a point of the interval from [`Interval::midpoint`], rounded up.
     pub fn radius(self) -> f64 {
         if self.low == self.high {
             return 0.0;
@@ -146,7 +146,7 @@ impl Interval {
         (self.high - middle).max(middle - self.low).next_up()
     }
 
-    /// Largest absolute value of a member.
+    /// Largest absolute value in the interval.
     pub fn magnitude(self) -> f64 {
         self.low.abs().max(self.high.abs())
     }

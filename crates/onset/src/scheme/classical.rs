@@ -1,4 +1,4 @@
-//! The trait [`Discretization`] for the kernel methods of [`crate::method`].
+//! Implementation of [`Discretization`] for the kernel methods of [`crate::method`].
 
 use super::kernel::{KernelChoices, KernelScheme};
 use super::{DirectWaves, Discretization, PatchForces, PeriodicPatch, SeenForm, StrainOperator};
@@ -81,7 +81,7 @@ impl<const D: usize> Discretization<D> for Method<D> {
     }
 
     fn neighbors(&self) -> f64 {
-        // Neighbors of every quadrature point of the cell. They are undefined if the support is too small.
+        // Total number of neighbors of the quadrature points of the cell; NaN if the support is too small.
         let configuration = self.configuration(&DeformationGradient::identity(), Order::First);
         configuration.map_or(f64::NAN, |configuration| {
             let seen = configuration.points.iter().map(|point| point.cells.len());

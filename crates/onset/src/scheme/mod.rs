@@ -77,7 +77,7 @@ pub trait Interaction<const D: usize> {
     /// Particles of the group, each listed once. The forces depend only on their motion and act only on them.
     fn particles(&self) -> &[Particle<D>];
 
-    /// Returns the force on each particle; force (in 1D and 2D per unit of the omitted dimensions).
+    /// Returns the force on each particle; force (in 2D per unit thickness, in 1D per unit cross-section).
     ///
     /// An interaction may exert a force on a particle in the homogeneous state. The sum over all interactions vanishes there.
     fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]>;
@@ -114,7 +114,7 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
     /// Reference density; mass per reference volume.
     fn density(&self) -> f64;
 
-    /// Masses of the particles of a cell; mass (in 1D and 2D per unit of the omitted dimensions). For consistent mass matrices, the sums of their rows.
+    /// Masses of the particles of a cell, for consistent mass matrices the row sums; mass (in 2D per unit thickness, in 1D per unit cross-section).
     fn masses(&self) -> Vec<f64> {
         lumped_masses(self.crystal(), self.density())
     }
@@ -170,8 +170,8 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         forces.map_err(|none| none.source.unwrap_or(MethodError::NotFinite))
     }
 
-    /// Mean number of particles that affect the forces on one particle in the reference configuration, the particle itself included: a measure of
-    /// cost.
+    /// Mean number of particles that contribute directly to the force on one particle in the reference configuration, the particle itself included. For
+    /// kernel methods and material points: number of pairs of a point and a particle or node in its support, per particle or node. A measure of cost.
     fn neighbors(&self) -> f64;
 
     /// Returns the waves of a state by a faster method than [`waves`](Self::waves), with the zone of their wave vectors: closed-form force constants

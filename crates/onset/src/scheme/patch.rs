@@ -67,7 +67,7 @@ impl<const D: usize> PeriodicPatch<D> {
 
 /// Forces on the particles of a periodic patch near a homogeneous state, prepared for many evaluations.
 pub trait PatchForces<const D: usize> {
-    /// Returns the force on each particle, in the order of [`PeriodicPatch`]; force (in 1D and 2D per unit of the omitted dimensions).
+    /// Returns the force on each particle, in the order of [`PeriodicPatch`]; force (in 2D per unit thickness, in 1D per unit cross-section).
     ///
     /// The arguments are displacements from the homogeneous state (length) and velocities (length/time).
     ///
@@ -155,7 +155,7 @@ pub trait PatchTransfer<const D: usize> {
 pub struct NoForce {
     /// Number of the particle whose force is undefined.
     pub particle: usize,
-    /// Error of the method; `None` if the law itself is not defined.
+    /// Error of the method or the law; `None` if the stress is undefined, a number is not finite, or a particle has moved out of range.
     pub source: Option<MethodError>,
 }
 

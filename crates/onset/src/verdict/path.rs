@@ -15,7 +15,7 @@ const INTERVALS: usize = 256;
 const HALVINGS: i32 = 24;
 /// Length of the bracket of a crossing, in path parameters.
 const CROSSING_BRACKET: f64 = 1e-15;
-/// Accuracy of the bottom of a dip, as a fraction of the interval.
+/// Accuracy of a local minimum, as a fraction of the interval.
 const DIP_TOLERANCE: f64 = 1e-7;
 
 /// Change of phase along a path, bracketed by two parameters.

@@ -236,7 +236,7 @@ fn stratum<const D: usize>(
     }
     let normals = DMatrix::from_fn(kinks.len(), D, |row, i| kinks[row].0[i]);
     let short = DVector::from_fn(kinks.len(), |row, _| kinks[row].1 - k.dot(&kinks[row].0));
-    // The rows of zeros make the decomposition include the tangents.
+    // Rows of zeros make the matrix square, so that the decomposition also gives the directions tangent to all kinks.
     let square = normals.clone().resize(D, D, 0.0);
     let svd = square.try_svd(true, true, f64::EPSILON, 1000)?;
     let right = svd.v_t.as_ref()?;

@@ -245,8 +245,8 @@ fn tracing_of_a_ragged_boundary_stops_with_a_note() {
     let boundary = trace_boundary(square(0.6, 1.4), &fineness, &counted).expect("states");
     assert!(!boundary.is_complete() && !boundary.unresolved.is_empty());
     let states = asked.into_inner();
-    assert!(states < 15_000, "{states} states asked");
-    // The traced part is accurate, and the remaining part lies on the boundary too.
+    assert!(states < 15_000, "{states} states evaluated");
+    // The vertices of the traced curves and the unresolved points lie on the boundary.
     let is_off = |[x, y]: [f64; 2]| {
         let around = |n: usize| {
             let (sine, cosine) = (0.1 + 0.785 * n as f64).sin_cos();

@@ -38,7 +38,7 @@ fn track(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Track {
     follow(path, criterion, tension).expect("the criterion is defined")
 }
 
-/// Stretch at which a criterion is lost, in tension or in compression.
+/// Stretch at which a criterion is violated, in tension or in compression.
 fn limit(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Option<f64> {
     track(path, criterion, tension).limit()
 }

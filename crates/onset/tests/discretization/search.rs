@@ -69,7 +69,7 @@ fn searched(case: &Case) -> (ZoneSearch<2>, DynamicalMatrix<2>) {
     (search.expect("finite"), d)
 }
 
-/// If a translation costs energy, the scaled measure has no bound for long waves.
+/// If a translation raises the energy, the scaled measure has no bound for long waves.
 fn is_bounded(d: &DynamicalMatrix<2>) -> bool {
     d.rigid_translation() == &Matrix2::zeros()
 }

@@ -191,7 +191,7 @@ fn random_formulas_stay_within_time_and_memory_without_panic() {
         assert!(start.elapsed() < LONGEST, "{before}: {:?}", start.elapsed());
         read += usize::from(asked.is_ok_and(|is_read| is_read));
     }
-    // Otherwise only the parser would be tested.
+    // If few cases were formulas, little more than the parser would be tested.
     assert!(read * 5 > cases, "{read} of {cases} were formulas");
     if let Some(memory) = largest_memory() {
         assert!(memory < MEMORY, "{memory} KiB");

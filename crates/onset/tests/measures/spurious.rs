@@ -555,9 +555,9 @@ fn the_weakest_wave_on_a_face_of_the_zone_is_found() {
     assert_eq!(modes.weakest, Some(ratio));
 }
 
-/// Hexagons of correspondence peridynamics are weakest at the corners of the zone, which is no wave of alternating neighbors.
+/// In correspondence peridynamics on the hexagonal lattice the weakest wave is at the corners of the zone, where neighbors do not simply alternate.
 #[test]
-fn the_weakest_wave_of_hexagons_is_at_the_corners() {
+fn the_weakest_wave_of_the_hexagonal_lattice_is_at_the_zone_corners() {
     let hexagonal = Crystal::of(LatticeKind::Hexagonal, 1.0).expect("a crystal");
     let choices = PeridynamicsChoices {
         model: BondModel::Correspondence {

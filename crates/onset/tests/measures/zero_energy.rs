@@ -67,7 +67,7 @@ fn a_fluid_is_not_stable_where_its_discretization_has_zero_energy_modes() {
 
 /// Neighbors that alternate lie in one cell where it has an even number of particles along an axis: the wave of the cells is then infinitely long.
 #[test]
-fn the_verdict_does_not_depend_on_how_many_particles_a_cell_has() {
+fn the_verdict_does_not_depend_on_the_number_of_particles_in_a_cell() {
     let tait = Law::named("tait").expect("a law of the library");
     let fluid = tait.build(&[("mu", 0.0)]).expect("admissible parameters");
     let solid = laws().remove(0);
@@ -125,7 +125,7 @@ fn the_verdict_does_not_depend_on_how_many_particles_a_cell_has() {
             "{penalty}"
         );
     }
-    // The two particles of a honeycomb cell move freely against each other.
+    // The two particles of a honeycomb cell can move freely relative to each other.
     let honeycomb = Crystal::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
     let scheme = scheme(honeycomb, 0.0);
     let survey = Survey::new(&scheme, &*solid).expect("a survey");

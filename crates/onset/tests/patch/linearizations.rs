@@ -117,7 +117,7 @@ fn equation_49_is_not_the_exact_derivative() {
 
 #[test]
 fn quadrature_without_an_inversion_center_agrees_in_both_frames() {
-    // The only case with a complex dynamical matrix.
+    // Only without an inversion center is the dynamical matrix complex.
     let f = state(SHEARED, 1.0);
     for frame in [Frame::Lagrangian, Frame::Eulerian] {
         for linearization in [Linearization::Exact, Linearization::PaperInterpolated] {

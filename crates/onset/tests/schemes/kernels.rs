@@ -279,7 +279,7 @@ fn long_waves_of_linearly_complete_functions_on_bravais_lattices_agree_with_the_
 }
 
 #[test]
-fn irregularity_lifts_the_zero_energy_modes_of_nodal_integration_by_its_square() {
+fn omega_squared_of_zero_energy_modes_of_nodal_integration_is_quadratic_in_the_perturbation() {
     let square = Crystal::of_lattice(lattice::<2>(LatticeKind::Square));
     let large = square.supercell([2, 2]).expect("a crystal");
     let choices = KernelChoices {

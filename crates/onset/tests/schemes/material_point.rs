@@ -257,7 +257,7 @@ fn long_waves_agree_with_the_material_if_the_functions_have_continuous_slopes() 
 
 #[test]
 fn linear_functions_of_an_updated_grid_stiffen_long_waves_by_the_stress() {
-    // Their slopes jump at the faces, where no point lies. The motion of the functions, which should cancel the stress, has an effect only when
+    // The slopes of the functions jump at the faces, where no point lies. The motion of the functions, which should cancel the stress, has an effect only when
     // points cross a face. In one dimension omega^2 = (A + P/F) k^2 / rho.
     for stretch in [0.8, 0.95, 1.1, 1.5] {
         let f = DeformationGradient::from_stretches([stretch, 1.0, 1.0]).expect("a state");
@@ -445,7 +445,7 @@ impl Bar {
 }
 
 #[test]
-fn a_simulated_bar_grows_or_oscillates_as_its_waves_predict() {
+fn modes_of_a_simulated_bar_grow_or_oscillate_at_the_predicted_rates() {
     let material = ModifiedMooneyRivlin::default();
     let at =
         |stretch: f64| DeformationGradient::from_stretches([stretch, 1.0, 1.0]).expect("a state");

@@ -565,7 +565,8 @@ fn pairwise_forces_of_bond_gradients_reproduce_a_homogeneous_stress_only_approxi
     let chain = body(cubic::<1>(), choices(2.0, FORM_I));
     let limit = waves(&chain, &DeformationGradient::identity()).long_wave_stiffness();
     let found = limit.acoustic_tensor(&SVector::from_element(1.0))[(0, 0)] / trace::<1>();
-    // The modulus has the factor sum_J (V_b/V_H) X_J^2 V / K_b instead of 1. The neighbors of the bond to 1 are -1, 1 and 2 of four: K = 6. The neighbors of the bond to 2 are 1 and 2: K = 5.
+    // The modulus has the factor sum_J (V_b/V_H) X_J^2 V / K_b instead of 1, where K_b is the sum of X^2 over the neighbors of a bond.
+    // Among the four neighbors, the bond to 1 has -1, 1 and 2 (K = 6), and the bond to 2 has 1 and 2 (K = 5).
     let expected = 2.0 * (0.75 / 6.0 + 0.5 * 4.0 / 5.0);
     assert!((found - expected).abs() < 1e-12, "{found} {expected}");
 }

@@ -923,7 +923,8 @@ fn the_largest_step_of_fmpm_falls_with_the_order_to_the_step_of_the_consistent_m
 #[test]
 fn the_critical_step_of_fmpm_falls_with_the_root_of_the_order_for_a_wave_that_vanishes_at_the_points()
  {
-    // The wave of length 2 h strains a point at the center without moving it: omega = 2 c/h, and the inverse mass is k times the lumped one.
+    // The wave of length 2 h strains a point at the center of its cell without moving it: omega = 2 c/h, and the inverse mass of FMPM(k) is k times the
+    // inverse lumped mass.
     for order in [1, 2, 4, 8, 50] {
         for functions in [GridFunctions::Linear, GridFunctions::QuadraticSpline] {
             let found = largest_step_of_a_chain(1, functions, Transfer::FullMass { order });

@@ -90,15 +90,15 @@ fn the_spectral_radius_exceeds_one_beyond_the_largest_stable_step() {
 
 #[test]
 fn growth_is_reported_for_short_and_long_steps() {
-    // Repulsive springs: omega^2 = -4 at the edge of the zone, where half of the velocities is kept.
+    // Repulsive springs: omega^2 = -4 at the edge of the zone, where the filter keeps half of the velocity.
     let waves = chain_of(-1.0, 0.125, 1.0);
-    // With flip = 1 points move by a share T of the grid velocities: T |omega^2| remains for short steps.
+    // With flip = 1 points move with a fraction T of the grid velocities: T |omega^2| remains for short steps.
     for step in [1e-14, 1e-10, 1e-6] {
         let growth = waves.fastest(step).0.re;
         assert!((growth - 2.0_f64.sqrt()).abs() < 1e-5, "{step}: {growth}");
     }
     for step in [1e10, 1e30, 1e100] {
-        // The larger factor is z = omega^2 dt^2 (1 - R/z ...), and only this factor grows.
+        // The larger factor is z = -omega^2 dt^2 = 4 dt^2 to leading order, and only this factor grows.
         let growth = waves.fastest(step).0.re * step;
         let expected = 2.0 * (2.0 * step).ln();
         assert!(

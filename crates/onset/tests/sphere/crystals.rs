@@ -105,8 +105,8 @@ fn the_minimum_of_a_cubic_crystal_lies_at_axes_or_diagonals() {
 
 #[test]
 fn strong_ellipticity_of_hexagonal_crystals_agrees_with_the_closed_form() {
-    // Shear waves in the plane of isotropy: C44, C66 > 0. In a plane with the axis: C11, C33 > 0 and
-    // |C13 + C44| < C44 + sqrt(C11 C33).
+    // Shear waves in the plane of isotropy: C44, C66 > 0. In planes that contain the axis: C11, C33 > 0
+    // and |C13 + C44| < C44 + sqrt(C11 C33).
     let mut random = Random::new(14);
     let mut seen = [0, 0];
     for _ in 0..300 {

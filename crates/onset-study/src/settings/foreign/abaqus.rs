@@ -319,7 +319,7 @@ impl Block<'_> {
             return Err(Trouble::new(
                 self.line,
                 format!(
-                    "{} data lines with {count} constants are expected, {} found",
+                    "expected {} data lines with {count} constants, found {}",
                     lines,
                     self.data.len()
                 ),
@@ -377,7 +377,7 @@ fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     {
         return Err(Trouble::new(
             block.line,
-            format!("*HYPERELASTIC has `{other}`, which is not read"),
+            format!("*HYPERELASTIC has the parameter `{other}`, which is not supported"),
             "supported: NEO HOOKE, MOONEY-RIVLIN, YEOH, REDUCED POLYNOMIAL, POLYNOMIAL, OGDEN, ARRUDA-BOYCE and VAN DER WAALS, with N, and MARLOW with a table",
         ));
     }
@@ -479,7 +479,7 @@ fn marlow(block: &Block<'_>, blocks: &[Block<'_>]) -> Result<ForeignLaw, Trouble
     {
         return Err(Trouble::new(
             volume.line,
-            "a table of volumetric tests is not read",
+            "a table of volumetric tests is not supported",
             "give Poisson's ratio instead (*HYPERELASTIC, MARLOW, POISSON=0.49), or --set material.kappa",
         ));
     }
@@ -537,7 +537,7 @@ fn fibers(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     if !block.has("HOLZAPFEL") {
         return Err(Trouble::new(
             block.line,
-            "this form of *ANISOTROPIC HYPERELASTIC is not read",
+            "this form of *ANISOTROPIC HYPERELASTIC is not supported",
             "supported: HOLZAPFEL with C10, D, k1, k2, kappa",
         ));
     }

@@ -85,7 +85,7 @@ fn law(table: &Table) -> Result<ForeignLaw, Trouble> {
         "ETUBE" => tube(table, title),
         other => Err(Trouble::new(
             line,
-            format!("TB,HYPER with `{other}` is not read"),
+            format!("TB,HYPER with `{other}` is not supported"),
             "supported: NEO, MOONEY, POLY, YEOH, OGDEN, BOYCE, GENT, BLATZ, FOAM and ETUBE",
         )),
     }

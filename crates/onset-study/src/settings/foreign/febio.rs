@@ -95,7 +95,7 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
             (_, Some(node)) => Trouble::new(
                 line_of(node),
                 format!(
-                    "the type \"{}\" is not read",
+                    "the type \"{}\" is not supported",
                     node.attribute("type").unwrap_or_default()
                 ),
                 HINT,
@@ -184,7 +184,7 @@ fn value_of(node: &Node<'_, '_>) -> Result<f64, Trouble> {
         return Err(Trouble::new(
             line,
             format!(
-                "<{}> is given by type=\"{kind}\", which is not read",
+                "<{}> is given by type=\"{kind}\", which is not supported",
                 node.tag_name().name()
             ),
             "expected a number",
@@ -194,7 +194,7 @@ fn value_of(node: &Node<'_, '_>) -> Result<f64, Trouble> {
         return Err(Trouble::new(
             line,
             format!(
-                "<{}> is multiplied by a load curve, which is not read",
+                "<{}> is multiplied by a load curve, which is not supported",
                 node.tag_name().name()
             ),
             "give the value at one time, without lc",

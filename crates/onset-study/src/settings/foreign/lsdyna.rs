@@ -94,7 +94,11 @@ fn no_law(blocks: &[Block<'_>]) -> Trouble {
             ),
             "fit a law with constants to the table",
         ),
-        Some(block) => Trouble::new(block.line, format!("*{} is not read", block.keyword), HINT),
+        Some(block) => Trouble::new(
+            block.line,
+            format!("*{} is not supported", block.keyword),
+            HINT,
+        ),
         None => Trouble::new(
             1,
             "there is no hyperelastic law of LS-DYNA in this text",

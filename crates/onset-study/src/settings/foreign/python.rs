@@ -127,7 +127,7 @@ fn no_model(
     if let Some((place, (name, reason))) = refused {
         return Trouble::new(
             line_of(text, place),
-            format!("{name} of felupe is not read: {reason}"),
+            format!("{name} of felupe is not supported: {reason}"),
             "choose another law, or type its energy with --energy",
         );
     }
@@ -402,7 +402,7 @@ fn polynomial(call: &Call) -> Result<ForeignLaw, Trouble> {
     if constants.iter().all(|(_, value)| *value == 0.0) {
         return Err(Trouble::new(
             call.line,
-            format!("{} has no constant other than zero", call.title),
+            format!("all constants of {} are zero", call.title),
             "expected C10=0.5, ...",
         ));
     }

@@ -76,9 +76,11 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
                 ),
                 "name one of them with --material",
             ),
-            (_, Some(block)) => {
-                Trouble::new(block.line, format!("/MAT/{} is not read", block.law), HINT)
-            }
+            (_, Some(block)) => Trouble::new(
+                block.line,
+                format!("/MAT/{} is not supported", block.law),
+                HINT,
+            ),
             (_, None) => Trouble::new(
                 1,
                 "there is no hyperelastic law of Radioss in this text",
@@ -178,7 +180,7 @@ impl Block<'_> {
             0.0 => Ok(()),
             value => Err(Trouble::new(
                 card.line,
-                format!("{name} = {value}: the law depends on a function, which is not read"),
+                format!("{name} = {value}: the law depends on a function, which is not supported"),
                 "set it to 0 and give constants",
             )),
         }
@@ -329,7 +331,7 @@ fn ogden_of_shear_moduli(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     if own.is_empty() {
         return Err(Trouble::new(
             card.line,
-            "there is no term with mu_i and alpha_i other than 0",
+            "mu_i or alpha_i is 0 in every term",
             fields,
         ));
     }
@@ -413,7 +415,7 @@ fn networks(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         _ => {
             return Err(Trouble::new(
                 card.line,
-                format!("Flag_HE is {form}, which is not read"),
+                format!("Flag_HE is {form}, which is not supported"),
                 "supported: 1 (polynomial), 3 (neo-Hooke), 4 (Mooney-Rivlin) and 5 (Yeoh)",
             ));
         }

@@ -76,7 +76,7 @@ impl Unread {
                         format!(" is {} times that of the law{modulus}", told(factor))
                     });
             notes.push(format!(
-                "the constants are {own} moduli ({by}), and viscoelasticity is not read: the {other} shear modulus, {when},{}",
+                "the constants are {own} moduli ({by}), and viscoelasticity is ignored: the {other} shear modulus, {when},{}",
                 if value.is_empty() { " differs" } else { &value }
             ));
         }

@@ -160,7 +160,7 @@ pub fn law_written(
         Program::LsDyna | Program::Radioss | Program::Febio => "; the density 1 is a placeholder",
         _ => "",
     };
-    let head = format!("law {law}; units of stress as given{density}");
+    let head = format!("law {law}; stresses in the units of the input{density}");
     let comments = [head].into_iter().chain(notes.iter().cloned());
     let lines = comments.map(|line| comment(program, &line));
     let lines: Vec<String> = lines.chain(block.lines).collect();

@@ -48,7 +48,7 @@ pub(in crate::settings) fn read(name: &str, text: &str) -> Result<Study, Setting
             ("title", other) => {
                 let message = format!("`title` cannot be {}", described(other));
                 return Err(
-                    SettingError::new(file.of(value), message).hint("expected a text in quotes")
+                    SettingError::new(file.of(value), message).hint("expected a string in quotes")
                 );
             }
             ("axes", value) => read_axes(&mut study, &file, key, value)?,

@@ -80,7 +80,7 @@ impl Study {
                 axis.name()
             );
             return Err(SettingError::new(origin, message)
-                .hint("set something else, or change the axis in the study file"));
+                .hint("set another key, or change the axis in the study file"));
         }
         let text = text.trim();
         let is_measure = Value::typed(text, None).is_measure();

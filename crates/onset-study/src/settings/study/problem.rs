@@ -102,11 +102,11 @@ impl Settings {
 }
 
 impl MaterialSettings {
-    /// Reads the material of a study file, and applies assignments, for commands that use only the law. Keys of a discretization cannot be assigned,
-    /// and such keys of the file are ignored.
+    /// Reads the material of a study file, and applies assignments, for commands that use only the law. Keys of the discretization cannot be
+    /// assigned; in the file they are ignored.
     ///
     /// # Errors
-    /// [`SettingError`] like [`Settings::of_file`], for an assignment outside the material, and for plane stress, which needs a body.
+    /// [`SettingError`] in the cases of [`Settings::of_file`], for an assignment outside the material, and for plane stress, which needs a body.
     pub fn of_file<S: AsRef<str>>(
         name: &str,
         text: &str,

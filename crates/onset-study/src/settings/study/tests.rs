@@ -249,7 +249,7 @@ fn values_of_a_wrong_kind_are_refused_with_the_expected_kind() {
         ("discretization.frame = 2", "lagrangian | eulerian"),
         ("discretization.frame = false", "cannot be false"),
         ("discretization = 3", "`discretization` cannot be 3"),
-        ("title = 3", "expected a text in quotes"),
+        ("title = 3", "expected a string in quotes"),
         ("state.stretch-3 = 0", "cannot be 0"),
         ("state.shear = \"much\"", "expected a number"),
         ("map.adaptive = 1", "expected true | false"),

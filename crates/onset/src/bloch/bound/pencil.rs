@@ -268,7 +268,7 @@ impl Basis {
 
     /// Splits displacements into free (zero-energy at `k = 0`) and other displacements.
     ///
-    /// `None` if translations cost energy, or if free displacements cause forces on each other that are linear in the wave vector, so that the scaled
+    /// `None` if translations change the energy, or if free displacements cause forces on each other that are linear in the wave vector, so that the scaled
     /// measure has no limit.
     fn at_gamma<const D: usize>(bonds: &PhaseSum<D>, masses: &[f64]) -> Option<Self> {
         let n = D * masses.len();

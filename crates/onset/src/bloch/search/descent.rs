@@ -98,7 +98,7 @@ impl<const D: usize> ZoneSearch<D> {
             let k = grid.soft_direction * (steps * grid.step(self));
             (self.value_at(matrix, objective, &k), k)
         };
-        // A dip on the ray. The grid covers branches that fall beyond it.
+        // First local minimum on the ray. Branches whose minimum lies beyond the ray are covered by the grid.
         let ray = RAY_STEPS.map(at);
         let is_dip = |n: &usize| {
             let nearer = *n == 0 || ray[n - 1].0 >= ray[*n].0;

@@ -572,7 +572,7 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// Limit `k -> 0` of the scaled measure, minimized over all directions.
     ///
-    /// Infinite if a translation costs energy, because then no long wave becomes soft.
+    /// Infinite if a translation raises the energy, because then no long wave becomes soft.
     pub fn long_wave_limit(&self, matrix: &DynamicalMatrix<D>) -> Mode<D> {
         let limit = self.long_wave_mode(&matrix.long_wave_stiffness());
         if self.rest(matrix, 0.0).omega_squared.re > matrix.noise() {
@@ -884,7 +884,8 @@ impl<const D: usize> ZoneSearch<D> {
         rival: f64,
     ) -> Vec<SVector<f64, D>> {
         let (points, stride) = grid.near_crossings(matrix.is_centrosymmetric(), rival);
-        // The predicted growth rate of a pocket can be half of the rate found by a descent from there. In the plane all pockets are cheap to examine.
+        // The growth rate predicted for a pocket can be as low as half of the rate that a descent finds from there. In the plane it is cheap to examine
+        // all pockets.
         let rival = match grid.has_asymmetry() {
             true => 0.5 * rival,
             false => 0.0,

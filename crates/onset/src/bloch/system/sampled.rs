@@ -229,7 +229,7 @@ impl<'a, const D: usize> FlatSum<'a, D> {
             }
             own
         };
-        // In an oblique basis the powers outnumber the cells.
+        // With a strongly oblique basis there are more powers of the primitive phases than cells.
         if D * self.reach > self.cells.len() {
             return self.cells.iter().map(|(_, vector)| phase(vector)).collect();
         }

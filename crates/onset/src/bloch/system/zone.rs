@@ -589,7 +589,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let least = at_gamma.fold(f64::INFINITY, f64::min);
         let strains = self.system.rigid_translation().amax() > 0.0;
         if strains && least >= -ROUNDING_FACTOR * self.system.noise() {
-            // A translation that costs energy excludes long waves of vanishing frequency. Free modes near it are found at finite wave vectors.
+            // A translation that raises the energy excludes long waves of vanishing frequency. Free modes near it are found at finite wave vectors.
             mode.scaled = f64::INFINITY;
         }
         let [tolerance, mut of_limit] = self
@@ -734,7 +734,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             is_large: self.effort.is_large,
             steps: self.search.reference().reciprocal() / self.waves.resolution() as f64,
             threshold: self.search.flutter_threshold(self.system.sites()),
-            // The predicted growth rate of a pocket can be half of the rate found by a descent from there.
+            // The growth rate predicted for a pocket can be as low as half of the rate that a descent finds from there.
             rival: 0.5 * rival,
             most: self.effort.pockets,
             finer: self.effort.finer,

@@ -105,7 +105,7 @@ pub(crate) fn lower_bound(form: &Form<f64>, triangles: &[Triangle], mut least: f
             if product <= 0.0 {
                 return f64::NEG_INFINITY;
             }
-            // Eigenvalues take longer and are computed only for the few pairs that lie below all previous ones.
+            // Eigenvalues take longer than a test of definiteness and are computed only for the few pairs that lower the bound.
             if !is_positive_definite(&lowered(form, least, a, b)) {
                 least = least.min(symmetric_eigen(&form.acoustic(a, b)).0[0] / product);
             }

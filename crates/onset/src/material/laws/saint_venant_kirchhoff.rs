@@ -21,7 +21,7 @@ pub(in super::super) const LAW: Law = Law {
         ),
         Parameter::new("mu", "stress", 1.0, Admitted::Positive, "shear modulus"),
     ],
-    domain: "all states; large rotations, small strains; lambda > -2/3 mu",
+    domain: "all states; accurate for large rotations and small strains; lambda > -2/3 mu",
     symmetry: Symmetry::Isotropic,
     stressed_reference: None,
     small_strains: "Lame's constants lambda and mu",

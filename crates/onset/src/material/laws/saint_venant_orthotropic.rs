@@ -51,7 +51,7 @@ pub(in super::super) const LAW: Law = Law {
             "angle from axis 1 to the material's axis 1, about axis 3",
         ),
     ],
-    domain: "all states; large rotations and small strains, with a positive definite stiffness",
+    domain: "all states; accurate for large rotations and small strains, with a positive definite stiffness",
     symmetry: Symmetry::Orthotropic,
     stressed_reference: None,
     small_strains: "the engineering constants",

@@ -2,8 +2,8 @@
 //!
 //! The tangent `K` is minus the exact derivative of the forces on all particles at their actual positions. The modes satisfy `K u = omega^2 M u`, with the held
 //! particles fixed. With `A = M^-1/2 K M^-1/2` and a shift `s` below the spectrum, `(A - s)^-1` has the eigenvalues `1 / (omega^2 - s)`. They are largest
-//! for the lowest modes, which a block Krylov space finds first. The shift is below the spectrum if all pivots of `A - s` are positive (the law of
-//! inertia); for an unsymmetric tangent the pivots of its symmetric part are taken.
+//! for the lowest modes, so that a block Krylov method converges to these first. The shift is below the spectrum if all pivots of `A - s` are positive
+//! (the law of inertia); for an unsymmetric tangent the pivots of its symmetric part are taken.
 
 use super::factor::{Factors, NoFactors, Rows};
 use super::operator::isolated;

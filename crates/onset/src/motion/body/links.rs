@@ -304,7 +304,7 @@ impl<'a, const D: usize> Groups<'a, D> {
     }
 }
 
-/// Numbers of the particles of a lattice, by their sites and cells.
+/// Indices of the particles of a lattice, by their sites and cells.
 struct Numbers<const D: usize> {
     low: [i32; D],
     sides: [usize; D],

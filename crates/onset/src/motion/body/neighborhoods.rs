@@ -38,7 +38,7 @@ pub(super) struct Seen<const D: usize> {
 
 // Closures would not compile to vector instructions, therefore explicit loops.
 
-/// Numbers of consecutive particles from a place on, with zeros as padding.
+/// Values of consecutive particles from an index on, with zeros as padding.
 #[inline(always)]
 pub(super) fn number(of: &[f64], place: usize) -> Lanes {
     Lanes::at(of, place, 0.0)

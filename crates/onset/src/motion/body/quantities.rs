@@ -5,8 +5,8 @@ use crate::algebra::array_of;
 /// Global quantities of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyQuantities {
-    /// Kinetic energy `sum m v^2 / 2`; energy (in 1D and 2D per unit of the omitted dimensions, as for all quantities below). With XSPH in all
-    /// equations it is `sum m v . v_smoothed / 2`.
+    /// Kinetic energy `sum m v^2 / 2`; energy (in 2D per unit thickness, in 1D per unit cross-section, as for all quantities below). With XSPH
+    /// in all equations it is `sum m v . v_smoothed / 2`.
     pub kinetic: f64,
     /// Strain energy `sum V W(F)` plus the potential of contacts; energy. The penalty has no potential.
     pub strain: f64,

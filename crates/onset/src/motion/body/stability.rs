@@ -22,7 +22,7 @@ type Image = Result<Vec<f64>, Box<Fault>>;
 
 /// Returns an upper bound of the largest real part of the eigenvalues of a linear map, or zero if no eigenvalue is positive.
 ///
-/// The map must be symmetric in some norm, at least nearly. The bound is the Ritz value of a restarted Krylov space plus its residual.
+/// The map must be symmetric in some norm, at least nearly. The bound is the Ritz value of a restarted Krylov method plus its residual.
 /// It exceeds the eigenvalue by at most [`RESIDUAL`] if the iteration converges. For long vectors the iteration is truncated, and the mean error of a
 /// Krylov space with a random start is added, `0.103 (ln(n (k-1)^2) / (k-1))^2`.
 ///

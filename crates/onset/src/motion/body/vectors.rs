@@ -97,7 +97,7 @@ const fn masks() -> [[f64; LANES]; 1 << LANES] {
     masks
 }
 
-/// Numbers of the particles at an offset from a particle, with zeros as padding.
+/// Values of the consecutive particles at an offset from a particle, with zeros as padding.
 #[inline(always)]
 pub(super) fn load<S: Simd>(from: &[f64], own: usize, offset: i32) -> S::f64s {
     let place = own.wrapping_add_signed(offset as isize);
@@ -107,14 +107,14 @@ pub(super) fn load<S: Simd>(from: &[f64], own: usize, offset: i32) -> S::f64s {
     }
 }
 
-/// Numbers of particles when some lie before the first or after the last particle.
+/// Values of consecutive particles, with zeros before the first and after the last particle.
 #[cold]
 fn beyond(from: &[f64], place: usize) -> [f64; LANES] {
     let one = |lane| from.get(place.wrapping_add(lane)).copied();
     array_of(|lane| one(lane).unwrap_or(0.0))
 }
 
-/// Numbers of a group, starting at one of its particles.
+/// Values of a group, starting at one of its particles.
 #[inline(always)]
 pub(super) fn part<S: Simd>(group: &[f64], from: usize) -> S::f64s {
     S::as_simd_f64s(&group[from..from + S::F64_LANES]).0[0]

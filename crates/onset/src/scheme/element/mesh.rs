@@ -6,7 +6,7 @@ use crate::lattice::{BravaisLattice, Crystal, Particle};
 use crate::method::{MeshError, MethodError};
 use nalgebra::{DMatrix, SVector};
 
-/// Places of nodes closer than this, in lattice coordinates, are the same.
+/// Positions of nodes closer than this, in lattice coordinates, are the same.
 const NODE_DISTANCE_TOLERANCE: f64 = 1e-6;
 
 /// Periodic mesh of elements of one shape: a crystal of nodes and the elements of one cell, which the lattice repeats.

@@ -61,7 +61,7 @@ pub enum Integration {
 pub enum ElementMass {
     /// Lumped masses, `int rho N_a dV` at each node: the row sums of the consistent mass matrix.
     Lumped,
-    /// Lumped masses in the ratio of the diagonal of the consistent mass matrix, `m_a = rho V m_aa / sum_b m_bb` (Hinton, Rock and Zienkiewicz 1976).
+    /// Lumped masses in proportion to the diagonal of the consistent mass matrix, `m_a = rho V m_aa / sum_b m_bb` (Hinton, Rock and Zienkiewicz 1976).
     Hrz,
     /// Consistent mass matrix, `int rho N_a N_b dV`.
     Consistent,

@@ -34,8 +34,8 @@ impl<R: Real, const D: usize> Laden<R, D> {
     }
 }
 
-/// Pair forces of particles with kernels in current coordinates and changing neighbors, as needed to compute bodies. Kernels and thresholds belong to
-/// a homogeneous state.
+/// Pair forces of particles with kernels in current coordinates and changing neighbors, as needed for finite bodies. Kernels and thresholds are
+/// taken from a homogeneous state.
 #[derive(Clone, Debug)]
 pub struct CurrentPairs<const D: usize> {
     /// Kernel with unit integral.

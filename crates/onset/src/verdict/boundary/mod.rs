@@ -1,6 +1,6 @@
 //! Boundaries between phases as curves in a window of two parameters.
 //!
-//! 1. `seeds` evaluates the nodes of a grid, searches for dips of the measure between them, and lists segments on which the phase
+//! 1. `seeds` evaluates the nodes of a grid, searches for local minima of the measure between them, and lists segments on which the phase
 //!    changes.
 //! 2. `follow` traces a curve from each change of phase that lies on no known curve. Each step brackets the change of phase on a
 //!    circle and checks the middle of the chord. The step is short enough for the chord to stay near the curve, and for the turn
@@ -191,8 +191,8 @@ impl Boundary {
 
 /// Traces all curves in a window along which the phase changes.
 ///
-/// A component is found if neighboring nodes of the grid lie on different sides of it, or if the measure has a dip between nodes. Corners that turn
-/// by less than 2e-3 radians are not marked.
+/// A component is found if neighboring nodes of the grid lie on different sides of it, or if the measure has a local minimum between nodes. Corners that
+/// turn by less than 2e-3 radians are not marked.
 ///
 /// ```
 /// use onset::verdict::Phase;
@@ -257,9 +257,9 @@ pub fn trace_boundary_from<E>(
     Ok(boundary)
 }
 
-/// Change of phase between two points, bracketed to `1e-13` of the window.
+/// Returns a change of phase between two points, bracketed to `1e-13` of the window.
 ///
-/// If several are found, the nearest to `from` is returned. `None` if both points are in one phase, or if one is outside the window.
+/// If several are found, the nearest to `from` is returned; `None` if both points are in the same phase, or if one is outside the window.
 ///
 /// # Errors
 /// Errors of the probe.

@@ -7,7 +7,7 @@ use crate::algebra::{Each, lowest_between};
 use crate::verdict::change::Knot;
 use crate::verdict::{Phase, Probe};
 
-/// Accuracy of the bottom of a dip along a line, as a fraction of the line, and the number of evaluations of a search in the plane.
+/// Accuracy of a local minimum along a line, as a fraction of the line, and the number of evaluations of a search in the plane.
 const DIP: f64 = 2e-6;
 const PLANE_STEPS: usize = 160;
 
@@ -48,7 +48,7 @@ impl Grid {
     }
 }
 
-/// Returns all segments with a change of phase: edges of the grid with different phases at their ends, and dips.
+/// Returns all segments with a change of phase: edges of the grid with different phases at their ends, and local minima.
 pub(super) fn seeds<E>(
     field: &Field<'_, E>,
     fineness: &Fineness,
