@@ -55,13 +55,25 @@ fn the_largest_lame_constant_that_keeps_a_range_of_stretches_stable_is_that_of_i
     let answer = document(&line);
     let largest = number(&answer, "/admitted/0/to/value");
     let exact = 17.0 / (4.0_f64.ln() - 1.0);
-    assert!((largest / exact - 1.0).abs() < 2e-6 && largest <= exact, "{largest} for {exact}");
+    assert!(
+        (largest / exact - 1.0).abs() < 2e-6 && largest <= exact,
+        "{largest} for {exact}"
+    );
     assert_eq!(answer["admitted"][0]["to"]["kind"], "limit");
-    assert_eq!((&answer["states"], &answer["present"]["stable_share"]), (&33.into(), &1.0.into()));
+    assert_eq!(
+        (&answer["states"], &answer["present"]["stable_share"]),
+        (&33.into(), &1.0.into())
+    );
     // Beyond the limit the state that is lost is the end of the range, and it is lost by the law.
     let tried = answer["tried"].as_array().expect("values");
-    let beyond = tried.iter().find(|own| own["value"].as_f64() > Some(exact)).expect("a value");
-    assert_eq!((&beyond["verdict"], &beyond["stretches"][0]), (&"physical".into(), &4.0.into()));
+    let beyond = tried
+        .iter()
+        .find(|own| own["value"].as_f64() > Some(exact))
+        .expect("a value");
+    assert_eq!(
+        (&beyond["verdict"], &beyond["stretches"][0]),
+        (&"physical".into(), &4.0.into())
+    );
     let text = onset_line(&line).stdout;
     assert!(text.starts_with("All 33 states with stretches from 1 to 4 along the axes are stable with material.lambda up to 44.0"), "{text}");
 }
