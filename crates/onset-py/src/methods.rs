@@ -24,7 +24,7 @@ pub fn compare(
     interrupt::answer(py, move || {
         let comparison = comparison(&file, &assigned, &libraries)?;
         let table = evaluated(&comparison)?;
-        let answer = Answer::of(&table, &table)?.with_table(&table.csv());
+        let answer = Answer::of(&table, &table, table.csv())?;
         Ok(answer.with_files(move || Ok(table.files())))
     })
 }
@@ -65,8 +65,7 @@ pub fn recommend(
         };
         let whole = table.clone();
         let recommendation = Recommendation::new(table);
-        let answer = Answer::of(&recommendation, &recommendation)?;
-        let answer = answer.with_table(&recommendation.csv());
+        let answer = Answer::of(&recommendation, &recommendation, recommendation.csv())?;
         Ok(answer.with_files(move || Ok(whole.files())))
     })
 }
@@ -94,7 +93,7 @@ pub fn tune(
         });
         let settings = settings(file.as_ref(), &assigned, &libraries, &[question.key()])?;
         let tuned = TuneAnswer::new(&settings, &question, |_| ())?;
-        let answer = Answer::of(&tuned, &tuned)?.with_table(&tuned.csv());
+        let answer = Answer::of(&tuned, &tuned, tuned.csv())?;
         Ok(answer.with_files(move || Ok(tuned.files())))
     })
 }
@@ -120,7 +119,7 @@ pub fn modes(
             is_exported: false,
         };
         let modes = ModesAnswer::new(&settings, &question)?;
-        let answer = Answer::of(&modes, &modes)?;
+        let answer = Answer::of(&modes, &modes, modes.csv())?;
         Ok(answer.with_files(move || Ok(modes.files())))
     })
 }

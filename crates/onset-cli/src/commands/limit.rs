@@ -33,6 +33,6 @@ pub fn limit(arguments: &LimitArguments) -> Result<ExitCode, Failure> {
         &answer.to_string(),
         output,
         || Ok(answer.files()),
-        Some(answer.csv()),
+        || answer.csv(),
     )
 }
