@@ -41,6 +41,7 @@ from ._errors import InputError, OnsetError, asks
 from ._exports import Cell
 from ._settings import (
     MaterialLike,
+    Method,
     MethodLike,
     Study,
     Value,
@@ -982,8 +983,8 @@ def limit(
     return Limit(problem.limit(vary, step, given, ends, share(safety, "safety"), integrator))
 
 
-#: Methods to compare: a list, a dictionary with names, or a file.
-Methods = Sequence[MethodLike] | Mapping[str, MethodLike] | os.PathLike[str] | str
+#: Methods to compare: a method, a list, a dictionary with names, or a file.
+Methods = Method | Sequence[MethodLike] | Mapping[str, MethodLike] | os.PathLike[str] | str
 
 
 def _comparison(methods: Methods, material: MaterialLike, options: Mapping[str, Value]) -> tuple[tuple[str, str], list[_onset.Function]]:
@@ -992,7 +993,10 @@ def _comparison(methods: Methods, material: MaterialLike, options: Mapping[str, 
         if material is not None or options:
             raise InputError("a file is a complete comparison\n  hint: change it with `set`")
         return source(methods), []
-    named = list(methods.items()) if isinstance(methods, Mapping) else [(None, method) for method in listed(methods, "methods")]
+    if isinstance(methods, Mapping):
+        named: list[tuple[str | None, MethodLike]] = list(methods.items())
+    else:
+        named = [(None, method) for method in ([methods] if isinstance(methods, Method) else listed(methods, "methods"))]
     law = material_of(material)
     beside = [setting for setting in law._assigned() if isinstance(setting, _onset.Function)]
     text = "" if beside else f"[material]\n{law._section_text()}"
@@ -1001,8 +1005,18 @@ def _comparison(methods: Methods, material: MaterialLike, options: Mapping[str, 
         text += "\n[compare]\n" + "".join(f"{key.partition('.')[2]} = {toml(value, key)}\n" for key, value in keys.items())
     for name, method in named:
         own = method_of(method)
-        text += f"\n[[methods]]\nname = {quoted(repr(own) if name is None else name, 'name')}\n{own._section_text()}"
+        title = "" if name is None else f"name = {quoted(name, 'name')}\n"
+        text += f"\n[[methods]]\n{title}{own._section_text()}"
     return ("comparison", text), beside
+
+
+def _variation(name: object, values: object) -> str:
+    """Returns the values of a key in the notation of ``--vary``."""
+    if not isinstance(name, str):
+        raise TypeError(f"a key of vary is {type(name).__name__}; expected its name")
+    key = name if "." in name else _key("discretization", name)
+    texts = [_typed(value, key) for value in listed(values, key)]
+    return f"{key}={(';' if any(',' in text for text in texts) else ',').join(texts)}"
 
 
 @asks
@@ -1010,6 +1024,7 @@ def compare(
     methods: Methods,
     material: MaterialLike = None,
     *,
+    vary: Mapping[str, Sequence[Value]] | None = None,
     set: Iterable[str] = (),
     allow_library: Iterable[str | os.PathLike[str]] = (),
     **options: Value,
@@ -1019,9 +1034,11 @@ def compare(
     Parameters
     ----------
     methods
-        List, dictionary with names, or file.
+        Method, list, dictionary with names, or file. Methods in a list are named after their families and what differs between them.
     material
         Material law; the default of the command if omitted.
+    vary
+        Keys of ``[discretization]`` with lists of values, all of which are combined: each method is replaced by its variants, as by ``--vary``.
     set
         Assignments as after ``--set``.
     allow_library
@@ -1033,10 +1050,20 @@ def compare(
     ------
     InputError
         If `methods` is a file, which is a complete comparison, and a material or options are also given.
+
+    Examples
+    --------
+    >>> sph = onset.Method("updated-sph", lattice="square")
+    >>> table = onset.compare(sph, "blatz-ko", vary={"kernel": ["cubic-spline", "wendland-c2"]}, states=4)
+    >>> table.to_frame()["method"].tolist()
+    ['kernel cubic-spline', 'kernel wendland-c2']
     """
     libraries = [place(path, "allow_library") for path in listed(allow_library, "allow_library")]
     file, law = _comparison(methods, material, options)
-    return Comparison(_onset.compare(file, [*law, *names(set, "set")], libraries))
+    if vary is not None and not isinstance(vary, Mapping):
+        raise TypeError(f"vary is {type(vary).__name__}; expected keys with lists of values")
+    variations = [_variation(name, values) for name, values in (vary or {}).items()]
+    return Comparison(_onset.compare(file, [*law, *names(set, "set")], libraries, variations))
 
 
 @asks
