@@ -137,10 +137,7 @@ fn names_with_commas_and_quotes_stay_one_field_of_the_csv_file() {
         lines[0].ends_with(",neighbors,zero_modes_complete,note"),
         "{csv}"
     );
-    assert!(
-        lines[1].starts_with("\"a, \"\"b\"\"\",0,"),
-        "{csv}"
-    );
+    assert!(lines[1].starts_with("\"a, \"\"b\"\"\",0,"), "{csv}");
     assert!(lines[1].ends_with(",true,"), "{csv}");
     assert!(lines[2].starts_with("c,,,"), "{csv}");
     assert!(lines[2].ends_with(",\"one two, three\""), "{csv}");
@@ -403,10 +400,17 @@ fn methods_without_names_are_named_after_what_differs() {
     );
     let other = "[[methods]]\nmethod = 'updated-sph'\nlattice = 'square'\n";
     assert_eq!(
-        names(&format!("{sph}{other}[[methods]]\nname = 'mine'\nlattice = 'square'\n")),
+        names(&format!(
+            "{sph}{other}[[methods]]\nname = 'mine'\nlattice = 'square'\n"
+        )),
         ["total-lagrangian-sph", "updated-sph", "mine"]
     );
-    let varied = Comparison::varied("methods", other, &[], &["discretization.kernel=cubic-spline,wendland-c2"]);
+    let varied = Comparison::varied(
+        "methods",
+        other,
+        &[],
+        &["discretization.kernel=cubic-spline,wendland-c2"],
+    );
     let first = &varied.expect("variants").candidates[0];
     assert_eq!(first.name, "kernel cubic-spline");
 }

@@ -758,7 +758,7 @@ fn kink(kink: &KinkAnswer) -> String {
 /// Imposed quantity of a mode at a stretch: the stretch, or in simple shear the amount of shear.
 fn imposed(mode: Mode, stretch: f64) -> f64 {
     match mode {
-        Mode::SimpleShear => mode.imposed(stretch.ln()),
+        Mode::SimpleShear => stretch - stretch.recip(),
         _ => stretch,
     }
 }

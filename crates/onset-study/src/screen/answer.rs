@@ -12,6 +12,7 @@ use crate::answers::{Problem, StateAnswer, StateQuestion, notes};
 use crate::brief::{Brief, Short};
 use crate::csv::Table;
 use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
+use crate::json;
 use crate::number::{counted, told, told_with};
 use crate::output::{Files, picture, text};
 use crate::settings::{Effective, Units};
@@ -740,7 +741,7 @@ impl ScreenAnswer {
 
     /// Table, document, study and figure.
     pub fn files(&self) -> Files {
-        let document = serde_json::to_string_pretty(self).unwrap_or_default();
+        let document = json::document(self).unwrap_or_default();
         let mut files = vec![
             text("screen.csv", self.csv()),
             text("screen.json", document + "\n"),
