@@ -119,6 +119,9 @@ def block(code: str) -> str:
 
 def markdown(docstring: str) -> str:
     """Returns a docstring with its NumPy sections as Markdown lists."""
+    text, _, examples = docstring.partition("Examples\n--------\n")
+    if examples:
+        return f"{markdown(text).rstrip()}\n\n**Example**\n\n{block(examples.rstrip())}"
     text = re.sub(r"^(Parameters|Returns|Raises)\n-+\n", r"**\1**\n\n", docstring, flags=re.MULTILINE)
     text = re.sub(r"^(\S[^\n]*)\n    (?=\S)", r"- `\1`: ", text, flags=re.MULTILINE)
     return re.sub(r"^    (?=\S)", "  ", text, flags=re.MULTILINE)

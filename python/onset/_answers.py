@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 import html
+import importlib
+import io
 import json
 import os
 from typing import TYPE_CHECKING, Any, Literal, Self, cast
@@ -20,7 +22,16 @@ from ._settings import Material, law_of
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import FigureBase
+    import pandas
     import xarray
+
+
+def _frames() -> Any:
+    """Returns the module pandas."""
+    try:
+        return importlib.import_module("pandas")
+    except ImportError as error:
+        raise OnsetError("a table requires pandas\n  hint: pip install pandas") from error
 
 
 class Record(Mapping[str, Any]):
@@ -153,6 +164,31 @@ class Answer(Record):
     def csv(self) -> str:
         """Table that the command prints with ``--format csv``."""
         return self._answer.csv
+
+    @asks
+    def to_frame(self) -> pandas.DataFrame:
+        """Table of the answer as a data frame: the rows and columns of ``csv``, with the units in the names if settings have units.
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row for each state, loading, method, mode or wave. ``attrs`` holds the command-line text of the answer as ``text``.
+            ``to_frame().to_parquet(path)`` writes a Parquet file, and ``pyarrow.Table.from_pandas`` makes an Arrow table.
+
+        Raises
+        ------
+        OnsetError
+            If pandas is not installed.
+
+        Examples
+        --------
+        >>> onset.state("neo-hooke", stretch=(1.1, 1)).to_frame().loc[0, "verdict"]
+        'stable'
+        """
+        pandas = _frames()
+        frame = pandas.read_csv(io.StringIO(self.csv), float_precision="round_trip", keep_default_na=False, na_values=[""])
+        frame.attrs["text"] = self._answer.text
+        return cast("pandas.DataFrame", frame)
 
     def __str__(self) -> str:
         return self._answer.text
@@ -837,6 +873,12 @@ class Mapped(Answer):
         return _plots.shares(self, axes(ax, fig))
 
 
+def _components(name: str, vectors: Floats) -> dict[str, Floats]:
+    """Returns the components of vectors as columns ``name_1``, ``name_2``, ..."""
+    rows = vectors.reshape(-1, vectors.shape[-1])
+    return {f"{name}_{n + 1}": rows[:, n] for n in range(rows.shape[1])}
+
+
 class Verdicts:
     """Verdicts on many states, as arrays of the shape (...) of the states; vectors have an additional axis. Missing numbers are NaN."""
 
@@ -869,6 +911,32 @@ class Verdicts:
     def verdict(self) -> NDArray[np.str_]:
         """Verdicts by name, shape (...)."""
         return np.array(self.names)[self.codes]
+
+    def to_frame(self) -> pandas.DataFrame:
+        """Table with one row for each state, in the order of the states.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns are the arrays of the answer, with the components of vectors as ``wave_vector_1``, ``wave_vector_2``, ...
+
+        Raises
+        ------
+        OnsetError
+            If pandas is not installed.
+
+        Examples
+        --------
+        >>> onset.verdicts("neo-hooke", stretch=[(1.1, 1), (1.2, 1)]).to_frame()["verdict"].tolist()
+        ['stable', 'stable']
+        """
+        numbers = {
+            name: getattr(self, name)
+            for name in ("scaled_minimum", "lowest_omega_squared", "growth_rate", "critical_time_step", "acoustic_minimum")
+        }
+        vectors = _components("wave_vector", self.wave_vector) | _components("acoustic_direction", self.acoustic_direction)
+        columns = {"verdict": self.verdict, **numbers, **vectors}
+        return cast("pandas.DataFrame", _frames().DataFrame({name: np.ravel(column) for name, column in columns.items()}))
 
     def count(self) -> dict[str, int]:
         """Returns the number of states for each verdict."""
@@ -914,6 +982,33 @@ class Dispersion:
     def growth_rates(self) -> Floats:
         """Growth rates ``|Im omega|``, zero for waves that do not grow, shape (..., branches); 1/time."""
         return np.asarray(np.abs(np.sqrt(self.omega_squared).imag), dtype=np.float64)
+
+    def to_frame(self) -> pandas.DataFrame:
+        """Table with one row for each wave vector, in their order.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns ``k_1``, ``k_2``, ...; ``omega_squared_re_1``, ...; ``omega_squared_im_1``, ...; ``continuum_omega_squared_1``, ...
+
+        Raises
+        ------
+        OnsetError
+            If pandas is not installed.
+
+        Examples
+        --------
+        >>> waves = onset.dispersion("neo-hooke", k=[(1, 0), (2, 0)], stretch=(1, 1))
+        >>> waves.to_frame()["k_1"].tolist()
+        [1.0, 2.0]
+        """
+        columns = (
+            _components("k", self.k)
+            | _components("omega_squared_re", self.omega_squared.real)
+            | _components("omega_squared_im", self.omega_squared.imag)
+            | _components("continuum_omega_squared", self.continuum_omega_squared)
+        )
+        return cast("pandas.DataFrame", _frames().DataFrame(columns))
 
     def __repr__(self) -> str:
         return f"<onset.Dispersion of {self.k[..., 0].size} wave vectors, {self.omega_squared.shape[-1]} branches>"

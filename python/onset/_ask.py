@@ -41,6 +41,7 @@ from ._errors import InputError, OnsetError, asks
 from ._exports import Cell
 from ._settings import (
     MaterialLike,
+    Method,
     MethodLike,
     Study,
     Value,
@@ -94,10 +95,22 @@ def state(
         Limit of weakly controlled waves: largest ratio of their frequency to the frequency of the slowest material wave with the same wave vector. It
         is compared with ``answer.discretization.weakest_mode``, in the reference configuration.
 
+    Returns
+    -------
+    State
+        Verdict with its evidence. Its parts ``material`` and ``discretization`` have the numbers of both.
+
     Raises
     ------
     InputError
         If the law or the method is not defined at the state.
+
+    Examples
+    --------
+    >>> sph = onset.Method("updated-sph", lattice="square", kernel="cubic-spline", support=2.6)
+    >>> answer = onset.state("neo-hooke", sph, stretch=(1.1, 1.0))
+    >>> answer.verdict, answer.mechanism
+    ('numerical', 'tensile')
     """
     problem = problem_of(material, method)
     proof = between(tolerance, "tolerance", 0.0, np.nextafter(1.0, 0.0), "a number above 0 and below 1, for example 1e-3")
@@ -147,10 +160,21 @@ def dispersion(
     F
         Deformation gradient instead of `stretch`, shape (3, 3) or (D, D).
 
+    Returns
+    -------
+    Dispersion
+        Waves of particles and continuum, as arrays of the shape of `k`.
+
     Raises
     ------
     InputError
         If more than one state is given; ``onset.omega_squared`` accepts many states.
+
+    Examples
+    --------
+    >>> waves = onset.dispersion("neo-hooke", k=[(1, 0), (2, 0)], stretch=(1, 1))
+    >>> waves.frequencies.shape
+    (2, 2)
     """
     problem = problem_of(material, method)
     states, shape = deformations(F, stretch, problem.dimension)
@@ -190,6 +214,16 @@ def omega_squared(
     -------
     Complexes
         ``omega^2`` by increasing real part, shape (..., n, branches), or (..., branches) for one wave vector; 1/time^2.
+
+    Raises
+    ------
+    InputError
+        If a state is not a deformation, or the law or the method is not defined there.
+
+    Examples
+    --------
+    >>> onset.omega_squared("neo-hooke", k=[(1, 0), (2, 0)], stretch=[(1, 1), (1.1, 1), (1.2, 1)]).shape
+    (3, 2, 2)
     """
     problem = problem_of(material, method)
     states, shape = deformations(F, stretch, problem.dimension)
@@ -224,6 +258,16 @@ def dynamical_matrix(
     -------
     Complexes
         ``D(k)``, shape (..., n, branches, branches), or (..., branches, branches) for one wave vector; 1/time^2.
+
+    Raises
+    ------
+    InputError
+        If a state is not a deformation, or the law or the method is not defined there.
+
+    Examples
+    --------
+    >>> onset.dynamical_matrix("neo-hooke", k=(1, 0), stretch=(1.1, 1)).shape
+    (2, 2)
     """
     problem = problem_of(material, method)
     states, shape = deformations(F, stretch, problem.dimension)
@@ -254,6 +298,21 @@ def waves(
         Principal stretches along the axes, shape (D,) to (3,); missing stretches are 1.
     F
         Deformation gradient instead of `stretch`, shape (3, 3) or (D, D).
+
+    Returns
+    -------
+    Waves
+        Waves with ``omega_squared``, ``continuum_omega_squared`` and ``dynamical_matrix``.
+
+    Raises
+    ------
+    InputError
+        If the wave vector has a wrong number of components, or the state cannot be evaluated.
+
+    Examples
+    --------
+    >>> onset.waves("neo-hooke", wave_vector=(1, 0), stretch=(1, 1)).omega_squared.shape
+    (2,)
     """
     problem = problem_of(material, method)
     given, gradient = state_as_typed(F, stretch)
@@ -284,10 +343,20 @@ def bands(
         Names of points of high symmetry (``"G-M-K-G"``), or points in units of the reciprocal vectors (``"0,0; 0.5,0; K"``); all inequivalent points
         of high symmetry if omitted.
 
+    Returns
+    -------
+    Bands
+        Waves at samples ``k`` along the path, with ``corners`` and their ``labels``.
+
     Raises
     ------
     InputError
         If the zone has no point with a given name; the message lists the names.
+
+    Examples
+    --------
+    >>> onset.bands("neo-hooke", onset.Method(lattice="square"), stretch=(1, 1), path="G-X-M-G").labels
+    ('Γ', 'X', 'M', 'Γ', 'k*')
     """
     problem = problem_of(material, method)
     given, gradient = state_as_typed(F, stretch)
@@ -319,10 +388,21 @@ def path(
         Condition on the other directions: ``free``, ``plane-stress``, ``plane-strain`` or ``held``; the least constrained condition of the loading if
         omitted.
 
+    Returns
+    -------
+    Path
+        Crossings of the boundary of stability, for the material and for the discretization.
+
     Raises
     ------
     InputError
         If `lateral` is given without `mode`.
+
+    Examples
+    --------
+    >>> answer = onset.path("blatz-ko", from_=(1, 1), to=(4, 1))
+    >>> round(float(answer.material_onset.stretch[0]), 4)
+    3.7321
     """
     problem = problem_of(material, method)
     if mode is not None:
@@ -363,10 +443,20 @@ def verdicts(
     stretch
         Principal stretches instead of `F`, shape (..., D) to (..., 3).
 
+    Returns
+    -------
+    Verdicts
+        Arrays of the shape of the states; ``verdict`` has the names.
+
     Raises
     ------
     InputError
         If a state is not a deformation, ``det F <= 0``.
+
+    Examples
+    --------
+    >>> onset.verdicts("neo-hooke", "updated-sph", stretch=[(1, 1), (1.1, 1)]).verdict.tolist()
+    ['zero-energy', 'numerical']
     """
     problem = problem_of(material, method)
     states, shape = deformations(F, stretch, problem.dimension)
@@ -445,12 +535,23 @@ def simulate(
     resume, overwrite
         Resume from the checkpoint in `out`, or start a new run.
 
+    Returns
+    -------
+    Simulation
+        Predicted and measured rate, and the outcome of their comparison.
+
     Raises
     ------
     InputError
         If a wave does not fit into the patch; the message contains the nearest wave that does.
     MachineError
         If the motion breaks down.
+
+    Examples
+    --------
+    >>> method = onset.Method("total-lagrangian-sph", lattice="square")
+    >>> onset.simulate("neo-hooke", method, stretch=(1, 1), turns=(1, 0), cells=4).outcome
+    'agrees'
     """
     problem = problem_of(material, method)
     given, gradient = state_as_typed(F, stretch)
@@ -562,10 +663,22 @@ def screen(
     fields
         Keep the fields of all frames for ``fields()`` of the answer.
 
+    Returns
+    -------
+    Screening
+        First cause with its time and place, and a table of the frames.
+
     Raises
     ------
     InputError
         If shapes do not fit together, or a position is not finite.
+
+    Examples
+    --------
+    >>> X = np.stack(np.meshgrid(np.arange(6.0), np.arange(6.0)), axis=-1).reshape(-1, 2)
+    >>> x = np.stack([X * (1 + 0.01 * n, 1) for n in range(3)])
+    >>> onset.screen(x, material="neo-hooke", method=onset.Method("total-lagrangian-sph", lattice="square", penalty=0.5)).cause
+    'none'
     """
     problem = problem_of(material, method)
     give, count, reference, given = frames_of(x, X, time, velocity, F, stress, problem.dimension)
@@ -625,6 +738,22 @@ def criteria(
         Modes of loading: ``uniaxial``, ``equibiaxial``, ``planar``, ``simple-shear``, ``hydrostatic``; all if omitted.
     incompressible
         Use the incompressible response of an isotropic law.
+
+    Returns
+    -------
+    Criteria
+        Losses and recoveries of each criterion for each loading.
+
+    Raises
+    ------
+    InputError
+        If a mode is unknown, or the law cannot be evaluated at ``F = 1``.
+
+    Examples
+    --------
+    >>> frame = onset.criteria("blatz-ko", modes=["uniaxial"]).to_frame()
+    >>> frame.loc[frame["criterion"] == "strong-ellipticity", "tension_lost"].round(3).tolist()
+    [2.868, 2.685, 3.732]
     """
     return Criteria(material_of(material)._law().criteria(_two(range, "range"), names(modes, "modes"), switch(incompressible, "incompressible")))
 
@@ -639,7 +768,33 @@ def card(
 ) -> Card:
     """Safe range of a law, the stretches at which it is strongly elliptic: ``onset card``.
 
-    The range is computed as boxes of principal stretches, for any loading, and along standard loadings. The parameters are described under ``onset.criteria``.
+    The range is computed as boxes of principal stretches, for any loading, and along standard loadings.
+
+    Parameters
+    ----------
+    material
+        Material law; the default of the command if omitted.
+    range
+        Smallest and largest stretch.
+    modes
+        Modes of loading: ``uniaxial``, ``equibiaxial``, ``planar``, ``simple-shear``, ``hydrostatic``; all if omitted.
+    incompressible
+        Use the incompressible response of an isotropic law.
+
+    Returns
+    -------
+    Card
+        Boxes of principal stretches, and the limits of each loading.
+
+    Raises
+    ------
+    InputError
+        If a mode is unknown, or the law cannot be evaluated at ``F = 1``.
+
+    Examples
+    --------
+    >>> round(onset.card("blatz-ko", modes=["uniaxial"]).loadings[0].tension, 3)
+    2.868
     """
     return Card(material_of(material)._law().card(_two(range, "range"), names(modes, "modes"), switch(incompressible, "incompressible")))
 
@@ -714,10 +869,22 @@ def fit(
     material
         Material whose tests are read from a deck of Abaqus or Ansys with several ones: its name or its number.
 
+    Returns
+    -------
+    Fit
+        Fitted laws, the best first; ``constants`` and ``material`` are of the best.
+
     Raises
     ------
     InputError
         If a test contradicts itself or another test, or no law can be fitted.
+
+    Examples
+    --------
+    >>> stretch = np.linspace(1.1, 2, 10)
+    >>> answer = onset.fit({"uniaxial": (stretch, 0.5 * (stretch - stretch**-2))}, "neo-hooke")
+    >>> answer.law, round(answer.constants["mu"], 6)
+    ('neo-hooke-isochoric', 0.5)
     """
     laws = [part.strip() for name in names(law, "law") for part in name.split(",")]
     part = number(floor, "floor")
@@ -825,10 +992,20 @@ def audit(
     convention
         Convention in which the tangent of a built-in law is checked: ``first-piola``, ``jaumann-kirchhoff``, ``truesdell``, ...
 
+    Returns
+    -------
+    Audit
+        Checks with their largest errors, and the verdict ``consistent``.
+
     Raises
     ------
     InputError
         If the convention is unknown; the message lists the names.
+
+    Examples
+    --------
+    >>> onset.audit("neo-hooke").consistent
+    True
     """
     size = between(strain, "strain", 0.0, 0.8, "a number above 0 and at most 0.8, for example 0.05")
     stretches = [typed(numbers(one, "stretch")) for one in listed(stretch, "stretch")]
@@ -849,6 +1026,22 @@ def localize(model: str | None = None, path: str | None = None, load: str | None
         Keys of ``[plasticity]``: ``onset.localize("drucker-prager", "plane-strain", friction=0.7)``. Stresses are in any consistent unit, or all have
         a unit. For the model ``"umat"``, the keys of the routine are ``library``, ``properties``, ``state_variables``, ``time_limit`` and
         ``memory_limit``.
+
+    Returns
+    -------
+    Localization
+        Localization with its band, and the path to it.
+
+    Raises
+    ------
+    InputError
+        If the law, the path or a parameter is invalid.
+
+    Examples
+    --------
+    >>> answer = onset.localize("j2", "plane-strain")
+    >>> answer.to_frame().columns[0]
+    'plastic_shear_strain'
     """
     named = {"model": model, "path": path, "load": load} | parameters
     routine = {"library", "properties", "state_variables", "time_limit", "memory_limit"}
@@ -877,6 +1070,21 @@ def modes(
         Number of cells along each primitive vector of the patch that is drawn, and exported by ``save``.
     amplitude
         Largest displacement of the drawn and exported modes, in particle spacings.
+
+    Returns
+    -------
+    Modes
+        List of modes, zero-energy modes first.
+
+    Raises
+    ------
+    InputError
+        If the law or the method is invalid, or the patch is too large.
+
+    Examples
+    --------
+    >>> onset.modes(onset.Method("total-lagrangian-sph", lattice="square")).to_frame()["nullity"].tolist()
+    [2, 2, 2]
     """
     settings = [*material_of(material)._assigned(), *method_of(method).assignments]
     answer = Modes(_onset.modes(settings, None, [], share(weak, "weak"), whole(cells, "cells", 1, 512), share(amplitude, "amplitude")))
@@ -922,6 +1130,23 @@ def tune(
         Largest accepted fraction of states with a wrong verdict.
     later
         Largest accepted delay of the onset, relative to the strain at the onset of the material.
+
+    Returns
+    -------
+    Tuning
+        Values that were tried; ``recommended`` is the smallest sufficient one, or ``None``.
+
+    Raises
+    ------
+    InputError
+        If the method does not read the key.
+
+    Examples
+    --------
+    >>> sph = onset.Method("total-lagrangian-sph", lattice="square")
+    >>> answer = onset.tune(sph, "penalty", material="neo-hooke")
+    >>> round(answer.recommended, 3)
+    0.633
     """
     if not isinstance(key, str):
         raise TypeError(f"key is {type(key).__name__}; expected the name of a key")
@@ -973,10 +1198,22 @@ def limit(
         ``central-differences``, ``kick-drift-kick`` or ``predictor-corrector``, which differ only with damping; or a Runge-Kutta method:
         ``forward-euler``, ``heun``, ``rk3``, ``rk4``, ``carpenter-kennedy``, ``rdpk3-35`` or ``rdpk3-49``.
 
+    Returns
+    -------
+    Limit
+        Values that were tried; ``intervals`` admit the time step.
+
     Raises
     ------
     InputError
         If the method does not read the key, or no value of the key can be evaluated.
+
+    Examples
+    --------
+    >>> rubber = onset.Material("neo-hooke", young=2, poisson=0.4)
+    >>> answer = onset.limit(rubber, vary="material.young", time_step=0.1)
+    >>> len(answer.intervals)
+    1
     """
     if not isinstance(vary, str):
         raise TypeError(f"vary is {type(vary).__name__}; expected the name of a key")
@@ -998,8 +1235,8 @@ def limit(
     return Limit(problem.limit(vary, step, given, ends, share(safety, "safety"), integrator))
 
 
-#: Methods to compare: a list, a dictionary with names, or a file.
-Methods = Sequence[MethodLike] | Mapping[str, MethodLike] | os.PathLike[str] | str
+#: Methods to compare: a method, a list, a dictionary with names, or a file.
+Methods = Method | Sequence[MethodLike] | Mapping[str, MethodLike] | os.PathLike[str] | str
 
 
 def _comparison(methods: Methods, material: MaterialLike, options: Mapping[str, Value]) -> tuple[tuple[str, str], list[_onset.Function]]:
@@ -1008,7 +1245,10 @@ def _comparison(methods: Methods, material: MaterialLike, options: Mapping[str, 
         if material is not None or options:
             raise InputError("a file is a complete comparison\n  hint: change it with `set`")
         return source(methods), []
-    named = list(methods.items()) if isinstance(methods, Mapping) else [(None, method) for method in listed(methods, "methods")]
+    if isinstance(methods, Mapping):
+        named: list[tuple[str | None, MethodLike]] = list(methods.items())
+    else:
+        named = [(None, method) for method in ([methods] if isinstance(methods, Method) else listed(methods, "methods"))]
     law = material_of(material)
     beside = [setting for setting in law._assigned() if isinstance(setting, _onset.Function)]
     text = "" if beside else f"[material]\n{law._section_text()}"
@@ -1017,8 +1257,18 @@ def _comparison(methods: Methods, material: MaterialLike, options: Mapping[str, 
         text += "\n[compare]\n" + "".join(f"{key.partition('.')[2]} = {toml(value, key)}\n" for key, value in keys.items())
     for name, method in named:
         own = method_of(method)
-        text += f"\n[[methods]]\nname = {quoted(repr(own) if name is None else name, 'name')}\n{own._section_text()}"
+        title = "" if name is None else f"name = {quoted(name, 'name')}\n"
+        text += f"\n[[methods]]\n{title}{own._section_text()}"
     return ("comparison", text), beside
+
+
+def _variation(name: object, values: object) -> str:
+    """Returns the values of a key in the notation of ``--vary``."""
+    if not isinstance(name, str):
+        raise TypeError(f"a key of vary is {type(name).__name__}; expected its name")
+    key = name if "." in name else _key("discretization", name)
+    texts = [_typed(value, key) for value in listed(values, key)]
+    return f"{key}={(';' if any(',' in text for text in texts) else ',').join(texts)}"
 
 
 @asks
@@ -1026,6 +1276,7 @@ def compare(
     methods: Methods,
     material: MaterialLike = None,
     *,
+    vary: Mapping[str, Sequence[Value]] | None = None,
     set: Iterable[str] = (),
     allow_library: Iterable[str | os.PathLike[str]] = (),
     **options: Value,
@@ -1035,9 +1286,11 @@ def compare(
     Parameters
     ----------
     methods
-        List, dictionary with names, or file.
+        Method, list, dictionary with names, or file. Methods in a list are named after their families and what differs between them.
     material
         Material law; the default of the command if omitted.
+    vary
+        Keys of ``[discretization]`` with lists of values, all of which are combined: each method is replaced by its variants, as by ``--vary``.
     set
         Assignments as after ``--set``.
     allow_library
@@ -1045,14 +1298,29 @@ def compare(
     **options
         Keys of ``[compare]``: ``stretches=(0.7, 1.5)``.
 
+    Returns
+    -------
+    Comparison
+        Table with one row for each method.
+
     Raises
     ------
     InputError
         If `methods` is a file, which is a complete comparison, and a material or options are also given.
+
+    Examples
+    --------
+    >>> sph = onset.Method("updated-sph", lattice="square")
+    >>> table = onset.compare(sph, "blatz-ko", vary={"kernel": ["cubic-spline", "wendland-c2"]}, states=4)
+    >>> table.to_frame()["method"].tolist()
+    ['kernel cubic-spline', 'kernel wendland-c2']
     """
     libraries = [place(path, "allow_library") for path in listed(allow_library, "allow_library")]
     file, law = _comparison(methods, material, options)
-    return Comparison(_onset.compare(file, [*law, *names(set, "set")], libraries))
+    if vary is not None and not isinstance(vary, Mapping):
+        raise TypeError(f"vary is {type(vary).__name__}; expected keys with lists of values")
+    variations = [_variation(name, values) for name, values in (vary or {}).items()]
+    return Comparison(_onset.compare(file, [*law, *names(set, "set")], libraries, variations))
 
 
 @asks
@@ -1091,6 +1359,22 @@ def recommend(
         Assignments as after ``--set``.
     allow_library
         Libraries that a file may load.
+
+    Returns
+    -------
+    Recommendation
+        Ranking, the reasons, and the comparison behind it.
+
+    Raises
+    ------
+    InputError
+        If a method or an option is invalid.
+
+    Examples
+    --------
+    >>> answer = onset.recommend("neo-hooke", dimension=1)
+    >>> answer.to_frame().columns.tolist()
+    ['place', 'method', 'score', 'cost', 'rule', 'why']
     """
     settings: list[str | _onset.Function] = [*names(set, "set")]
     if stretches is not None:
@@ -1119,6 +1403,23 @@ def boundary(study: Study | str | os.PathLike[str], *, flutter: bool = False) ->
         Study with two axes, or its file.
     flutter
         Also trace the boundary between flutter (complex ``omega^2``) and divergence (``omega^2 < 0``).
+
+    Returns
+    -------
+    Boundary
+        Curves in the coordinates of the axes; ``geojson`` and ``curves`` return them.
+
+    Raises
+    ------
+    InputError
+        If the study does not have two axes.
+
+    Examples
+    --------
+    >>> axes = {"stretch-1": (0.8, 3.0, 8), "stretch-2": (0.8, 3.0, 8)}
+    >>> study = onset.Study.of("blatz-ko", "updated-sph", axes)
+    >>> len(onset.boundary(study).curves()) > 0
+    True
     """
     return Boundary(study_of(study)._study.boundary(switch(flutter, "flutter")))
 
@@ -1172,10 +1473,22 @@ def map_into(
         Object with ``submit`` whose workers have access to `out`. Each tile is a task; the tiles of lost workers are computed in this process at the
         end.
 
+    Returns
+    -------
+    Mapped
+        Number of states with each verdict, and the path of the store.
+
     Raises
     ------
     InputError
         If the store exists, unless `resume` or `tiles` resume it or `overwrite` replaces it.
+
+    Examples
+    --------
+    >>> axes = {"stretch-1": (0.8, 3.0, 8), "stretch-2": (0.8, 3.0, 8)}
+    >>> study = onset.Study.of("blatz-ko", onset.Method(), axes)
+    >>> onset.map_into("foam.zarr", study, overwrite=True).states
+    64
     """
     part = None
     if isinstance(tiles, str):
@@ -1234,8 +1547,35 @@ def map(
 ) -> xarray.Dataset:
     """Computes the map of a study into the store `out`, and opens it as a dataset.
 
-    The result is the dataset of ``xarray.open_zarr(out)``, with coordinates, units and attributes. The parameters are described under
-    ``onset.map_into``. Requires xarray and zarr.
+    Requires xarray and zarr.
+
+    Parameters
+    ----------
+    study
+        Study, or its file.
+    out
+        Folder of the store.
+    tiles, resume, overwrite, executor
+        Parts of the map, as for ``onset.map_into``.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dataset of ``xarray.open_zarr(out)``, with coordinates, units and attributes.
+
+    Raises
+    ------
+    OnsetError
+        If xarray or zarr is not installed.
+    InputError
+        If the store exists, unless `resume` or `tiles` resume it or `overwrite` replaces it.
+
+    Examples
+    --------
+    >>> axes = {"stretch-1": (0.8, 3.0, 8), "stretch-2": (0.8, 3.0, 8)}
+    >>> study = onset.Study.of("blatz-ko", onset.Method(), axes)
+    >>> dict(onset.map(study, out="foam.zarr", overwrite=True).sizes)
+    {'stretch-2': 8, 'stretch-1': 8, 'component': 2}
     """
     map_into(out, study, tiles=tiles, resume=resume, overwrite=overwrite, executor=executor)
     return open_map(out)
@@ -1245,12 +1585,29 @@ def map(
 def open_map(store: str | os.PathLike[str]) -> xarray.Dataset:
     """Opens a store of ``onset map`` as a dataset: fields over the axes of the study, with coordinates, units and attributes.
 
+    Parameters
+    ----------
+    store
+        Folder of the store.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dataset of the whole map; states of missing tiles have the fill values.
+
     Raises
     ------
     OnsetError
         If xarray or zarr is not installed.
     InputError
         If the store does not exist.
+
+    Examples
+    --------
+    >>> axes = {"stretch-1": (0.8, 3.0, 8), "stretch-2": (0.8, 3.0, 8)}
+    >>> made = onset.map_into("foam.zarr", onset.Study.of("blatz-ko", onset.Method(), axes), overwrite=True)
+    >>> "verdict" in onset.open_map(made.store)
+    True
     """
     folder = place(store, "store")
     try:
@@ -1273,6 +1630,21 @@ def keys(section: str = "") -> dict[str, str]:
     ----------
     section
         ``material``, ``discretization``, ``state`` or ``map``; all sections if omitted.
+
+    Returns
+    -------
+    dict[str, str]
+        Meaning and expected values by name of the key.
+
+    Raises
+    ------
+    InputError
+        If the section does not exist.
+
+    Examples
+    --------
+    >>> "discretization.support" in onset.keys("discretization")
+    True
     """
     if not isinstance(section, str):
         raise TypeError(f"section is {type(section).__name__}; expected a name")
@@ -1284,6 +1656,17 @@ def keys(section: str = "") -> dict[str, str]:
 
 
 def models() -> list[str]:
-    """Names of the built-in laws, as in ``onset list materials``."""
+    """Names of the built-in laws, as in ``onset list materials``.
+
+    Returns
+    -------
+    list[str]
+        Names in the order of the list.
+
+    Examples
+    --------
+    >>> "neo-hooke" in onset.models()
+    True
+    """
     return _onset.models()
 

@@ -119,6 +119,11 @@ class _Settings:
         keys = {**earlier, **{_key(self._section, name): value for name, value in settings.items()}}
         object.__setattr__(self, "_set", keys)
         object.__setattr__(self, "assignments", tuple(f"{key}={_typed(value, key)}" for key, value in keys.items()))
+        self._check()
+
+    def _check(self) -> None:
+        """Checks names and values, which need no other settings, files or libraries."""
+        _onset.check(list(self.assignments))
 
     #: Assignments ``KEY=VALUE``, as after ``--set`` of the command.
     assignments: tuple[str, ...]
@@ -176,8 +181,20 @@ class Material(_Settings):
     Two of `young`, `poisson`, `bulk` and `shear` replace the parameters of laws with two moduli. Stresses are in any consistent unit, or all values
     have a unit: ``Material("neo-hooke", young="2 MPa", poisson=0.49)``.
 
-    Without arguments it is the default law of the command. A function that cannot be converted to a law is an `InputError`. Names and values of
-    parameters are checked at the first use.
+    Without arguments it is the default law of the command. The name of the law, and the names and kinds of its parameters are checked here, as is a
+    function. Checked at the first use are the range of the values, the text of a formula, and files and libraries, which may appear later.
+
+    Raises
+    ------
+    SettingError
+        If the law does not exist, or has no parameter of that name.
+    InputError
+        If a function cannot be converted to a law.
+
+    Examples
+    --------
+    >>> onset.Material("neo-hooke", young=2.0, poisson=0.49)
+    Material(model='neo-hooke', young=2.0, poisson=0.49)
     """
 
     _section = "material"
@@ -246,6 +263,11 @@ class Material(_Settings):
             settings = bare
         super()._put(settings)
 
+    def _check(self) -> None:
+        # The parameters of Python functions have been compared with their arguments.
+        if self._handed is None:
+            super()._check()
+
     def _assigned(self) -> list[str | _onset.Function]:
         """Returns the law as an argument of the compiled part."""
         if self._handed is None:
@@ -282,7 +304,7 @@ class Material(_Settings):
         Parameters
         ----------
         block
-            Text of the block, or the path of a file.
+            Text of the block, or the path of a file. A text that names an existing file is its path.
         program
             ``abaqus``, ``ansys``, ``calculix``, ``febio``, ``felupe``, ``hyperelastic``, ``lsdyna`` or ``radioss``.
         material
@@ -298,7 +320,7 @@ class Material(_Settings):
         SettingError
             If the block has no law; with line and column.
         """
-        is_text = isinstance(block, str) and ("\n" in block or "(" in block or "*" in block)
+        is_text = isinstance(block, str) and any(mark in block for mark in "\n(*") and not _is_file(block)
         name, text = ("the block", str(block)) if is_text else source(block, "a block")
         assignments, notes = _onset.read_law(program, name, text, material, [])
         read = law_of(assignments)
@@ -383,6 +405,14 @@ class Material(_Settings):
         return [np.moveaxis(self.tangent(_leading(x)), (-4, -3, -2, -1), (0, 1, 2, 3))]
 
 
+def _is_file(text: str) -> bool:
+    """Returns true if a text names an existing file."""
+    try:
+        return Path(text).is_file()
+    except (OSError, ValueError):
+        return False
+
+
 def law_of(assignments: Iterable[str]) -> Material:
     """Returns the law with assignments ``material.key=value``."""
     law = Material()
@@ -405,7 +435,18 @@ class Method(_Settings):
 
     ``Method("updated-sph", lattice="square", kernel="cubic-spline", support=2.6)``. Keywords are the keys of ``[discretization]`` with underscores;
     ``onset.keys("discretization")`` lists them. ``spacing`` is a length, ``density`` is mass/length^3, and ``support`` is in particle spacings.
-    Without arguments it is the default method of the command. Names and values are checked at the first use.
+    Without arguments it is the default method of the command. The names and kinds of choices are checked here; whether they fit each other and the
+    material, at the first use.
+
+    Raises
+    ------
+    SettingError
+        If the family does not exist, a value is not one of the expected ones, or the family never uses a key.
+
+    Examples
+    --------
+    >>> onset.Method("updated-sph", lattice="square", kernel="cubic-spline", support=2.6)
+    Method(method='updated-sph', lattice='square', kernel='cubic-spline', support=2.6)
     """
 
     _section = "discretization"

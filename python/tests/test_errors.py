@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 import math
 import os
 from pathlib import Path
@@ -19,6 +20,8 @@ import numpy as np
 import onset
 import pytest
 
+from conftest import command
+
 #: Number of random calls.
 CALLS = int(os.environ.get("ONSET_PYTHON_CALLS", "2000"))
 
@@ -33,6 +36,37 @@ def test_exceptions_have_key_place_and_hint() -> None:
     assert str(error).startswith("--set discretization.suport=2.0: ") and error.message in str(error)
     again = pickle.loads(pickle.dumps(error))
     assert (str(again), again.key, again.hint) == (str(error), error.key, error.hint)
+
+
+@pytest.mark.parametrize(
+    ("make", "assignments"),
+    [
+        (lambda: onset.Method("updated-sph", latice="square"), ["discretization.method=updated-sph", "discretization.latice=square"]),
+        (lambda: onset.Method("updated-sph").replace(kernel="cubik"), ["discretization.method=updated-sph", "discretization.kernel=cubik"]),
+        (lambda: onset.Method("finite-elements", kernel="cubic-spline"), ["discretization.method=finite-elements", "discretization.kernel=cubic-spline"]),
+        (lambda: onset.Material("neo-hook"), ["material.model=neo-hook"]),
+        (lambda: onset.Material("neo-hooke", nu=0.4), ["material.model=neo-hooke", "material.nu=0.4"]),
+        (lambda: onset.Material("neo-hooke", mu="soft"), ["material.model=neo-hooke", "material.mu=soft"]),
+    ],
+)
+def test_misspelled_settings_are_refused_at_construction_as_by_the_command(make: Callable[[], object], assignments: list[str]) -> None:
+    with pytest.raises(onset.SettingError) as refused:
+        make()
+    settings = [argument for assignment in assignments for argument in ("--set", assignment)]
+    assert str(refused.value) == command("state", "--stretch", "1,1", *settings).error
+    assert refused.value.hint is not None
+
+
+def test_settings_that_are_completed_later_can_be_constructed(tmp_path: Path) -> None:
+    assert onset.Material("umat", library=str(tmp_path / "later.so")).assignments
+    assert onset.Material("umat").replace(library="./later.so").assignments
+    assert onset.Material("neo-hooke", young=2).replace(poisson=0.4).assignments
+    assert onset.Method(spacing="1 mm").replace(density="1 g/cm^3").assignments
+    assert onset.Material("mu*(I1 - 3)").replace(mu=1.0).assignments
+    started = time.perf_counter()
+    for n in range(100):
+        onset.Method("updated-sph", lattice="square", kernel="cubic-spline", support=2.0 + n / 100)
+    assert time.perf_counter() - started < 1.0
 
 
 def test_answers_cannot_be_constructed_and_wrong_types_are_refused() -> None:
@@ -72,11 +106,10 @@ def test_warnings_point_to_the_line_of_the_caller() -> None:
 
 
 def test_warnings_turned_into_errors_do_not_replace_an_exception() -> None:
-    method = onset.Method(arrangement="square", support=-1.5)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         with pytest.raises(onset.InputError, match="cannot be -1.5") as refused:
-            onset.state(method=method, stretch=(1, 1))
+            onset.Method(arrangement="square", support=-1.5)
         assert any("lattice" in note for note in refused.value.__notes__)
         # The warning is not repeated by the next call.
         onset.state(stretch=(1, 1))

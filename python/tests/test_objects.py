@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import copy
+import doctest
 import importlib.metadata
+import inspect
 from pathlib import Path
 import pickle
 import re
@@ -96,6 +98,65 @@ def test_figures_are_drawn_with_native_axes(tmp_path: Path) -> None:
         with pytest.raises(onset.InputError, match="panels, and 5 axes"):
             answer.plot(pyplot.figure().subplots(1, 5))
         pyplot.close("all")
+def test_every_answer_is_a_data_frame(tmp_path: Path) -> None:
+    for answer in answers(tmp_path):
+        frame = answer.to_frame()
+        assert len(frame.columns) > 1 and all(frame.columns), answer
+        assert len(frame) > 0 or not answer.modes, answer
+        if isinstance(answer, onset.Answer):
+            # Numbers are read back exactly.
+            assert frame.attrs["text"] == str(answer)
+            assert ",".join(frame.columns) == answer.csv.splitlines()[0]
+    state = onset.state(RUBBER, SPH, stretch=(1.1, 1.0))
+    row = state.to_frame().loc[0]
+    assert (row["verdict"], row["growth_rate"], row["F11"]) == (state.verdict, state.growth_rate, 1.1)
+    assert row["wave_vector_1"] == state.wave_vector[0] and row["elliptic"] == state.elliptic
+    measured = onset.Method(lattice="square", spacing="1 mm", density="1 g/cm^3")
+    units = onset.state(onset.Material("neo-hooke", young="2 MPa", poisson=0.4), measured, stretch=(1.1, 1)).to_frame()
+    assert {"s11 [Pa]", "growth_rate [1/s]", "F11"} <= set(units.columns)
+
+
+def test_a_table_without_pandas_names_the_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(onset.OnsetError, match="pip install pandas"):
+        onset.state(stretch=(1, 1)).to_frame()
+
+
+def test_methods_without_names_have_short_names_and_variants() -> None:
+    sph = onset.Method("total-lagrangian-sph", lattice="square")
+    table = onset.compare([sph, sph.replace(penalty=0.4)], RUBBER, states=2)
+    assert [row.name for row in table.rows] == ["total-lagrangian-sph", "total-lagrangian-sph, penalty 0.4"]
+    varied = onset.compare(sph, RUBBER, vary={"kernel": ["cubic-spline", "wendland-c2"], "smoothing_length": [1.2, 1.3]}, states=2)
+    assert [row.name for row in varied.rows][:2] == ["kernel cubic-spline, smoothing-length 1.2", "kernel cubic-spline, smoothing-length 1.3"]
+    assert len(varied.rows) == 4
+    with pytest.raises(onset.SettingError, match="same for all methods"):
+        onset.compare(sph, RUBBER, vary={"material.mu": [1, 2]})
+
+
+@pytest.mark.parametrize("name", ["rubber (2).inp", "*.inp", "rubber.inp"])
+def test_a_text_that_names_a_file_is_its_path(name: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_text(BLOCK)
+    read = onset.Material.read(str(tmp_path / name), "abaqus")
+    assert read == onset.Material.read(BLOCK, "abaqus") == onset.Material.read(tmp_path / name, "abaqus")
+
+
+def test_examples_of_docstrings_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every public function has parameters, the returned value, exceptions and an example."""
+    monkeypatch.chdir(tmp_path)
+    finder = doctest.DocTestFinder()
+    tried = 0
+    for name in onset.__all__:
+        thing = getattr(onset, name)
+        told = thing.__doc__ or ""
+        if inspect.isfunction(thing):
+            expected = [part for part in ("Parameters", "Raises") if name != "models"]
+            for part in [*expected, "Returns", "Examples"]:
+                assert f"{part}\n    ---" in told, (name, part)
+        for test in finder.find(thing, name, globs={"onset": onset, "np": np}):
+            outcome = doctest.DocTestRunner().run(test)
+            assert outcome.failed == 0, test.name
+            tried += outcome.attempted
+    assert tried > 40
 
 
 def test_plots_of_paths_label_units_and_clip_rounding_to_zero() -> None:

@@ -118,7 +118,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
                 }
                 (found, _) => found?,
             };
-            let printed = printing::print(&answer, &detail.text(&answer), None)?;
+            let printed = printing::print(&answer, &detail.text(&answer), || answer.csv())?;
             Ok(match failing.fail_on {
                 Some(fail_on) => fail_on.code([(Some(answer.verdict.name()), 1)]),
                 None => printed,
@@ -142,7 +142,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             match wave_vector {
                 Some(wave_vector) => {
                     let waves = Waves::new(&problem, &strain, &wave_vector)?;
-                    printing::print(&waves, waves.to_string().trim_end(), None)
+                    printing::print(&waves, waves.to_string().trim_end(), || waves.csv())
                 }
                 None => diagram(&problem, &strain, path.flatten().as_deref(), output),
             }
@@ -519,7 +519,7 @@ fn diagram(
         None => Vec::new(),
     };
     let told = format!("{}{}", wrote_before(&written), diagram.told());
-    printing::print(&diagram, told.trim_end(), Some(diagram.csv()))
+    printing::print(&diagram, told.trim_end(), || diagram.csv())
 }
 
 /// Paragraph on the written files before a text.
@@ -558,7 +558,7 @@ fn print_with_files(
     answer_text: &str,
     output: Option<Output>,
     files: impl FnOnce() -> Result<Files, Failure>,
-    csv: Option<String>,
+    csv: impl FnOnce() -> String,
 ) -> Result<ExitCode, Failure> {
     let written = match output {
         Some(output) => output.write(&files()?)?,
@@ -655,7 +655,7 @@ fn path(
     if let (Some(output), Some(samples)) = (output, &samples) {
         written = output.write(&samples.files(&answer))?;
     }
-    let table = samples.as_ref().map(PathSamples::csv);
+    let table = || samples.as_ref().map(PathSamples::csv).unwrap_or_default();
     let printed = printing::print(&answer, &with_files(&answer, &written), table)?;
     Ok(match (fail_on, &samples) {
         (Some(fail_on), Some(samples)) => {
@@ -686,7 +686,7 @@ fn list(topic: Option<&str>, name: Option<&str>) -> Result<ExitCode, Failure> {
     if let Some((keys, method)) = topic.and_then(|topic| keys_of(topic, name)) {
         let keys =
             keys.map_err(|error| Failure::input(format!("{error}{}", of_methods(method))))?;
-        return printing::print(&keys, keys.to_string().trim_end(), None);
+        return printing::print(&keys, keys.to_string().trim_end(), || keys.csv());
     }
     if let (Some(topic), Some(name)) = (topic, name) {
         return Err(Failure::input(format!(
@@ -703,7 +703,7 @@ fn list(topic: Option<&str>, name: Option<&str>) -> Result<ExitCode, Failure> {
         text.join("\n").trim_end(),
         catalog::PAPER
     );
-    printing::print(&topics, &text, None)
+    printing::print(&topics, &text, || catalog::csv(&topics))
 }
 
 /// List of keys for a topic, and whether it lists the keys of a method.
@@ -740,7 +740,7 @@ fn reproduce(out: &Path) -> Result<ExitCode, Failure> {
     })
     .map_err(Failure::machine)?;
     bar.finish_and_clear();
-    let printed = printing::print(&report, &report.to_string(), None)?;
+    let printed = printing::print(&report, &report.to_string(), || report.csv())?;
     Ok(if report.is_as_recorded() {
         printed
     } else {

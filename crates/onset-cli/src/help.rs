@@ -5,6 +5,7 @@ use crate::commands::{Failure, wrote};
 use crate::printing::{only_text, print, print_text};
 use clap::{ColorChoice, Command, CommandFactory, FromArgMatches};
 use clap_complete::Shell;
+use onset_study::csv::of_files;
 use onset_study::output::{Output, text};
 use onset_study::settings::renamed_command;
 use std::ffi::OsString;
@@ -152,7 +153,7 @@ pub fn manual(out: &Path) -> Result<ExitCode, Failure> {
     let names: Vec<OsString> = pages.iter().map(|(name, _)| name.clone()).collect();
     let files = Output::at(out, &names)?.write(&pages)?;
     let told = wrote(&files);
-    print(&files, &told, None)
+    print(&files, &told, || of_files(&files))
 }
 
 #[cfg(test)]

@@ -89,7 +89,7 @@ pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
         interrupted: is_interrupted,
     };
     let text = format!("{summary}\nstore: {}", path.display());
-    print(&answer, &text, None)?;
+    print(&answer, &text, || summary.csv())?;
     if is_interrupted {
         tell(again);
         return Ok(ExitCode::from(interrupt::CODE));

@@ -18,9 +18,9 @@ pub enum Format {
     /// Text with six significant digits.
     #[default]
     Text,
-    /// One JSON document with 17 significant digits.
+    /// One JSON document, numbers with the digits that read back exactly.
     Json,
-    /// Table of the answer; without a table, one line per number: its name in the JSON document, and its value.
+    /// Table of the answer, numbers with the digits that read back exactly.
     Csv,
 }
 
@@ -39,7 +39,7 @@ pub enum When {
 /// Options for the output of answers.
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub struct PrintingArguments {
-    /// Form of the answer: text, json (17 significant digits) or csv.
+    /// Form of the answer: text, json (all digits) or csv (a table, all digits).
     #[arg(
         long,
         value_enum,
@@ -135,26 +135,20 @@ pub fn only_text(what: &str) -> Result<(), Failure> {
     }
 }
 
-/// Prints an answer in the requested form: text, JSON document or table.
+/// Prints an answer in the requested form: text, JSON document or CSV table.
 ///
 /// # Errors
 /// [`Failure`] if it cannot be printed.
 pub fn print<T: Serialize>(
     document: &T,
     text: &str,
-    table: Option<String>,
+    csv: impl FnOnce() -> String,
 ) -> Result<ExitCode, Failure> {
     match format() {
         Format::Text if is_quiet() => Ok(ExitCode::SUCCESS),
         Format::Text => print_text(text),
         Format::Json => print_text(&json::document(document).map_err(Failure::machine)?),
-        Format::Csv => {
-            let table = match table {
-                Some(table) => table,
-                None => json::csv(document).map_err(Failure::machine)?,
-            };
-            print_text(table.trim_end())
-        }
+        Format::Csv => print_text(csv().trim_end()),
     }
 }
 

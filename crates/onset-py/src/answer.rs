@@ -14,8 +14,8 @@ use std::fmt::Display;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
-/// Function that computes the files of an answer.
-type Draw = dyn Fn() -> Result<Files, Failure> + Send + Sync;
+/// Function that computes a part of an answer on demand.
+type OnDemand<T> = Arc<dyn Fn() -> Result<T, Failure> + Send + Sync>;
 
 /// Answer of a command: the printed documents, and the files.
 #[pyclass(frozen, module = "onset._onset")]
@@ -26,15 +26,13 @@ pub struct Answer {
     /// Text printed by the command.
     #[pyo3(get)]
     text: String,
-    /// Table of the option `--format csv`.
-    #[pyo3(get)]
-    csv: String,
+    table: OnDemand<String>,
     files: Option<Arc<Drawn>>,
 }
 
 /// Files of an answer, which are computed when they are first requested.
 struct Drawn {
-    draw: Box<Draw>,
+    draw: OnDemand<Files>,
     made: OnceLock<Files>,
 }
 
@@ -51,23 +49,29 @@ impl Drawn {
 }
 
 impl Answer {
-    /// Answer of the study crate, without files.
+    /// Answer of the study crate with its table as CSV, without files.
     ///
     /// # Errors
     /// [`Failure`] if it cannot be written as JSON.
-    pub fn of<T: Serialize>(answer: &T, text: impl Display) -> Result<Self, Failure> {
+    pub fn of<T: Serialize>(answer: &T, text: impl Display, csv: String) -> Result<Self, Failure> {
+        Self::with_table(answer, text, move || Ok(csv.clone()))
+    }
+
+    /// Answer of the study crate with a table that is computed on demand, without files.
+    ///
+    /// # Errors
+    /// [`Failure`] if it cannot be written as JSON.
+    pub fn with_table<T: Serialize>(
+        answer: &T,
+        text: impl Display,
+        csv: impl Fn() -> Result<String, Failure> + Send + Sync + 'static,
+    ) -> Result<Self, Failure> {
         Ok(Self {
             json: json::document(answer).map_err(Failure::machine)?,
             text: readable(text.to_string().trim_end()),
-            csv: json::csv(answer).map_err(Failure::machine)?,
+            table: Arc::new(csv),
             files: None,
         })
-    }
-
-    /// Replaces the table derived from the document.
-    pub fn with_table(mut self, table: &str) -> Self {
-        self.csv = table.trim_end().to_owned();
-        self
     }
 
     /// Adds the files that the command writes with `--out`; they are computed on demand.
@@ -76,7 +80,7 @@ impl Answer {
         draw: impl Fn() -> Result<Files, Failure> + Send + Sync + 'static,
     ) -> Self {
         self.files = Some(Arc::new(Drawn {
-            draw: Box::new(draw),
+            draw: Arc::new(draw),
             made: OnceLock::new(),
         }));
         self
@@ -104,6 +108,13 @@ fn sheet(
 
 #[pymethods]
 impl Answer {
+    /// Table of the option `--format csv`.
+    #[getter]
+    fn csv(&self, py: Python<'_>) -> PyResult<String> {
+        let table = Arc::clone(&self.table);
+        interrupt::answer(py, move || Ok(table()?.trim_end().to_owned()))
+    }
+
     /// Writes the files into a folder, all or none, and returns their paths.
     fn save(
         &self,

@@ -97,7 +97,7 @@ pub fn fit(py: Python<'_>, asked: Asked) -> PyResult<Answer> {
         };
         let tests = Tests::read(&sources, &reading).map_err(FittingError::from)?;
         let answer = fitted(tests, &families, &options, asked.bulk, &mut |_| {})?;
-        let told = Answer::of(&answer, &answer)?.with_table(&answer.csv());
+        let told = Answer::of(&answer, &answer, answer.csv())?;
         Ok(told.with_files(move || Ok(answer.files()?)))
     })
 }

@@ -78,7 +78,7 @@ impl Law {
         let question = self.question(py, range, &modes, incompressible)?;
         interrupt::answer(py, move || {
             let criteria = question.answer().map_err(Failure::input)?;
-            let answer = Answer::of(&criteria, &criteria)?;
+            let answer = Answer::of(&criteria, &criteria, criteria.csv())?;
             Ok(answer.with_files(move || Ok(vec![picture("criteria", criteria.figure())])))
         })
     }
@@ -93,7 +93,7 @@ impl Law {
         let question = self.question(py, range, &modes, incompressible)?;
         interrupt::answer(py, move || {
             let card = question.card().map_err(Failure::input)?;
-            let answer = Answer::of(&card, &card)?;
+            let answer = Answer::of(&card, &card, card.csv())?;
             Ok(answer.with_files(move || card.files().map_err(Failure::machine)))
         })
     }
@@ -123,7 +123,7 @@ impl Law {
             }
             let audit = Audit::of_material(&material, convention, &deformations);
             let audit = audit.map_err(Failure::input)?;
-            Answer::of(&audit, &audit)
+            Answer::of(&audit, &audit, audit.csv())
         })
     }
 

@@ -12,19 +12,20 @@ use onset_study::tune::{TuneAnswer, TuneQuestion};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
-/// Compares the methods of a file.
+/// Compares the methods of a file, or their variants: `variations` such as `discretization.penalty=0,0.1,0.5`.
 #[pyfunction]
 pub fn compare(
     py: Python<'_>,
     file: Source,
     given: Vec<Setting>,
     libraries: Vec<PathBuf>,
+    variations: Vec<String>,
 ) -> PyResult<Answer> {
     let assigned = Assigned::from(given);
     interrupt::answer(py, move || {
-        let comparison = comparison(&file, &assigned, &libraries)?;
+        let comparison = comparison(&file, &assigned, &libraries, &variations)?;
         let table = evaluated(&comparison)?;
-        let answer = Answer::of(&table, &table)?.with_table(&table.csv());
+        let answer = Answer::of(&table, &table, table.csv())?;
         Ok(answer.with_files(move || Ok(table.files())))
     })
 }
@@ -42,7 +43,7 @@ pub fn recommend(
     let assigned = Assigned::from(given);
     interrupt::answer(py, move || {
         let mut comparison = match file {
-            Some(file) => comparison(&file, &assigned, &libraries)?,
+            Some(file) => comparison(&file, &assigned, &libraries, &[])?,
             None => {
                 let panel = dimension.checked_sub(1).and_then(|n| PANELS.get(n));
                 let (name, text) = panel.ok_or_else(|| {
@@ -65,8 +66,7 @@ pub fn recommend(
         };
         let whole = table.clone();
         let recommendation = Recommendation::new(table);
-        let answer = Answer::of(&recommendation, &recommendation)?;
-        let answer = answer.with_table(&recommendation.csv());
+        let answer = Answer::of(&recommendation, &recommendation, recommendation.csv())?;
         Ok(answer.with_files(move || Ok(whole.files())))
     })
 }
@@ -94,7 +94,7 @@ pub fn tune(
         });
         let settings = settings(file.as_ref(), &assigned, &libraries, &[question.key()])?;
         let tuned = TuneAnswer::new(&settings, &question, |_| ())?;
-        let answer = Answer::of(&tuned, &tuned)?.with_table(&tuned.csv());
+        let answer = Answer::of(&tuned, &tuned, tuned.csv())?;
         Ok(answer.with_files(move || Ok(tuned.files())))
     })
 }
@@ -120,7 +120,7 @@ pub fn modes(
             is_exported: false,
         };
         let modes = ModesAnswer::new(&settings, &question)?;
-        let answer = Answer::of(&modes, &modes)?;
+        let answer = Answer::of(&modes, &modes, modes.csv())?;
         Ok(answer.with_files(move || Ok(modes.files())))
     })
 }
@@ -129,8 +129,10 @@ fn comparison(
     (name, text): &Source,
     assigned: &Assigned,
     libraries: &[PathBuf],
+    variations: &[String],
 ) -> Result<Comparison, Failure> {
-    let comparison = of_law(Comparison::parse(name, text, &assigned.texts)?, assigned);
+    let read = Comparison::varied(name, text, &assigned.texts, variations)?;
+    let comparison = of_law(read, assigned);
     let comparison = comparison.allowing(&Trust::of_user(libraries));
     comparison.common.material.permitted()?;
     Ok(comparison)

@@ -1,7 +1,8 @@
 //! Names and descriptions of keys, laws and verdicts for the Python package.
 
+use crate::failure::Failure;
 use onset_study::Verdict;
-use onset_study::settings::{self, Key, Model};
+use onset_study::settings::{self, Key, Model, Settings};
 use pyo3::prelude::*;
 
 /// Version number of the program.
@@ -21,6 +22,15 @@ pub fn keys() -> Vec<(&'static str, String, &'static str)> {
 #[pyfunction]
 pub fn models() -> Vec<&'static str> {
     Model::all().map(Model::name).collect()
+}
+
+/// Checks the names and values of assignments to a law or to a method.
+#[pyfunction]
+pub fn check(assignments: Vec<String>) -> Result<(), Failure> {
+    // The question that uses the settings reports the notes on them.
+    Settings::check_part(&assignments)?;
+    drop(settings::notes_on_settings());
+    Ok(())
 }
 
 /// Notes on the settings read since the last call.

@@ -12,7 +12,7 @@ pub fn localize(py: Python<'_>, assignments: Vec<String>) -> PyResult<Answer> {
     interrupt::answer(py, move || {
         let settings = PlasticSettings::from_assignments(&assignments)?;
         let localization = LocalizationAnswer::new(&settings).map_err(Failure::input)?;
-        let answer = Answer::of(&localization, &localization)?.with_table(&localization.csv());
+        let answer = Answer::of(&localization, &localization, localization.csv())?;
         Ok(answer.with_files(move || Ok(localization.files())))
     })
 }

@@ -180,7 +180,7 @@ impl Problem {
                 weak,
             };
             let answer = StateAnswer::asked(&problem, &strain, &question)?;
-            Answer::of(&answer, &answer)
+            Answer::of(&answer, &answer, answer.csv())
         })
     }
 
@@ -230,7 +230,7 @@ impl Problem {
                 .with_integrator(integrator);
             let limit =
                 LimitAnswer::new(&problem.settings, &strain, &question, &time_step, &|_| ())?;
-            let answer = Answer::of(&limit, &limit)?.with_table(&limit.csv());
+            let answer = Answer::of(&limit, &limit, limit.csv())?;
             Ok(answer.with_files(move || Ok(limit.files())))
         })
     }
@@ -246,7 +246,7 @@ impl Problem {
         interrupt::answer(py, move || {
             let strain = strain(&problem, stretch.as_deref(), components.as_deref())?;
             let waves = Waves::new(&problem, &strain, &wave_vector)?;
-            Answer::of(&waves, &waves)
+            Answer::of(&waves, &waves, waves.csv())
         })
     }
 
@@ -261,7 +261,7 @@ impl Problem {
         interrupt::answer(py, move || {
             let strain = strain(&problem, stretch.as_deref(), components.as_deref())?;
             let diagram = Diagram::new(&problem, &strain, path.as_deref())?;
-            let answer = Answer::of(&diagram, diagram.told())?.with_table(&diagram.csv());
+            let answer = Answer::of(&diagram, diagram.told(), diagram.csv())?;
             Ok(answer.with_files(move || Ok(diagram.files())))
         })
     }
@@ -496,7 +496,7 @@ impl Problem {
                 is_kept: place.is_some(),
             };
             let run = simulate::simulate(&problem, &question, place.as_ref(), &watch)?;
-            let answer = Answer::of(&run, &run)?;
+            let answer = Answer::of(&run, &run, run.csv())?;
             Ok(answer.with_files(move || Ok(vec![picture("simulate", run.figure())])))
         })
     }
@@ -632,11 +632,10 @@ fn records(problem: &answers::Problem, components: &[f64]) -> Result<Vec<Record>
 /// Answer along a path.
 fn along(problem: Arc<answers::Problem>, course: Course) -> Result<Answer, Failure> {
     let path = PathAnswer::along(&problem, &course)?;
-    let answer = Answer::of(&path, &path)?;
-    Ok(answer.with_files(move || {
-        let samples = PathSamples::new(&problem, &course)?;
-        Ok(samples.files(&path))
-    }))
+    let sampled = Arc::new(move || PathSamples::new(&problem, &course));
+    let own = Arc::clone(&sampled);
+    let answer = Answer::with_table(&path, &path, move || Ok(own()?.csv()))?;
+    Ok(answer.with_files(move || Ok(sampled()?.files(&path))))
 }
 
 /// Loading mode with the given name.

@@ -152,8 +152,7 @@ pub fn screen(
             (Ok(answer), None) => answer,
             (Err(error), None) => return Err(Failure::input(error)),
         };
-        let table = answer.csv();
-        let told = Answer::of(&answer, &answer)?.with_table(&table);
+        let told = Answer::of(&answer, &answer, answer.csv())?;
         Ok(told.with_files(move || Ok(answer.files())))
     })
 }

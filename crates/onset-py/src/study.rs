@@ -77,7 +77,7 @@ impl Study {
                 summary: boundaries.summary(),
                 files: Vec::new(),
             };
-            let answer = Answer::of(&traced, text)?.with_table(&csv(&boundaries));
+            let answer = Answer::of(&traced, text, csv(&boundaries))?;
             Ok(answer.with_files(move || Ok(made.clone())))
         })
     }
@@ -124,7 +124,8 @@ impl Study {
                 summary: &summary,
                 interrupted: summary.tiles_computed + summary.tiles_found < asked,
             };
-            Answer::of(&mapped, format!("{summary}\nstore: {}", out.display()))
+            let text = format!("{summary}\nstore: {}", out.display());
+            Answer::of(&mapped, text, summary.csv())
         })
     }
 }

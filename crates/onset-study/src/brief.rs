@@ -108,7 +108,7 @@ impl Short {
         lines.push(
             named(
                 "more",
-                "--all: all numbers; --settings: settings and defaults; --json: 17 digits",
+                "--all: all numbers; --settings: settings and defaults; --json: all digits",
             )
             .concat(),
         );

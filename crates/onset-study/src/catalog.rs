@@ -1,8 +1,9 @@
 //! The available options: every word of every choice, with its formula, its parameters and its source.
 
+use crate::csv::Table;
 use crate::settings::presets::{METHOD, PRESETS, Preset};
 use crate::settings::{
-    KEYS, Key, Model, Origin, SettingError, Settings, Value, aliases, study_keys,
+    KEYS, Key, Model, Origin, SettingError, Settings, Units, Value, aliases, study_keys,
 };
 use onset::criteria::Criterion;
 use onset::formula::{FUNCTIONS, VARIABLES};
@@ -177,6 +178,17 @@ pub struct KeyList {
 }
 
 impl KeyList {
+    /// The keys as CSV, one row for each.
+    pub fn csv(&self) -> String {
+        Table::new(&self.keys, Units::Own)
+            .with("key", "1", |own| own.name)
+            .with("meaning", "1", |own| own.meaning)
+            .with("expects", "1", |own| own.expects.as_str())
+            .with("default", "1", |own| own.default.as_str())
+            .with("read_with", "1", |own| own.read_with.as_str())
+            .to_string()
+    }
+
     /// Lists every key of studies and `--set`.
     pub fn all() -> Self {
         Self {
@@ -281,6 +293,21 @@ pub struct Topic {
     pub key: &'static str,
     /// Words of the key, with their descriptions.
     pub entries: Vec<Entry>,
+}
+
+/// Words of topics as CSV, one row for each.
+pub fn csv(topics: &[Topic]) -> String {
+    let words: Vec<_> = topics
+        .iter()
+        .flat_map(|topic| topic.entries.iter().map(move |entry| (topic, entry)))
+        .collect();
+    Table::new(&words, Units::Own)
+        .with("topic", "1", |(topic, _)| topic.name)
+        .with("key", "1", |(topic, _)| topic.key)
+        .with("name", "1", |(_, entry)| entry.name)
+        .with("formula", "1", |(_, entry)| entry.formula)
+        .with("source", "1", |(_, entry)| entry.source)
+        .to_string()
 }
 
 /// The paper that sources refer to.

@@ -1,6 +1,7 @@
 //! Verdicts on all states of a map with two axes.
 
 use crate::answers::{Problem, ProblemError};
+use crate::csv::Table;
 use crate::figure::{Color, Regions, palette};
 use crate::settings::Study;
 use nalgebra::SVector;
@@ -159,17 +160,19 @@ impl Domain {
 
     /// Returns the map as CSV.
     pub fn csv(&self) -> String {
-        let names = self
-            .study
-            .plane()
-            .map(|axis| axis.name().replace(['-', '.'], "_"));
-        let mut text = format!("{},class\n", names.join(","));
-        for (index, class) in self.classes.iter().enumerate() {
-            let coordinates = self.study.coordinates(index);
-            let (a, b) = (coordinates[0], coordinates[1]);
-            text.push_str(&format!("{a:.16e},{b:.16e},{}\n", class.name()));
-        }
-        text
+        let [first, second] = self.study.plane();
+        let column = |name: &str| name.replace(['-', '.'], "_");
+        let states: Vec<_> = self
+            .classes
+            .iter()
+            .enumerate()
+            .map(|(index, class)| (self.study.coordinates(index), class))
+            .collect();
+        Table::new(&states, self.study.settings.units())
+            .with(column(first.name()), first.unit(), |(place, _)| place[0])
+            .with(column(second.name()), second.unit(), |(place, _)| place[1])
+            .with("class", "1", |(_, class)| class.name())
+            .to_string()
     }
 }
 

@@ -10,7 +10,7 @@ pub mod brief;
 pub mod catalog;
 pub mod compare;
 pub mod criteria;
-mod csv;
+pub mod csv;
 pub mod domain;
 pub mod explore;
 pub mod figure;

@@ -1,6 +1,6 @@
 //! Printing of numbers: six significant digits for any magnitude, and zero for rounding errors.
 
-/// Number of significant digits in texts; JSON has all 17.
+/// Number of significant digits in texts; JSON has all.
 pub(crate) const DIGITS: usize = 6;
 /// Largest rounding error relative to the numbers in the computation.
 const ROUNDING_FRACTION: f64 = 1e-12;

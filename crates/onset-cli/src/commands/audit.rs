@@ -22,7 +22,7 @@ pub fn audit(arguments: &AuditArguments) -> Result<ExitCode, Failure> {
     }
     let audit = Audit::of_material(&material, arguments.convention, &deformations)
         .map_err(Failure::input)?;
-    let printed = print(&audit, audit.to_string().trim_end(), None)?;
+    let printed = print(&audit, audit.to_string().trim_end(), || audit.csv())?;
     Ok(match arguments.strict && !audit.consistent {
         true => ExitCode::from(1),
         false => printed,

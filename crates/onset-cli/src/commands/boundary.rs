@@ -48,7 +48,6 @@ pub fn boundary(study: &Study, tracing: Tracing, out: Option<&Path>) -> Result<E
     counter.finish();
     let boundaries = traced.map_err(Failure::input)?;
     let made = files(&boundaries).map_err(Failure::machine)?;
-    let table = Some(csv(&boundaries));
     let written = match output {
         Some(output) => output.write(&made)?,
         None => Vec::new(),
@@ -57,5 +56,7 @@ pub fn boundary(study: &Study, tracing: Tracing, out: Option<&Path>) -> Result<E
     let text = format!("{summary}{}", wrote(&written));
     // File names are printed as text, so that names that are not UTF-8 cause no error after everything is written.
     let files = named(&written);
-    print(&Document { summary, files }, text.trim_end(), table)
+    print(&Document { summary, files }, text.trim_end(), || {
+        csv(&boundaries)
+    })
 }

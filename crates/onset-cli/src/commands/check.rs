@@ -3,8 +3,9 @@
 use super::{Failure, source, without_axes};
 use crate::printing::{Format, format, only_text, print, print_text};
 use onset_study::answers::StudySummary;
+use onset_study::csv::Table;
 use onset_study::settings::{
-    Origin, Program, SettingError, Study, Trust, schema as schema_of_studies,
+    Origin, Program, SettingError, Study, Trust, Units, schema as schema_of_studies,
 };
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -62,6 +63,43 @@ impl Mistake {
     }
 }
 
+/// Files as CSV, one row for each.
+fn csv(entries: &[Entry]) -> String {
+    let valid = |entry: &Entry, cell: fn(&StudySummary) -> String| match entry {
+        Entry::Valid(summary) => Some(cell(summary)),
+        Entry::Invalid(_) => None,
+    };
+    let mistake = |entry: &'_ Entry, cell: fn(&Mistake) -> Option<String>| match entry {
+        Entry::Valid(_) => None,
+        Entry::Invalid(mistake) => cell(mistake),
+    };
+    Table::new(entries, Units::Own)
+        .with("file", "1", |entry| match entry {
+            Entry::Valid(summary) => summary.file.clone(),
+            Entry::Invalid(mistake) => mistake.file.clone(),
+        })
+        .with("valid", "1", |entry| matches!(entry, Entry::Valid(_)))
+        .with("title", "1", move |entry| {
+            valid(entry, |summary| summary.title.clone())
+        })
+        .with("model", "1", move |entry| {
+            valid(entry, |summary| summary.model.to_owned())
+        })
+        .with("states", "1", move |entry| {
+            valid(entry, |summary| summary.states.to_string())
+        })
+        .with("line", "1", move |entry| {
+            mistake(entry, |own| Some(own.line?.to_string()))
+        })
+        .with("column", "1", move |entry| {
+            mistake(entry, |own| Some(own.column?.to_string()))
+        })
+        .with("message", "1", move |entry| {
+            mistake(entry, |own| Some(own.message.clone()))
+        })
+        .to_string()
+}
+
 /// Checks every file, and continues after an invalid one.
 pub fn check(
     files: &[PathBuf],
@@ -85,7 +123,7 @@ pub fn check(
     }
     // Errors are printed on standard error; a document contains them as entries.
     if format() != Format::Text || !valid.is_empty() {
-        print(&entries, valid.join("\n").trim_end(), None)?;
+        print(&entries, valid.join("\n").trim_end(), || csv(&entries))?;
     }
     match told.is_empty() {
         true => Ok(ExitCode::SUCCESS),

@@ -26,13 +26,7 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
     let output = arguments.drawing.output(place, "compare", &FILES)?;
     let table = evaluated(&comparison)?;
     let shown = arguments.detail.text(&table);
-    print_with_files(
-        &table,
-        &shown,
-        output,
-        || Ok(table.files()),
-        Some(table.csv()),
-    )
+    print_with_files(&table, &shown, output, || Ok(table.files()), || table.csv())
 }
 
 /// Ranks the methods of a file, or all built-in methods.
@@ -64,11 +58,10 @@ pub fn recommend(arguments: &RecommendArguments) -> Result<ExitCode, Failure> {
         None => Vec::new(),
     };
     let recommendation = Recommendation::new(table);
-    let ranking = recommendation.csv();
     print(
         &recommendation,
         &with_files(&arguments.detail.text(&recommendation), &written),
-        Some(ranking),
+        || recommendation.csv(),
     )
 }
 

@@ -18,7 +18,7 @@ pub fn criteria(arguments: &CriteriaArguments) -> Result<ExitCode, Failure> {
         &shown,
         output,
         || Ok(vec![picture("criteria", answer.figure())]),
-        None,
+        || answer.csv(),
     )
 }
 
@@ -35,7 +35,7 @@ pub fn card(arguments: &CardArguments) -> Result<ExitCode, Failure> {
         &card.to_string(),
         output,
         || card.files().map_err(Failure::machine),
-        None,
+        || card.csv(),
     )
 }
 

@@ -96,5 +96,5 @@ pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
         }
         None => text,
     };
-    print(&answer, &shown, Some(answer.csv()))
+    print(&answer, &shown, || answer.csv())
 }

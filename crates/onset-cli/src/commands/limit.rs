@@ -31,11 +31,23 @@ pub fn limit(arguments: &LimitArguments) -> Result<ExitCode, Failure> {
         let (low, high) = arguments.stretches.unwrap_or(USUAL_STRETCHES);
         let answer = KeepsAnswer::new(&settings, &question, [low, high], &is_told)?;
         bar.finish_and_clear();
-        let (text, table) = (answer.to_string(), answer.csv());
-        return print_with_files(&answer, &text, output, || Ok(answer.files()), Some(table));
+        let text = answer.to_string();
+        return print_with_files(
+            &answer,
+            &text,
+            output,
+            || Ok(answer.files()),
+            || answer.csv(),
+        );
     };
     let answer = LimitAnswer::new(&settings, &strain, &question, step, &is_told)?;
     bar.finish_and_clear();
-    let (text, table) = (answer.to_string(), answer.csv());
-    print_with_files(&answer, &text, output, || Ok(answer.files()), Some(table))
+    let text = answer.to_string();
+    print_with_files(
+        &answer,
+        &text,
+        output,
+        || Ok(answer.files()),
+        || answer.csv(),
+    )
 }

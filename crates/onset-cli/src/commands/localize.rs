@@ -32,7 +32,7 @@ pub fn localize(arguments: &LocalizeArguments) -> Result<ExitCode, Failure> {
         Some(output) => output.write(&answer.files())?,
         None => Vec::new(),
     };
-    print(&answer, &with_files(&answer, &written), Some(answer.csv()))
+    print(&answer, &with_files(&answer, &written), || answer.csv())
 }
 
 /// Refuses an assignment that contradicts an option.

@@ -22,5 +22,5 @@ pub fn modes(arguments: &ModesArguments) -> Result<ExitCode, Failure> {
         Some(output) => output.write(&answer.files())?,
         None => Vec::new(),
     };
-    print(&answer, &with_files(&answer, &written), None)
+    print(&answer, &with_files(&answer, &written), || answer.csv())
 }

@@ -4,6 +4,7 @@ use super::boundary::Counter;
 use super::{Failure, wrote};
 use crate::arguments::PlotArguments;
 use crate::printing::print;
+use onset_study::csv::of_files;
 use onset_study::output::picture;
 use onset_study::plot::{Drawn, Lines, Look, Plot, Unfinished, plot_allowing as draw};
 use serde::Serialize;
@@ -54,5 +55,6 @@ pub fn plot(arguments: &PlotArguments) -> Result<ExitCode, Failure> {
         text +=
             &format!("\nnote: {store}: {own}\n  hint: onset map STUDY.toml --out STORE --resume");
     }
-    print(&Document { files, unfinished }, &text, None)
+    let document = Document { files, unfinished };
+    print(&document, &text, || of_files(&document.files))
 }

@@ -81,7 +81,7 @@ fn once(arguments: &ScreenArguments, last: &str) -> Result<(ExitCode, bool, Stri
             recording,
         };
         let text = checks.to_string();
-        return Ok((print(&checks, &text, None)?, false, text));
+        return Ok((print(&checks, &text, || checks.csv())?, false, text));
     }
     let question = Question {
         time_step: arguments.time_step,
@@ -124,7 +124,7 @@ fn once(arguments: &ScreenArguments, last: &str) -> Result<(ExitCode, bool, Stri
         files => format!("{}\n\n{}", arguments.detail.text(&answer), wrote(files)),
     };
     if shown != last {
-        print(&answer, &shown, Some(answer.csv()))?;
+        print(&answer, &shown, || answer.csv())?;
     }
     match arguments.fail_on.contains(&answer.cause) {
         true => {

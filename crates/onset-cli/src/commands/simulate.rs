@@ -46,7 +46,9 @@ pub fn simulate(arguments: &SimulateArguments) -> Result<ExitCode, Failure> {
             let progress = Progress::new(is_kept);
             let answer = run(&problem, &question, place.as_ref(), &progress)?;
             progress.finish();
-            print(&answer, &with_files(&answer, &answer.files), None)?;
+            print(&answer, &with_files(&answer, &answer.files), || {
+                answer.csv()
+            })?;
             match answer.interrupted {
                 true => Ok(interrupted(answer.steps_taken, is_kept)),
                 false => Ok(ExitCode::from(answer.outcome.code())),
@@ -57,7 +59,9 @@ pub fn simulate(arguments: &SimulateArguments) -> Result<ExitCode, Failure> {
             let progress = Progress::new(is_kept);
             let answer = run_body(&problem, &question, place.as_ref(), &progress)?;
             progress.finish();
-            print(&answer, &with_files(&answer, &answer.files), None)?;
+            print(&answer, &with_files(&answer, &answer.files), || {
+                answer.csv()
+            })?;
             match answer.interrupted {
                 true => Ok(interrupted(answer.steps_taken, is_kept)),
                 false => Ok(ExitCode::SUCCESS),

@@ -29,6 +29,6 @@ pub fn tune(arguments: &TuneArguments) -> Result<ExitCode, Failure> {
         &shown,
         output,
         || Ok(answer.files()),
-        Some(answer.csv()),
+        || answer.csv(),
     )
 }

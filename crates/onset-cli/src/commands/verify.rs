@@ -25,13 +25,13 @@ pub fn verify(task: &VerifyTask) -> Result<ExitCode, Failure> {
         VerifyTask::Read { output, case } => told(&read(output, case.as_deref())?),
         VerifyTask::Codes => {
             let codes = Codes::all();
-            print(&codes, &codes.to_string(), None)
+            print(&codes, &codes.to_string(), || codes.csv())
         }
     }
 }
 
 fn told(judgment: &Judgment) -> Result<ExitCode, Failure> {
-    print(judgment, &judgment.to_string(), None)?;
+    print(judgment, &judgment.to_string(), || judgment.csv())?;
     Ok(ExitCode::from(judgment.outcome.code()))
 }
 
@@ -65,7 +65,7 @@ fn deck(arguments: &DeckArguments) -> Result<ExitCode, Failure> {
         ),
     };
     let text = format!("{case}\n{next}");
-    print(&case, &with_files(&text, &written), None)
+    print(&case, &with_files(&text, &written), || case.csv())
 }
 
 fn settings(

@@ -1,4 +1,4 @@
-//! Output of `--json`: one document with documented keys and numbers of 17 significant digits.
+//! Output of `--json`: one document with documented keys, and numbers with the digits that read back exactly.
 
 use crate::{document, number, numbers, onset_line};
 use serde_json::Value;

@@ -1,6 +1,6 @@
 //! Output of answers: formats, quiet and verbose, color, exit codes by verdict, files.
 
-use super::{Scratch, command, document, onset, onset_line};
+use super::{Scratch, assert_close, command, document, onset, onset_line};
 
 const STATE: &str = "state --stretch 1.1,0.95";
 
@@ -28,35 +28,183 @@ fn short_answers_have_at_most_twelve_lines_of_a_hundred_characters() {
     }
 }
 
+/// Cells of a CSV table by row, with quotes removed.
+fn cells(table: &str) -> Vec<Vec<String>> {
+    let row = |line: &str| {
+        let (mut cells, mut is_quoted) = (vec![String::new()], false);
+        for letter in line.chars() {
+            match (letter, is_quoted) {
+                ('"', _) => is_quoted = !is_quoted,
+                (',', false) => cells.push(String::new()),
+                _ => cells.last_mut().expect("a cell").push(letter),
+            }
+        }
+        cells
+    };
+    table.lines().map(row).collect()
+}
+
+/// Cells of the only row of the table of a command, by the names of the columns.
+fn only_row(line: &str) -> impl Fn(&str) -> String {
+    let rows = cells(&onset_line(&format!("{line} --format csv")).stdout);
+    assert_eq!(rows.len(), 2, "{rows:?}");
+    move |name: &str| {
+        let place = rows[0].iter().position(|own| own == name);
+        let place = place.unwrap_or_else(|| panic!("no {name} in {:?}", rows[0]));
+        rows[1][place].clone()
+    }
+}
+
 #[test]
-fn json_has_a_short_name_and_csv_holds_the_same_numbers() {
+fn json_has_a_short_name_and_the_table_of_a_state_has_one_row_with_the_same_numbers() {
     let json = onset_line(&format!("{STATE} --format json"));
     assert_eq!(json.stdout, onset_line(&format!("{STATE} --json")).stdout);
     let document = document(STATE);
-    let csv = onset_line(&format!("{STATE} --format csv"));
-    assert!(csv.stdout.starts_with("name,value\n"), "{}", csv.stdout);
-    let row = |name: &str| {
-        let start = format!("{name},");
-        let line = csv.stdout.lines().find(|line| line.starts_with(&start));
-        line.unwrap_or_else(|| panic!("no {name}"))[start.len()..].to_owned()
-    };
+    let cell = only_row(STATE);
     assert_eq!(
-        row("verdict"),
+        cell("verdict"),
         document["verdict"].as_str().expect("a word")
     );
-    let frequency: f64 = row("discretization.maximum_omega")
-        .parse()
-        .expect("a number");
     assert_eq!(
-        Some(frequency),
-        document["discretization"]["maximum_omega"].as_f64()
+        [cell("F11"), cell("F12"), cell("F22")],
+        ["1.1", "0", "0.95"]
     );
-    let table = onset_line("dispersion --stretch 1.1,0.95 --path --format csv");
-    assert!(
-        table.stdout.starts_with("length,wave_vector_1"),
-        "{}",
-        table.stdout
-    );
+    let frequency = cell("maximum_omega").parse().ok();
+    let expected = document["discretization"]["maximum_omega"].as_f64();
+    assert_eq!(frequency, expected);
+}
+
+#[test]
+fn columns_have_units_where_the_settings_have_units() {
+    let measured =
+        "set material.young=2MPa set material.poisson=0.4 set spacing=1mm set density=1g/cm^3";
+    let cell = only_row(&format!("{STATE} {measured}"));
+    assert!(cell("s11 [Pa]").parse::<f64>().is_ok());
+    for name in [
+        "growth_rate [1/s]",
+        "critical_time_step [s]",
+        "wave_vector_1 [1/m]",
+    ] {
+        cell(name);
+    }
+    assert_eq!(cell("F11"), "1.1");
+}
+
+#[test]
+fn every_command_prints_a_table_with_complete_rows() {
+    let study = "studies/rubber.toml";
+    for (line, head, rows) in [
+        (
+            "criteria --mode uniaxial set material.model=blatz-ko",
+            "mode,lateral,loading,criterion,",
+            36,
+        ),
+        (
+            "card set material.model=blatz-ko",
+            "mode,lateral,loading,strong_ellipticity_compression,",
+            10,
+        ),
+        (
+            "modes set quadrature=nodal",
+            "wave_vector_1,wave_vector_2,fractional_1,",
+            0,
+        ),
+        (
+            "audit set material.model=blatz-ko",
+            "check,outcome,error,finding",
+            0,
+        ),
+        (
+            "dispersion --stretch 1.1,1 --wave-vector 1,0",
+            "branch,omega_squared_re,",
+            2,
+        ),
+        (
+            "dispersion --stretch 1.1,0.95 --path",
+            "length,wave_vector_1,",
+            0,
+        ),
+        ("list materials", "topic,key,name,formula,source", 0),
+        ("list keys", "key,meaning,expects,default,read_with", 0),
+        ("verify codes", "name,title,is_periodic", 0),
+        (
+            &format!("check {study}"),
+            "file,valid,title,model,states,line,column,message",
+            1,
+        ),
+        (
+            "simulate --stretch 1,1 --cells 4 --turns 1,0 set method=tlsph set lattice=square",
+            "outcome,particles,F11,",
+            1,
+        ),
+        (
+            "localize --model j2 --path plane-strain",
+            "plastic_shear_strain,strain_1,",
+            0,
+        ),
+    ] {
+        let table = onset_line(&format!("{line} --format csv"));
+        assert!(
+            table.stdout.starts_with(head),
+            "{line}: {}{}",
+            table.stdout,
+            table.stderr
+        );
+        let found = cells(&table.stdout);
+        assert!(
+            found.iter().all(|row| row.len() == found[0].len()),
+            "{line}: {}",
+            table.stdout
+        );
+        assert!(
+            found.len() > 1 && (rows == 0 || found.len() == rows + 1),
+            "{line}: {} rows",
+            found.len() - 1
+        );
+        assert!(
+            !table.stdout.contains("00000000"),
+            "{line}: {}",
+            table.stdout
+        );
+    }
+}
+
+#[test]
+fn the_table_of_criteria_has_the_limits_of_the_document_and_shear_as_an_amount() {
+    let line = "criteria --mode simple-shear --mode uniaxial set material.model=blatz-ko";
+    let rows = cells(&onset_line(&format!("{line} --format csv")).stdout);
+    let place = |name: &str| {
+        rows[0]
+            .iter()
+            .position(|own| own == name)
+            .expect("a column")
+    };
+    let limit = |title: &str| {
+        let row = rows.iter().find(|row| {
+            row[place("loading")] == title && row[place("criterion")] == "strong-ellipticity"
+        });
+        row.expect("a row")[place("tension_lost")]
+            .parse::<f64>()
+            .expect("a number")
+    };
+    assert_close(limit("simple shear, plane strain"), 2.0_f64.sqrt(), 1e-9);
+    let loadings = document(line)["loadings"].clone();
+    let uniaxial = loadings.as_array().expect("loadings").iter();
+    let own = uniaxial
+        .clone()
+        .find(|one| one["title"] == "uniaxial, lateral faces free");
+    let own = &own.expect("a loading")["criteria"][0]["tension"]["limit"];
+    assert_eq!(own.as_f64(), Some(limit("uniaxial, lateral faces free")));
+}
+
+#[test]
+fn the_spacing_of_a_lattice_is_written_as_it_was_set() {
+    let modes = onset_line("modes --json").stdout;
+    assert!(modes.contains("\"spacing\": 1.0,"), "{modes}");
+}
+
+#[test]
+fn commands_that_print_scripts_have_no_other_format() {
     for line in [
         "schema --json",
         "umat-utilities --format csv",

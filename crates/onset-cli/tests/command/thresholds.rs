@@ -45,7 +45,10 @@ fn limits_are_options_and_their_effect_is_reported() {
         assert!(text.contains(fact), "{fact}: {text}");
     }
     let csv = onset_line(&format!("{line} --format csv")).stdout;
-    assert!(csv.starts_with("place,method,score,rule,why\n1,"), "{csv}");
+    assert!(
+        csv.starts_with("place,method,score,cost,rule,why\n1,"),
+        "{csv}"
+    );
 }
 
 #[test]

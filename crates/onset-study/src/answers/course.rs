@@ -5,6 +5,7 @@ use super::path::{CrossingAnswer, PathAnswer};
 use super::problem::{Problem, ProblemError, Strain};
 use super::state::{StateAnswer, rows};
 use crate::criteria::EndAnswer;
+use crate::csv::Table;
 use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
 use crate::number::told;
 use crate::output::{Files, picture, text};
@@ -401,44 +402,32 @@ impl PathSamples {
 
     /// The states as CSV.
     pub fn csv(&self) -> String {
-        let mut table = String::from(
-            "parameter,abscissa,F11,F12,F13,F21,F22,F23,F31,F32,F33,verdict,minimum_scaled,minimum_omega_squared,growth_rate,\
-             minimum_acoustic_eigenvalue,s11,s22,s33,s12\n",
-        );
-        for sample in &self.samples {
-            let f = sample.deformation_gradient.iter().flatten();
-            let place = [sample.parameter, sample.abscissa];
-            let numbers = place.iter().chain(f).map(|number| format!("{number:.16e}"));
-            let mut cells: Vec<String> = numbers.collect();
-            let of_method = sample.state.as_ref().map(|state| {
-                let d = &state.discretization;
-                [softest(state), d.minimum_omega_squared.re, d.growth_rate]
-            });
-            let of_law = sample.material.map(|material| {
-                let s = material.cauchy;
-                [
-                    material.minimum_acoustic_eigenvalue,
-                    s[0][0],
-                    s[1][1],
-                    s[2][2],
-                    s[0][1],
-                ]
-            });
-            let cell = |number: Option<f64>| {
-                number.map_or_else(String::new, |number| format!("{number:.16e}"))
-            };
-            cells.push(
-                sample
-                    .verdict()
-                    .map_or("undefined", Verdict::name)
-                    .to_owned(),
-            );
-            cells.extend((0..3).map(|n| cell(of_method.map(|numbers| numbers[n]))));
-            cells.extend((0..5).map(|n| cell(of_law.map(|numbers| numbers[n]))));
-            table.push_str(&cells.join(","));
-            table.push('\n');
-        }
-        table
+        let of_state =
+            |sample: &PathSample, value: fn(&StateAnswer) -> f64| sample.state.as_ref().map(value);
+        let stress =
+            |sample: &PathSample, i: usize, j: usize| Some(sample.material.as_ref()?.cauchy[i][j]);
+        Table::new(&self.samples, self.settings.units())
+            .with("parameter", "1", |own| own.parameter)
+            .with("abscissa", "1", |own| own.abscissa)
+            .tensor("F", "1", |own| &own.deformation_gradient)
+            .with("verdict", "1", |own| {
+                own.verdict().map_or("undefined", Verdict::name)
+            })
+            .with("minimum_scaled", "1", move |own| of_state(own, softest))
+            .with("minimum_omega_squared", "1/time^2", move |own| {
+                of_state(own, |state| state.discretization.minimum_omega_squared.re)
+            })
+            .with("growth_rate", "1/time", move |own| {
+                of_state(own, |state| state.discretization.growth_rate)
+            })
+            .with("minimum_acoustic_eigenvalue", "stress", |own| {
+                Some(own.material.as_ref()?.minimum_acoustic_eigenvalue)
+            })
+            .with("s11", "stress", move |own| stress(own, 0, 0))
+            .with("s22", "stress", move |own| stress(own, 1, 1))
+            .with("s33", "stress", move |own| stress(own, 2, 2))
+            .with("s12", "stress", move |own| stress(own, 0, 1))
+            .to_string()
     }
 
     /// Draws the softest mode of the discretization and the smallest acoustic eigenvalue of the material along the path.

@@ -6,6 +6,7 @@ use super::notes::notes;
 use super::problem::{Problem, ProblemError, Strain};
 use super::state::{ComplexNumber, list};
 use super::zone_path::{CRITICAL, SymmetryPoints, ZonePath};
+use crate::csv::Table;
 use crate::figure::{Axis, Figure, Line, Panel, Points, Rule, palette};
 use crate::number::{told, told_of, vector};
 use crate::output::{Files, picture, text};
@@ -208,44 +209,41 @@ impl Diagram {
 
     /// The samples as CSV: position along the path, wave vector, `omega^2` of discretization and continuum.
     pub fn csv(&self) -> String {
-        let columns = |name: &str, count: usize| {
-            (1..=count)
-                .map(|n| format!("{name}_{n}"))
-                .collect::<Vec<_>>()
-        };
         let dimension = self
             .samples
             .first()
             .map_or(0, |sample| sample.wave_vector.len());
-        let mut header = vec!["length".to_owned()];
-        header.extend(columns("wave_vector", dimension));
-        header.extend(columns("omega_squared_re", self.branches()));
-        header.extend(columns("omega_squared_im", self.branches()));
-        header.extend(columns("continuum_omega_squared", dimension));
-        let row = |(length, sample): (&f64, &DispersionAnswer)| {
-            let particles = &sample.omega_squared;
-            let numbers = std::iter::once(*length)
-                .chain(sample.wave_vector.iter().copied())
-                .chain(particles.iter().map(|value| value.re))
-                .chain(particles.iter().map(|value| value.im))
-                .chain(sample.continuum_omega_squared.iter().copied());
-            numbers
-                .map(|number| format!("{number:.16e}"))
-                .collect::<Vec<_>>()
-                .join(",")
-        };
-        let rows: Vec<String> = self.lengths.iter().zip(&self.samples).map(row).collect();
-        format!("{}\n{}\n", header.join(","), rows.join("\n"))
+        let branches = self.branches();
+        let samples: Vec<_> = self.lengths.iter().zip(&self.samples).collect();
+        Table::new(&samples, self.settings.units())
+            .with("length", "1/length", |(length, _)| **length)
+            .each("wave_vector", dimension, "1/length", |(_, own), n| {
+                own.wave_vector[n]
+            })
+            .each("omega_squared_re", branches, "1/time^2", |(_, own), n| {
+                own.omega_squared[n].re
+            })
+            .each("omega_squared_im", branches, "1/time^2", |(_, own), n| {
+                own.omega_squared[n].im
+            })
+            .each(
+                "continuum_omega_squared",
+                dimension,
+                "1/time^2",
+                |(_, own), n| own.continuum_omega_squared[n],
+            )
+            .to_string()
     }
 
     /// The density of states as CSV: the ends of each interval, and the density in it.
     pub fn density_csv(&self) -> String {
         let DensityOfStates { edges, density, .. } = &self.density_of_states;
-        let rows = edges.windows(2).zip(density);
-        let row = |(ends, density): (&[f64], &f64)| {
-            format!("{:.16e},{:.16e},{density:.16e}\n", ends[0], ends[1])
-        };
-        format!("from,to,density\n{}", rows.map(row).collect::<String>())
+        let intervals: Vec<_> = edges.windows(2).zip(density).collect();
+        Table::new(&intervals, self.settings.units())
+            .with("from", "1/time", |(ends, _)| ends[0])
+            .with("to", "1/time", |(ends, _)| ends[1])
+            .with("density", "time", |(_, density)| **density)
+            .to_string()
     }
 
     fn branches(&self) -> usize {

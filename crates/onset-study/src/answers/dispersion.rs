@@ -3,6 +3,7 @@
 use super::notes::notes;
 use super::problem::{Problem, ProblemError, Strain, numbers};
 use super::state::ComplexNumber;
+use crate::csv::Table;
 use crate::number::{told_of, vector};
 use crate::settings::{Effective, Units};
 use onset::analysis::PlaneWaves;
@@ -50,6 +51,22 @@ impl Waves {
             notes: notes(&problem.settings, &*problem.material),
             settings: problem.settings.effective(),
         })
+    }
+}
+
+impl Waves {
+    /// The waves as CSV, one row for each branch of the discretization; the continuum has `D` branches.
+    pub fn csv(&self) -> String {
+        let waves: Vec<_> = self.waves.omega_squared.iter().enumerate().collect();
+        let continuum = &self.waves.continuum_omega_squared;
+        Table::new(&waves, self.settings.units())
+            .with("branch", "1", |(n, _)| n + 1)
+            .with("omega_squared_re", "1/time^2", |(_, own)| own.re)
+            .with("omega_squared_im", "1/time^2", |(_, own)| own.im)
+            .with("continuum_omega_squared", "1/time^2", |(n, _)| {
+                continuum.get(*n).copied()
+            })
+            .to_string()
     }
 }
 

@@ -12,6 +12,7 @@ use super::notes::{buckling, notes};
 use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
 use crate::compare::percent;
+use crate::csv::Table;
 use crate::methods::reduced;
 use crate::number::{counted, told, told_below, told_of, vector};
 use crate::settings::{Effective, Family, Value};
@@ -302,6 +303,51 @@ impl Default for StateQuestion {
 }
 
 impl StateAnswer {
+    /// The state as CSV, in one row.
+    pub fn csv(&self) -> String {
+        let dimension = self.discretization.wave_vector.len();
+        Table::new(std::slice::from_ref(self), self.settings.units())
+            .with("verdict", "1", |own| own.verdict.name())
+            .with("mechanism", "1", |own| own.mechanism.map(Mechanism::name))
+            .with("evidence", "1", |own| own.evidence.name())
+            .tensor("F", "1", |own| &own.deformation_gradient)
+            .with("minimum_scaled", "1", |own| {
+                own.discretization.minimum_scaled
+            })
+            .with("minimum_omega_squared", "1/time^2", |own| {
+                own.discretization.minimum_omega_squared.re
+            })
+            .with("growth_rate", "1/time", |own| {
+                own.discretization.growth_rate
+            })
+            .each("wave_vector", dimension, "1/length", |own, n| {
+                own.discretization.wave_vector[n]
+            })
+            .with("weakest_relative_frequency", "1", |own| {
+                let weakest = own.discretization.weakest_mode.as_ref();
+                weakest.map(|mode| mode.relative_frequency)
+            })
+            .with("maximum_omega", "1/time", |own| {
+                own.discretization.maximum_omega
+            })
+            .with("critical_time_step", "time", |own| {
+                own.discretization.critical_time_step
+            })
+            .with("finite_body_time_step", "time", |own| {
+                let bodies = own.discretization.finite_bodies.as_ref();
+                bodies.map(|bodies| bodies.time_step)
+            })
+            .with("elliptic", "1", |own| own.material.elliptic)
+            .with("minimum_acoustic_eigenvalue", "stress", |own| {
+                own.material.minimum_acoustic_eigenvalue
+            })
+            .with("s11", "stress", |own| own.material.cauchy[0][0])
+            .with("s22", "stress", |own| own.material.cauchy[1][1])
+            .with("s33", "stress", |own| own.material.cauchy[2][2])
+            .with("s12", "stress", |own| own.material.cauchy[0][1])
+            .to_string()
+    }
+
     /// Assesses a state and returns the answer.
     ///
     /// # Errors

@@ -43,6 +43,18 @@ pub struct Check {
     pub finding: String,
 }
 
+impl Outcome {
+    /// Name of the outcome in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Passed => "passed",
+            Self::Failed => "failed",
+            Self::Undetermined => "undetermined",
+            Self::Noted => "noted",
+        }
+    }
+}
+
 impl Check {
     fn new(name: &'static str, error: f64, holds: &str, fails: &str) -> Self {
         let passed = error <= TOLERANCE;

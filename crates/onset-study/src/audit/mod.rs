@@ -19,7 +19,8 @@ pub use states::{State, states};
 pub use subject::{Sample, Subject};
 pub use tangent::{Misfit, Partial, TangentFinding};
 
-use crate::settings::{MaterialSettings, Value};
+use crate::csv::Table;
+use crate::settings::{MaterialSettings, Units, Value};
 use checks::Measured;
 use onset::kinematics::{DeformationGradient, KinematicsError};
 use onset::material::MaterialError;
@@ -86,6 +87,16 @@ pub struct Audit {
 }
 
 impl Audit {
+    /// The checks as CSV, one row for each.
+    pub fn csv(&self) -> String {
+        Table::new(&self.checks, Units::Own)
+            .with("check", "1", |own| own.name)
+            .with("outcome", "1", |own| own.outcome.name())
+            .with("error", "1", |own| own.error)
+            .with("finding", "1", |own| own.finding.as_str())
+            .to_string()
+    }
+
     /// Audits a material as set. The tangent of a law is delivered in the given convention, or as `dP/dF`.
     ///
     /// # Errors

@@ -1,6 +1,7 @@
 //! Boundaries as files: GeoJSON curves in the coordinates of the axes, and a table of vertices.
 
 use super::{Boundaries, CurveSummary, Owner};
+use crate::csv::Table;
 use crate::json;
 use crate::output::{Files, text};
 use onset::verdict::boundary::{Curve, End};
@@ -60,26 +61,24 @@ pub fn geojson(boundaries: &Boundaries) -> Value {
 pub fn csv(boundaries: &Boundaries) -> String {
     let [first, second] = boundaries.study.plane();
     let column = |name: &str| name.replace(['-', '.'], "_");
-    let mut text = format!(
-        "curve,of,left,right,{},{},accuracy,corner\n",
-        column(first.name()),
-        column(second.name())
-    );
-    for (index, (of, curve)) in boundaries.curves().enumerate() {
-        for vertex in &curve.vertices {
-            text.push_str(&format!(
-                "{index},{},{},{},{:.16e},{:.16e},{:.1e},{}\n",
-                of.name(),
-                curve.left.name(),
-                curve.right.name(),
-                vertex.point[0],
-                vertex.point[1],
-                vertex.accuracy,
-                u8::from(vertex.is_corner)
-            ));
-        }
-    }
-    text
+    let vertices: Vec<_> = boundaries
+        .curves()
+        .enumerate()
+        .flat_map(|(number, (of, curve))| {
+            let vertices = curve.vertices.iter();
+            vertices.map(move |vertex| (number, of, curve, vertex))
+        })
+        .collect();
+    Table::new(&vertices, boundaries.study.settings.units())
+        .with("curve", "1", |own| own.0)
+        .with("of", "1", |own| own.1.name())
+        .with("left", "1", |own| own.2.left.name())
+        .with("right", "1", |own| own.2.right.name())
+        .with(column(first.name()), first.unit(), |own| own.3.point[0])
+        .with(column(second.name()), second.unit(), |own| own.3.point[1])
+        .with("accuracy", "1", |own| own.3.accuracy)
+        .with("corner", "1", |own| own.3.is_corner)
+        .to_string()
 }
 
 /// Boundaries as `boundary.geojson` and `boundary.csv`.

@@ -4,6 +4,7 @@ use super::thresholds::{RECOMMENDATION_LIMITS, Thresholds, percent};
 use super::{Measured, Table};
 use crate::csv;
 use crate::number::counted;
+use crate::settings::Units;
 use serde::Serialize;
 use std::fmt;
 
@@ -148,21 +149,23 @@ impl Recommendation {
 
     /// Ranking as a CSV table.
     pub fn csv(&self) -> String {
-        let mut text = String::from("place,method,score,rule,why\n");
-        for (n, ranked) in self.ranking.iter().enumerate() {
-            let name = csv::text(&ranked.name);
-            let score = match ranked.score.is_finite() {
-                true => format!("{:.16e}", ranked.score),
-                false => String::new(),
-            };
-            let line = match &ranked.excluded {
-                None => format!("{},{name},{score},,", n + 1),
-                Some((rule, why)) => format!(",{name},{score},{rule},{}", csv::text(why)),
-            };
-            text.push_str(&line);
-            text.push('\n');
-        }
-        text
+        let ranking: Vec<_> = self.ranking.iter().enumerate().collect();
+        csv::Table::new(&ranking, Units::Own)
+            .with("place", "1", |(n, own)| {
+                own.excluded.is_none().then_some(n + 1)
+            })
+            .with("method", "1", |(_, own)| own.name.as_str())
+            .with("score", "1", |(_, own)| {
+                own.score.is_finite().then_some(own.score)
+            })
+            .with("cost", "1", |(_, own)| own.cost)
+            .with("rule", "1", |(_, own)| {
+                own.excluded.as_ref().map(|(rule, _)| *rule)
+            })
+            .with("why", "1", |(_, own)| {
+                own.excluded.as_ref().map(|(_, why)| why.as_str())
+            })
+            .to_string()
     }
 
     /// Changes for other limits, as sentences.

@@ -222,30 +222,23 @@ impl Table {
             .map(|pair| pair.material)
     }
 
-    /// Table as CSV, with all digits, and empty cells for missing numbers.
+    /// Table as CSV, with empty cells for missing numbers.
     pub fn csv(&self) -> String {
-        let columns = self.columns();
-        let mut text = String::from("method");
-        for column in &columns {
-            text.push_str(&format!(",{}", column.name));
-        }
-        text.push_str(",zero_modes_complete,note\n");
-        for row in &self.rows {
-            text.push_str(&csv::text(&row.name));
-            for column in &columns {
-                let number = row.measured.as_ref().map(|m| (column.number)(m));
-                match number {
-                    Ok(number) if number.is_finite() => text.push_str(&format!(",{number:.16e}")),
-                    _ => text.push(','),
-                }
-            }
-            let (is_complete, note) = match &row.measured {
-                Ok(measured) => (measured.zero_modes_complete.to_string(), ""),
-                Err(error) => (String::new(), error.as_str()),
-            };
-            text.push_str(&format!(",{is_complete},{}\n", csv::text(note)));
-        }
-        text
+        let units = self.rows.first().map(|row| row.settings.units());
+        let table = csv::Table::new(&self.rows, units.unwrap_or_default());
+        let table = table.with("method", "1", |row| row.name.as_str());
+        let table = self.columns().iter().fold(table, |table, column| {
+            table.with(&column.name, "1", |row| {
+                let number = (column.number)(row.measured.as_ref().ok()?);
+                number.is_finite().then_some(number)
+            })
+        });
+        table
+            .with("zero_modes_complete", "1", |row| {
+                row.measured.as_ref().ok().map(|m| m.zero_modes_complete)
+            })
+            .with("note", "1", |row| row.measured.as_ref().err().cloned())
+            .to_string()
     }
 
     /// Notes on the law, and on methods with their names.

@@ -3,14 +3,16 @@
 use super::figure::{IMPOSED, held, mark, stretches};
 use super::sentence::{opening, title, witness};
 use super::{
-    CriteriaError, CriterionAnswer, EndAnswer, KinkAnswer, LawAnswer, LoadingAnswer, Question,
-    SideAnswer, kink,
+    CriteriaError, CriterionAnswer, EndAnswer, KinkAnswer, Lateral, LawAnswer, LoadingAnswer, Mode,
+    Question, SideAnswer, imposed, kink,
 };
 use crate::answers::Evidence;
+use crate::csv::Table;
 use crate::figure::{Axis, Color, Figure, Line, Panel, Rule, palette};
 use crate::json;
 use crate::number::{told, told_above, told_below};
 use crate::output::{Files, picture, text};
+use crate::settings::Units;
 use onset::cancel::Scope;
 use onset::criteria::{BoxEnd, Criterion, SafeBox, Witness, safe_box, widest_safe_box};
 use rayon::prelude::*;
@@ -57,6 +59,10 @@ pub struct BoxAnswer {
 /// Limits of ellipticity for one loading.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Limits {
+    /// Deformation mode that is imposed.
+    pub mode: Mode,
+    /// Condition on the lateral directions.
+    pub lateral: Lateral,
     /// Short name of the loading.
     pub title: &'static str,
     /// Stretch at which ellipticity is lost in compression; `null` if it is kept.
@@ -201,6 +207,8 @@ impl Limits {
             own.map(|own| own.tension.clone()).unwrap_or_default(),
         ];
         Self {
+            mode: answer.mode,
+            lateral: answer.lateral,
             title: answer.title,
             compression: compression.limit,
             tension: tension.limit,
@@ -284,9 +292,9 @@ fn toward(end: f64) -> &'static str {
 impl CardAnswer {
     /// Unit of stress for a table heading; empty if the parameters have no units.
     pub(super) fn unit_of_stress(&self) -> &'static str {
-        match self.material.units.values().any(|unit| *unit == "Pa") {
-            true => " in Pa",
-            false => "",
+        match self.material.units() {
+            Units::Si => " in Pa",
+            Units::Own => "",
         }
     }
 
@@ -300,6 +308,43 @@ impl CardAnswer {
         boxes
             .filter_map(|(name, found)| Some((name, found.as_ref()?)))
             .collect()
+    }
+
+    /// The limits as CSV, one row for each loading: for each criterion the imposed stretch, in simple shear the amount of shear, and the nominal
+    /// stress at the loss in compression and in tension.
+    pub fn csv(&self) -> String {
+        let mut table = Table::new(&self.loadings, self.material.units())
+            .with("mode", "1", |own| own.mode.name())
+            .with("lateral", "1", |own| own.lateral.name())
+            .with("loading", "1", |own| own.title);
+        let sides: [(&str, fn(&CriterionLimits) -> Option<LimitPoint>); 2] = [
+            ("compression", |own| own.compression),
+            ("tension", |own| own.tension),
+        ];
+        for criterion in CARD_CRITERIA {
+            for (name, side) in sides {
+                let name = format!("{}_{name}", criterion.name().replace('-', "_"));
+                let point = move |own: &Limits| {
+                    let mut criteria = own.criteria.iter();
+                    side(criteria.find(|own| own.criterion == criterion)?)
+                };
+                table = table
+                    .with(&name, "1", |own| {
+                        Some(imposed(own.mode, point(own)?.stretch))
+                    })
+                    .with(format!("{name}_stress"), "stress", |own| {
+                        Some(point(own)?.nominal_stress)
+                    });
+            }
+        }
+        table
+            .with("compression_end", "1", |own| {
+                imposed(own.mode, own.compression_end.stretch)
+            })
+            .with("tension_end", "1", |own| {
+                imposed(own.mode, own.tension_end.stretch)
+            })
+            .to_string()
     }
 
     /// Draws the ranges as horizontal bars.

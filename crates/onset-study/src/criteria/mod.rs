@@ -12,8 +12,9 @@ pub use card::{BoxAnswer, CardAnswer, Limits};
 pub use onset::criteria::{Lateral, Mode, Range};
 
 use crate::answers::{Evidence, moduli, notes_on_law};
+use crate::csv::Table;
 use crate::number;
-use crate::settings::{MaterialSettings, Value};
+use crate::settings::{MaterialSettings, Units, Value};
 use onset::cancel::Scope;
 use onset::criteria::{
     Change, Criterion, Discontinuity, Event, Kink, Knowledge, Loading, LoadingError, LoadingPath,
@@ -164,6 +165,75 @@ pub struct CriteriaAnswer {
     pub evidence: Evidence,
     /// Disagreements between the criteria and strong ellipticity, in words.
     pub disagreements: Vec<String>,
+}
+
+impl LawAnswer {
+    /// Units of the parameters.
+    fn units(&self) -> Units {
+        match self.units.values().any(|unit| *unit == "Pa") {
+            true => Units::Si,
+            false => Units::Own,
+        }
+    }
+}
+
+impl CriteriaAnswer {
+    /// The limits as CSV, one row for each loading and criterion, with the first loss and the first return on both sides of the reference
+    /// configuration: imposed stretches, in simple shear the amount of shear.
+    pub fn csv(&self) -> String {
+        let rows: Vec<_> = self
+            .loadings
+            .iter()
+            .flat_map(|loading| loading.criteria.iter().map(move |own| (loading, own)))
+            .collect();
+        let mut table = Table::new(&rows, self.material.units())
+            .with("mode", "1", |(loading, _)| loading.mode.name())
+            .with("lateral", "1", |(loading, _)| loading.lateral.name())
+            .with("loading", "1", |(loading, _)| loading.title)
+            .with("criterion", "1", |(_, own)| own.criterion.name())
+            .with("defined", "1", |(_, own)| own.defined)
+            .with("holds_in_reference", "1", |(_, own)| own.holds_in_reference);
+        type Side = (
+            &'static str,
+            fn(&LoadingAnswer) -> &EndAnswer,
+            fn(&CriterionAnswer) -> &SideAnswer,
+        );
+        let sides: [Side; 2] = [
+            (
+                "compression",
+                |loading| &loading.compression_end,
+                |own| &own.compression,
+            ),
+            (
+                "tension",
+                |loading| &loading.tension_end,
+                |own| &own.tension,
+            ),
+        ];
+        for (name, end, side) in sides {
+            let first = |own: &CriterionAnswer, kind: Change| {
+                let mut changes = side(own).changes.iter();
+                changes.find(|change| change.change == kind).cloned()
+            };
+            table = table
+                .with(format!("{name}_lost"), "1", |(loading, own)| {
+                    Some(imposed(loading.mode, side(own).limit?))
+                })
+                .with(format!("{name}_lost_stress"), "stress", |(_, own)| {
+                    Some(first(own, Change::Lost)?.nominal_stress)
+                })
+                .with(format!("{name}_upper_bound"), "1", |(_, own)| {
+                    side(own).limit.is_some().then(|| side(own).upper_bound)
+                })
+                .with(format!("{name}_regained"), "1", |(loading, own)| {
+                    Some(imposed(loading.mode, first(own, Change::Regained)?.stretch))
+                })
+                .with(format!("{name}_end"), "1", |(loading, _)| {
+                    imposed(loading.mode, end(loading).stretch)
+                });
+        }
+        table.to_string()
+    }
 }
 
 /// Results of every criterion for one loading.
@@ -685,9 +755,17 @@ fn kink(kink: &KinkAnswer) -> String {
     }
 }
 
+/// Imposed quantity of a mode at a stretch: the stretch, or in simple shear the amount of shear.
+fn imposed(mode: Mode, stretch: f64) -> f64 {
+    match mode {
+        Mode::SimpleShear => stretch - stretch.recip(),
+        _ => stretch,
+    }
+}
+
 fn nominal_strain(loading: Loading, stretch: f64) -> f64 {
     match loading.mode {
-        Mode::SimpleShear => loading.mode.imposed(stretch.ln()),
+        Mode::SimpleShear => imposed(loading.mode, stretch),
         _ => stretch - 1.0,
     }
 }

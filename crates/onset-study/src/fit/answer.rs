@@ -2,11 +2,12 @@
 
 use super::{FittingError, Tests, assignments, volumetric_misfit};
 use crate::brief::{Brief, Short};
+use crate::csv::Table;
+use crate::json;
 use crate::number::{counted, told, told_with};
 use crate::output::{Files, picture, text};
-use crate::settings::{Program, law_written};
+use crate::settings::{Program, Units, law_written};
 use crate::shell::quoted;
-use crate::{csv, json};
 use onset_fit::{Criterion, Fit, Misfit, Mode, Model, Options, Proof, Range, Test, Weights};
 use serde::Serialize;
 use std::fmt::{self, Write};
@@ -365,27 +366,30 @@ impl FitAnswer {
 
     /// Measured and fitted stresses of all laws as a table.
     pub fn csv(&self) -> String {
-        let mut table = "law,test,mode,stretch,measured,fitted,free\n".to_owned();
-        for own in &self.laws {
-            let free = &own.fit.free.misfits;
-            for ((test, misfit), free) in self.data.iter().zip(&own.tests).zip(free) {
-                let values = misfit.stresses.iter().zip(&free.stresses);
-                for (point, (fitted, free)) in test.points.iter().zip(values) {
-                    let _ = writeln!(
-                        table,
-                        "{},{},{},{},{},{},{}",
-                        csv::text(&own.law),
-                        csv::text(&test.name),
-                        test.mode.name(),
-                        point.stretch,
-                        point.stress,
-                        fitted,
-                        free
-                    );
-                }
+        let mut points = Vec::new();
+        for law in &self.laws {
+            let free = &law.fit.free.misfits;
+            for ((test, misfit), free) in self.data.iter().zip(&law.tests).zip(free) {
+                let stresses = misfit.stresses.iter().zip(&free.stresses);
+                let own = test.points.iter().zip(stresses);
+                points
+                    .extend(own.map(|(point, (fitted, free))| (law, test, point, *fitted, *free)));
             }
         }
-        table
+        // The tables of the tests name the unit.
+        let stress = |name: &str| match &self.unit {
+            Some(unit) => format!("{name} [{unit}]"),
+            None => name.to_owned(),
+        };
+        Table::new(&points, Units::Own)
+            .with("law", "1", |own| own.0.law.as_str())
+            .with("test", "1", |own| own.1.name.as_str())
+            .with("mode", "1", |own| own.1.mode.name())
+            .with("stretch", "1", |own| own.2.stretch)
+            .with(stress("measured"), "1", |own| own.2.stress)
+            .with(stress("fitted"), "1", |own| own.3)
+            .with(stress("free"), "1", |own| own.4)
+            .to_string()
     }
 
     /// Names of the files of [`FitAnswer::files`], without the figure.

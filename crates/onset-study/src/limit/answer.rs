@@ -5,12 +5,12 @@ use super::{LimitQuestion, VALUES};
 use crate::answers::{
     BodyStepAnswer, Evidence, FiniteBodyAnswer, LATTICE_NOTE, Problem, ProblemError, Strain, notes,
 };
-use crate::csv;
+use crate::csv::Table;
 use crate::figure::{Axis, Figure, Line, Panel, Points, Rule, palette};
 use crate::number::told;
 use crate::output::{Files, picture, text};
 use crate::range::spread;
-use crate::settings::{Effective, Settings, Units};
+use crate::settings::{Effective, Key, Settings, Units};
 use onset::cancel::Scope;
 use onset::time_step::{Integrator, undamped_time_step};
 use onset::verdict::Verdict;
@@ -366,20 +366,13 @@ impl LimitAnswer {
 
     /// All evaluated values as CSV.
     pub fn csv(&self) -> String {
-        let mut text = String::from("value,critical_time_step,verdict,note\n");
-        for one in &self.tried {
-            let step = match one.critical_time_step {
-                step if step.is_nan() => String::new(),
-                step => format!("{step:.16e}"),
-            };
-            text.push_str(&format!(
-                "{:.16e},{step},{},{}\n",
-                one.value,
-                one.verdict.map_or("", Verdict::name),
-                csv::text(one.note.as_deref().unwrap_or_default())
-            ));
-        }
-        text
+        let dimension = Key::named(&self.key).and_then(|key| key.unit());
+        Table::new(&self.tried, self.units())
+            .with("value", dimension.unwrap_or("1"), |own| own.value)
+            .with("critical_time_step", "time", |own| own.critical_time_step)
+            .with("verdict", "1", |own| own.verdict.map(Verdict::name))
+            .with("note", "1", |own| own.note.clone())
+            .to_string()
     }
 
     /// The answer as `limit.csv` and the figure `limit`.

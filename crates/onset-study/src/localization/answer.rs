@@ -1,6 +1,7 @@
 //! Answer of `onset localize`: the first state of a path at which the material localizes.
 
 use super::{LocalizationError, PlasticLaw, PlasticSettings};
+use crate::csv::Table;
 use crate::number::{told as number, told_of, vector};
 use crate::settings::{Units, Value};
 use nalgebra::Vector3;
@@ -182,45 +183,31 @@ impl LocalizationAnswer {
         Ok(told)
     }
 
-    /// Table of the path as CSV with a header line.
+    /// Table of the path as CSV.
     pub fn csv(&self) -> String {
-        let mut text = String::from(
-            "plastic_shear_strain,strain_1,strain_2,strain_3,stress_1,stress_2,stress_3,plastic_modulus,\
-             critical_modulus,strong_critical_modulus,angle_to_major,angle_to_minor\n",
-        );
-        for point in &self.path {
-            let ([e1, e2, e3], [s1, s2, s3]) = (point.strain, point.stress);
-            let band = &point.band;
-            let numbers = [
-                point.slip,
-                e1,
-                e2,
-                e3,
-                s1,
-                s2,
-                s3,
-                point.plastic_modulus,
-                point.critical_modulus,
-                point.strong_critical_modulus,
-                band.angle_to_major,
-                band.angle_to_minor,
-            ];
-            text.push_str(&line(&numbers));
-        }
-        text
+        Table::new(&self.path, self.units)
+            .with("plastic_shear_strain", "1", |own| own.slip)
+            .each("strain", 3, "1", |own, n| own.strain[n])
+            .each("stress", 3, "stress", |own, n| own.stress[n])
+            .with("plastic_modulus", "stress", |own| own.plastic_modulus)
+            .with("critical_modulus", "stress", |own| own.critical_modulus)
+            .with("strong_critical_modulus", "stress", |own| {
+                own.strong_critical_modulus
+            })
+            .with("angle_to_major", "deg", |own| own.band.angle_to_major)
+            .with("angle_to_minor", "deg", |own| own.band.angle_to_minor)
+            .to_string()
     }
 
-    /// Table of critical moduli by direction as CSV with a header line.
+    /// Table of critical moduli by direction as CSV.
     pub fn directions_csv(&self) -> String {
-        let mut text = String::from("angle_to_minor,critical_modulus,strong_critical_modulus\n");
-        for direction in &self.directions {
-            text.push_str(&line(&[
-                direction.angle,
-                direction.critical_modulus,
-                direction.strong_critical_modulus,
-            ]));
-        }
-        text
+        Table::new(&self.directions, self.units)
+            .with("angle_to_minor", "deg", |own| own.angle)
+            .with("critical_modulus", "stress", |own| own.critical_modulus)
+            .with("strong_critical_modulus", "stress", |own| {
+                own.strong_critical_modulus
+            })
+            .to_string()
     }
 
     /// Name of the band. In a sheet it is a neck, and the kind of the band gives the change of thickness.
@@ -382,11 +369,6 @@ fn directions(point: &PathPoint, bands: Bands) -> Result<Vec<DirectionAnswer>, L
 
 fn json(value: &Value) -> serde_json::Value {
     serde_json::to_value(value).unwrap_or_default()
-}
-
-fn line(numbers: &[f64]) -> String {
-    let text: Vec<String> = numbers.iter().map(|number| format!("{number:e}")).collect();
-    format!("{}\n", text.join(","))
 }
 
 impl std::fmt::Display for LocalizationAnswer {

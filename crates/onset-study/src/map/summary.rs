@@ -5,8 +5,9 @@ use super::proved::Proofs;
 pub use super::proved::Proved;
 use super::record::{Outcomes, Proof};
 use crate::answers::{Evidence, note_on_mapped_body};
+use crate::csv::Table;
 use crate::number::counted;
-use crate::settings::Study;
+use crate::settings::{Study, Units};
 use onset::verdict::Verdict;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -128,6 +129,16 @@ pub struct Summary {
 }
 
 impl Summary {
+    /// The verdicts as CSV, one row for each.
+    pub fn csv(&self) -> String {
+        let verdicts: Vec<_> = self.verdicts.iter().collect();
+        Table::new(&verdicts, Units::Own)
+            .with("verdict", "1", |(name, _)| **name)
+            .with("states", "1", |(_, own)| own.states)
+            .with("share", "1", |(_, own)| own.share)
+            .to_string()
+    }
+
     pub(super) fn new(
         study: &Study,
         tally: Tally,

@@ -1,10 +1,29 @@
 //! Modes as displacement fields of a patch, for initial conditions of a simulation.
 
 use super::{ModesAnswer, ShownMode};
+use crate::csv::Table;
 use crate::output::{Files, picture, text};
+use crate::settings::Units;
 use std::fmt::Write;
 
 impl ModesAnswer {
+    /// The modes as CSV, one row for each; `nullity` is 0 for a weakly controlled mode.
+    pub fn csv(&self) -> String {
+        let dimension = self.dimension;
+        Table::new(&self.modes, self.settings.units())
+            .each("wave_vector", dimension, "1/length", |own, n| {
+                own.wave_vector[n]
+            })
+            .each("fractional", dimension, "1", |own, n| own.fractional[n])
+            .each("wave", dimension, "1/length", |own, n| own.wave[n])
+            .with("relative_frequency", "1", |own| own.relative_frequency)
+            .with("nullity", "1", |own| own.nullity)
+            .with("extent", "1", |own| own.extent.name())
+            .with("smallest_patch", "1", |own| own.fit.cells)
+            .with("kind", "1", ShownMode::kind)
+            .to_string()
+    }
+
     /// Returns the figure (`modes`), the animation (`modes.html`), and for each mode the displacement field of the patch
     /// (`mode-1.csv` and `mode-1.vtk`).
     pub fn files(&self) -> Files {
@@ -12,8 +31,9 @@ impl ModesAnswer {
             picture("modes", self.figure()),
             text("modes.html", self.page()),
         ];
+        let units = self.settings.units();
         for (n, mode) in self.modes.iter().enumerate() {
-            files.push(text(format!("mode-{}.csv", n + 1), mode.csv()));
+            files.push(text(format!("mode-{}.csv", n + 1), mode.csv(units)));
             files.push(text(format!("mode-{}.vtk", n + 1), mode.vtk(self.cells)));
         }
         files
@@ -22,13 +42,16 @@ impl ModesAnswer {
 
 impl ShownMode {
     /// Positions and displacements as CSV, one line for each particle.
-    pub fn csv(&self) -> String {
-        let mut text = String::from("x1,x2,x3,u1,u2,u3\n");
-        for (x, u) in self.positions.iter().zip(&self.displacements) {
-            let numbers = x.iter().chain(u).map(|number| format!("{number:.16e}"));
-            let _ = writeln!(text, "{}", numbers.collect::<Vec<_>>().join(","));
-        }
-        text
+    pub fn csv(&self, units: Units) -> String {
+        let particles: Vec<_> = self.positions.iter().zip(&self.displacements).collect();
+        Table::new(&particles, units)
+            .with("x1", "length", |(x, _)| x[0])
+            .with("x2", "length", |(x, _)| x[1])
+            .with("x3", "length", |(x, _)| x[2])
+            .with("u1", "length", |(_, u)| u[0])
+            .with("u2", "length", |(_, u)| u[1])
+            .with("u3", "length", |(_, u)| u[2])
+            .to_string()
     }
 
     /// Positions with the vectors `displacement` as a VTK file (legacy format, text), for ParaView and similar programs.

@@ -24,6 +24,9 @@ use std::fmt;
 /// Maximum number of particles of a patch.
 const MAX_PARTICLES: f64 = 40_000.0;
 
+/// Relative rounding error of the spacing of a cell.
+const SPACING_ROUNDING: f64 = 1e-12;
+
 /// Options for the list and the export of modes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModesQuestion {
@@ -138,7 +141,7 @@ impl ModesAnswer {
         let patch = analysis.patch(question.cells);
         Ok(Self {
             dimension,
-            spacing: analysis.spacing(),
+            spacing: spacing(&*analysis, &settings),
             zero_extent: found.zero_extent,
             complete: found.is_complete,
             evidence: Evidence::of(false, found.is_complete),
@@ -155,6 +158,15 @@ impl ModesAnswer {
             notes: notes(&settings, &*material),
             settings: settings.effective(),
         })
+    }
+}
+
+/// Spacing of the settings, which a lattice reproduces to rounding; that of the cell if it has another.
+fn spacing(analysis: &dyn Analysis, settings: &Settings) -> f64 {
+    let (own, given) = (analysis.spacing(), settings.discretization.spacing);
+    match (own - given).abs() <= SPACING_ROUNDING * given {
+        true => given,
+        false => own,
     }
 }
 

@@ -3,11 +3,12 @@
 use super::boundary::{material_boundary, onsets, state};
 use super::{ReproduceError, StudyResult, study};
 use crate::answers::{Problem, ProblemError};
+use crate::csv::Table;
 use crate::domain::Domain;
 use crate::figure::{
     Arrows, Axis, Field, Figure, Label, Line, Marker, Panel, Points, Rule, palette,
 };
-use crate::settings::Study;
+use crate::settings::{Study, Units};
 use nalgebra::{Vector2, vector};
 use onset::analysis::{Analysis, acoustic_minimum_in, analysis};
 use onset::kinematics::DeformationGradient;
@@ -90,13 +91,13 @@ fn spread((low, high): (f64, f64), count: usize) -> Vec<f64> {
 }
 
 fn csv(header: &str, rows: impl IntoIterator<Item = Vec<f64>>) -> String {
-    let mut text = format!("{header}\n");
-    for row in rows {
-        let cells: Vec<String> = row.iter().map(|value| format!("{value:.16e}")).collect();
-        text.push_str(&cells.join(","));
-        text.push('\n');
-    }
-    text
+    let rows: Vec<Vec<f64>> = rows.into_iter().collect();
+    let names = header.split(',').enumerate();
+    names
+        .fold(Table::new(&rows, Units::Own), |table, (n, name)| {
+            table.with(name, "1", move |row| row[n])
+        })
+        .to_string()
 }
 
 fn pairs(points: &[(f64, f64)]) -> String {

@@ -1,7 +1,8 @@
 //! Report of a reproduction, as text for the terminal, as a page, and as a table.
 
 use super::claims::{Claim, ClaimVerdict};
-use crate::csv;
+use crate::csv::Table;
+use crate::settings::Units;
 use serde::Serialize;
 
 /// Verified claims, and the figures.
@@ -55,22 +56,16 @@ impl Report {
 
     /// Claims as a CSV table.
     pub fn csv(&self) -> String {
-        let mut text = String::from("id,place,paper,computed,choices,verdict,number,recorded\n");
-        for claim in &self.claims {
-            let cells = [
-                claim.id.to_owned(),
-                csv::text(claim.place),
-                csv::text(claim.paper),
-                csv::text(&claim.computed),
-                csv::text(claim.choices),
-                csv::text(&claim.verdict.to_string()),
-                format!("{:.16e}", claim.number),
-                csv::text(claim.recorded),
-            ];
-            text.push_str(&cells.join(","));
-            text.push('\n');
-        }
-        text
+        Table::new(&self.claims, Units::Own)
+            .with("id", "1", |claim| claim.id)
+            .with("place", "1", |claim| claim.place)
+            .with("paper", "1", |claim| claim.paper)
+            .with("computed", "1", |claim| claim.computed.as_str())
+            .with("choices", "1", |claim| claim.choices)
+            .with("verdict", "1", |claim| claim.verdict.to_string())
+            .with("number", "1", |claim| claim.number)
+            .with("recorded", "1", |claim| claim.recorded)
+            .to_string()
     }
 
     /// Report as a page that needs no files except the figures next to it.

@@ -10,15 +10,16 @@ use super::study::{command, study};
 use super::{Frame, Question, Recording, Run, ScreenError};
 use crate::answers::{Problem, StateAnswer, StateQuestion, notes};
 use crate::brief::{Brief, Short};
+use crate::csv::Table;
 use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
+use crate::json;
 use crate::number::{counted, told, told_with};
 use crate::output::{Files, picture, text};
-use crate::settings::Effective;
+use crate::settings::{Effective, Units};
 use onset::kinematics::DeformationGradient;
 use onset::verdict::Mechanism;
 use serde::Serialize;
 use std::fmt;
-use std::fmt::Write;
 
 /// Relative error of the predicted limits; a step or a state closer to its limit counts as at the limit.
 const LIMIT_TOLERANCE: f64 = 0.02;
@@ -95,6 +96,24 @@ pub struct ScreenChecks {
     pub recording: Recording,
     /// Particle spacing of the settings; length.
     pub spacing: f64,
+}
+
+impl ScreenChecks {
+    /// The recording as CSV, in one row.
+    pub fn csv(&self) -> String {
+        Table::new(std::slice::from_ref(self), Units::Own)
+            .with("format", "1", |own| own.recording.format.as_str())
+            .with("files", "1", |own| own.recording.files)
+            .with("frames", "1", |own| own.recording.frames)
+            .with("first_time", "time", |own| own.recording.times[0])
+            .with("last_time", "time", |own| own.recording.times[1])
+            .with("longest_interval", "time", |own| own.recording.interval)
+            .with("particles", "1", |own| own.recording.particles)
+            .with("elements", "1", |own| own.recording.elements)
+            .with("held", "1", |own| own.recording.held)
+            .with("spacing", "length", |own| own.spacing)
+            .to_string()
+    }
 }
 
 impl fmt::Display for ScreenChecks {
@@ -707,29 +726,22 @@ impl ScreenAnswer {
 
     /// Table of the frames.
     pub fn csv(&self) -> String {
-        let mut table = "time,predicted,predicted_by_step,observed,observed_mean,acoustic,growth,step_ratio,undefined\n".to_owned();
-        let optional = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
-        for own in &self.moments {
-            let _ = writeln!(
-                table,
-                "{},{},{},{},{},{},{},{},{}",
-                own.time,
-                own.predicted,
-                own.predicted_by_step,
-                own.observed,
-                own.observed_mean,
-                optional(own.acoustic),
-                optional(own.growth),
-                optional(own.step_ratio),
-                own.undefined
-            );
-        }
-        table
+        Table::new(&self.moments, self.settings.units())
+            .with("time", "time", |own| own.time)
+            .with("predicted", "1", |own| own.predicted)
+            .with("predicted_by_step", "1", |own| own.predicted_by_step)
+            .with("observed", "1", |own| own.observed)
+            .with("observed_mean", "1", |own| own.observed_mean)
+            .with("acoustic", "1", |own| own.acoustic)
+            .with("growth", "1/time", |own| own.growth)
+            .with("step_ratio", "1", |own| own.step_ratio)
+            .with("undefined", "1", |own| own.undefined)
+            .to_string()
     }
 
     /// Table, document, study and figure.
     pub fn files(&self) -> Files {
-        let document = serde_json::to_string_pretty(self).unwrap_or_default();
+        let document = json::document(self).unwrap_or_default();
         let mut files = vec![
             text("screen.csv", self.csv()),
             text("screen.json", document + "\n"),

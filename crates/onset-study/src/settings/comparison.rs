@@ -125,6 +125,9 @@ const SHARED: &[&str] = &[
 /// Keys, without their section, that set the support. The key of a method replaces the key of the shared settings.
 const SUPPORTS: [&str; 2] = ["support", "smoothing-length"];
 
+/// Key of the family of methods.
+const METHOD: &str = "discretization.method";
+
 /// Largest number of variants of methods in one comparison.
 const MOST_VARIANTS: usize = 200;
 
@@ -315,7 +318,7 @@ impl Comparison {
             }
         }
         let methods = methods.filter(|(_, items): &(_, &DeArray<'_>)| !items.is_empty());
-        let has_method = comparison.common.origin("discretization.method").is_some();
+        let has_method = comparison.common.origin(METHOD).is_some();
         if !variations.is_empty() && methods.is_none() {
             comparison.candidates.push(Candidate {
                 name: String::new(),
@@ -341,21 +344,61 @@ impl Comparison {
                 return Err(SettingError::new(origin, message).hint(EXAMPLE));
             };
             let candidate = comparison.read_method(&file, file.of(item), table)?;
-            if let Some(other) = comparison
-                .candidates
-                .iter()
-                .find(|other| other.name == candidate.name)
-            {
-                let message = format!("two methods are called \"{}\"", other.name);
-                return Err(SettingError::new(candidate.origin, message)
-                    .hint("give every method a different name"));
-            }
             comparison.candidates.push(candidate);
         }
+        // The variants of a single method differ by their varied settings.
+        if variations.is_empty() || comparison.candidates.len() > 1 {
+            comparison.name_by_differences();
+        }
+        comparison.check_names()?;
         comparison.check_dimensions()?;
         comparison.check_common_is_read()?;
         comparison.vary(variations)?;
         Ok(comparison)
+    }
+
+    /// Names each method without a name by its family and by the settings in which the methods without names differ.
+    fn name_by_differences(&mut self) {
+        let unnamed = self.candidates.iter().filter(|own| own.name.is_empty());
+        let settings: Vec<Settings> = unnamed.map(|own| own.settings.clone()).collect();
+        let value = |own: &Settings, key: &Key| {
+            let is_read = own.unmet(key).is_none();
+            own.value(key.name).filter(|_| is_read)
+        };
+        let differing: Vec<&Key> = KEYS
+            .iter()
+            .filter(|key| key.parts().0 == "discretization" && key.name != METHOD)
+            .filter(|key| {
+                let is_set = settings.iter().any(|own| own.origin(key.name).is_some());
+                let mut pairs = settings.windows(2);
+                is_set && pairs.any(|pair| value(&pair[0], key) != value(&pair[1], key))
+            })
+            .collect();
+        for candidate in self.candidates.iter_mut().filter(|own| own.name.is_empty()) {
+            let own = &candidate.settings;
+            let family = own.value(METHOD).map(|family| family.to_string());
+            let differences = differing.iter().filter_map(|key| {
+                own.origin(key.name)?;
+                Some(format!("{} {}", key.parts().1, value(own, key)?))
+            });
+            let parts: Vec<String> = family.into_iter().chain(differences).collect();
+            candidate.name = parts.join(", ");
+        }
+    }
+
+    /// Refuses two methods with the same name.
+    fn check_names(&self) -> Result<(), SettingError> {
+        for (n, own) in self.candidates.iter().enumerate() {
+            if self.candidates[..n]
+                .iter()
+                .any(|other| other.name == own.name)
+            {
+                let message = format!("two methods are called \"{}\"", own.name);
+                return Err(SettingError::new(own.origin.clone(), message)
+                    .hint("give every method a different name"));
+            }
+        }
+        Ok(())
     }
 
     /// Adds the built-in methods to the method of the study, with the study's material and particles.
@@ -473,12 +516,12 @@ impl Comparison {
         if SUPPORTS.into_iter().any(|own| table.contains_key(own)) {
             settings = settings.with_other_support();
         }
-        let mut name = None;
+        let mut name = String::new();
         let mut own_keys = Vec::new();
         for (key, value) in in_order(table) {
             match (key.get_ref().as_ref(), value.get_ref()) {
                 ("name", DeValue::String(text)) if !text.trim().is_empty() => {
-                    name = Some(text.trim().to_owned());
+                    name = text.trim().to_owned();
                 }
                 ("name", other) => {
                     let message = format!("`name` cannot be {}", described(other));
@@ -507,9 +550,6 @@ impl Comparison {
         settings.check_values(&[])?;
         settings.check_units()?;
         settings.check_admitted()?;
-        let name = name.ok_or_else(|| {
-            SettingError::new(origin.clone(), "the method has no `name`").hint(EXAMPLE)
-        })?;
         Ok(Candidate {
             name,
             settings,

@@ -224,9 +224,7 @@ impl MaterialSettings {
     ///
     /// Moduli that are `open` will be varied: the parameters that follow from them are checked later.
     pub(super) fn check(&self, open: &[&str]) -> Result<(), SettingError> {
-        for (name, (_, origin)) in &self.set {
-            self.check_taken(name, origin)?;
-        }
+        self.check_names()?;
         let is_open = open
             .iter()
             .filter_map(|name| name.strip_prefix("material."))
@@ -248,6 +246,12 @@ impl MaterialSettings {
             Model::Law(_) => Ok(()),
             Model::Own(model) => (model.check)(self),
         }
+    }
+
+    /// Checks that every key that was set belongs to the model.
+    pub(super) fn check_names(&self) -> Result<(), SettingError> {
+        let mut set = self.set.iter();
+        set.try_for_each(|(name, (_, origin))| self.check_taken(name, origin))
     }
 
     /// Checks that the model has a parameter, or that it is a modulus of the law.

@@ -103,6 +103,27 @@ impl Settings {
         Ok(settings)
     }
 
+    /// Checks the names and values of assignments to a part of the settings, such as a law without a method. Settings that complete the part, files and
+    /// libraries are not needed.
+    ///
+    /// # Errors
+    /// [`SettingError`] for an unknown key, a value of a wrong kind, a parameter that the law does not have, and a key that the method never uses.
+    pub fn check_part<S: AsRef<str>>(assignments: &[S]) -> Result<(), SettingError> {
+        const METHOD: &str = "discretization.method";
+        let mut settings = Self::default();
+        for assignment in assignments {
+            settings.assign(assignment.as_ref())?;
+        }
+        settings.material.check_names()?;
+        for (key, origin) in settings.set_keys() {
+            let lacking = key.lacking(METHOD, &|name| settings.value(name));
+            if lacking.is_none() {
+                settings.check_read(key, origin.clone(), &[])?;
+            }
+        }
+        Ok(())
+    }
+
     /// Checks that every key that was set has an effect; `open` are keys that will be varied.
     ///
     /// # Errors

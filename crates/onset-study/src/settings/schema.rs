@@ -227,8 +227,7 @@ fn methods() -> Value {
     let mut properties: Map<String, Value> = own
         .map(|key| (key.parts().1.to_owned(), property(key)))
         .collect();
-    let name =
-        json!({ "type": "string", "description": "name of the method in tables and figures" });
+    let name = json!({ "type": "string", "description": "name of the method in tables and figures; if omitted, its family and what differs" });
     properties.insert("name".to_owned(), name);
     json!({
         "type": "array",
@@ -236,7 +235,6 @@ fn methods() -> Value {
         "items": {
             "type": "object",
             "properties": properties,
-            "required": ["name"],
             "additionalProperties": false
         }
     })

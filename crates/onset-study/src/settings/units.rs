@@ -320,6 +320,22 @@ impl Units {
         format!("{what} ({unit})")
     }
 
+    /// Name of a column of a table, with the unit in brackets if it is known.
+    ///
+    /// ```
+    /// use onset_study::settings::Units;
+    /// assert_eq!((Units::Si.head("s11", "stress"), Units::Own.head("s11", "stress")), ("s11 [Pa]".into(), "s11".into()));
+    /// assert_eq!((Units::Si.head("F11", "1"), Units::Own.head("angle", "deg")), ("F11".into(), "angle [deg]".into()));
+    /// ```
+    pub fn head(self, name: &str, dimension: &str) -> String {
+        let unit = match (dimension, self) {
+            ("deg" | "rad", _) => Some(dimension),
+            (_, Self::Own) => None,
+            (_, Self::Si) => si(dimension),
+        };
+        unit.map_or_else(|| name.to_owned(), |unit| format!("{name} [{unit}]"))
+    }
+
     /// Returns true if values have units.
     pub fn are_si(&self) -> bool {
         *self == Self::Si

@@ -4,6 +4,7 @@ use super::checkpoint::Progress;
 use super::plan::{COLUMNS, Plan};
 use super::{Question, Seeded};
 use crate::answers::{Problem, notes_on_patch};
+use crate::csv::Table;
 use crate::number::{counted, told, told_of, vector};
 use crate::settings::{Effective, Units};
 use crate::verify::{Rate, compared, fitted, fitted_alone};
@@ -341,6 +342,50 @@ fn state(f: &[[f64; 3]; 3]) -> String {
     match is_diagonal {
         true => format!("stretches {}", vector(&[f[0][0], f[1][1], f[2][2]])),
         false => format!("F = [{}]", f.map(|row| vector(&row)).join(", ")),
+    }
+}
+
+impl SimulateAnswer {
+    /// Predicted and measured rate as CSV, in one row.
+    pub fn csv(&self) -> String {
+        let measured = |own: &Self, value: fn(&Measured) -> f64| own.measured.as_ref().map(value);
+        Table::new(std::slice::from_ref(self), self.settings.units())
+            .with("outcome", "1", |own| own.outcome.name())
+            .with("particles", "1", |own| own.particles)
+            .tensor("F", "1", |own| &own.deformation_gradient)
+            .each(
+                "wave_vector",
+                self.wave_vector.len(),
+                "1/length",
+                |own, n| own.wave_vector[n],
+            )
+            .with("branch", "1", |own| own.branch)
+            .with("omega_squared_re", "1/time^2", |own| own.omega_squared[0])
+            .with("omega_squared_im", "1/time^2", |own| own.omega_squared[1])
+            .with("time_step", "time", |own| own.time_step)
+            .with("critical_time_step", "time", |own| own.critical_time_step)
+            .with("steps_taken", "1", |own| own.steps_taken)
+            .with("predicted_growth", "1/time", |own| own.predicted.growth)
+            .with("predicted_frequency", "1/time", |own| {
+                own.predicted.frequency
+            })
+            .with("measured_growth", "1/time", move |own| {
+                measured(own, |found| found.rate.growth)
+            })
+            .with("measured_frequency", "1/time", move |own| {
+                measured(own, |found| found.rate.frequency)
+            })
+            .with("difference", "1", move |own| {
+                measured(own, |found| found.difference)
+            })
+            .with("uncertainty", "1", move |own| {
+                measured(own, |found| found.uncertainty)
+            })
+            .with("energy_drift", "1", |own| own.energy_drift)
+            .with("largest_displacement", "length", |own| {
+                own.largest_displacement
+            })
+            .to_string()
     }
 }
 

@@ -7,6 +7,7 @@ use super::plan::{
 };
 use super::run::{Course, Keeper, Moving, Place, Watch, grid};
 use crate::answers::{Problem, notes_on_patch};
+use crate::csv::Table;
 use crate::number::{counted, told};
 use crate::output::picture;
 use crate::settings::{BodySettings, Effective};
@@ -18,22 +19,22 @@ use std::fmt;
 use std::path::PathBuf;
 
 /// Columns of the history of a body.
-const COLUMNS: &[&str] = &[
-    "step",
-    "time",
-    "kinetic_energy",
-    "strain_energy",
-    "energy",
-    "work_of_grips",
-    "momentum_1",
-    "momentum_2",
-    "momentum_3",
-    "angular_momentum_1",
-    "angular_momentum_2",
-    "angular_momentum_3",
-    "largest_displacement",
-    "smallest_volume_ratio",
-    "largest_volume_ratio",
+const COLUMNS: &[(&str, &str)] = &[
+    ("step", "1"),
+    ("time", "time"),
+    ("kinetic_energy", "energy"),
+    ("strain_energy", "energy"),
+    ("energy", "energy"),
+    ("work_of_grips", "energy"),
+    ("momentum_1", "momentum"),
+    ("momentum_2", "momentum"),
+    ("momentum_3", "momentum"),
+    ("angular_momentum_1", "momentum"),
+    ("angular_momentum_2", "momentum"),
+    ("angular_momentum_3", "momentum"),
+    ("largest_displacement", "length"),
+    ("smallest_volume_ratio", "1"),
+    ("largest_volume_ratio", "1"),
 ];
 
 /// Body to be run, with its start and duration.
@@ -140,7 +141,7 @@ pub fn run_body(
                 "amplitude": question.amplitude,
                 "seed": question.seed,
             });
-            let course = course(question, body, spacing, decisive);
+            let course = course(problem, question, body, decisive);
             answer =
                 Some(course.and_then(|course| run(problem, question, &course, body, place, watch)));
         })?;
@@ -148,14 +149,14 @@ pub fn run_body(
 }
 
 fn course(
+    problem: &Problem,
     question: &BodyQuestion,
     body: &mut dyn BodyMotion,
-    spacing: f64,
     mut decisive: serde_json::Value,
 ) -> Result<Course, SimulateError> {
     let start = Start {
         f: question.start(),
-        noise: question.amplitude * spacing,
+        noise: question.amplitude * problem.analysis.spacing(),
         seed: question.seed,
     };
     let unstarted = |fault| {
@@ -204,6 +205,7 @@ fn course(
         fields,
         is_shown: false,
         columns: COLUMNS,
+        units: problem.settings.effective().units(),
         start: body.state(),
         grown: "the body is deformed beyond its law, or zero-energy modes have grown: stretch it less, refine it, or set a discretization.penalty",
     })
@@ -323,6 +325,28 @@ impl Moving for MovingBody<'_> {
         grid.matrices.push(("F", f.iter().map(flat).collect()));
         grid.scalars = vec![("volume_ratio", &ratios), ("shear_strain", &shears)];
         Ok(grid.vtu())
+    }
+}
+
+impl BodyAnswer {
+    /// The run as CSV, in one row.
+    pub fn csv(&self) -> String {
+        Table::new(std::slice::from_ref(self), self.settings.units())
+            .with("particles", "1", |own| own.particles)
+            .with("time_step", "time", |own| own.time_step)
+            .with("critical_time_step", "time", |own| own.critical_time_step)
+            .with("steps", "1", |own| own.steps)
+            .with("steps_taken", "1", |own| own.steps_taken)
+            .with("kinetic_energy", "energy", |own| own.kinetic_energy)
+            .with("strain_energy", "energy", |own| own.strain_energy)
+            .with("work_of_grips", "energy", |own| own.work_of_grips)
+            .with("energy_drift", "1", |own| own.energy_drift)
+            .with("largest_displacement", "length", |own| {
+                own.largest_displacement
+            })
+            .with("smallest_volume_ratio", "1", |own| own.volume_ratios[0])
+            .with("largest_volume_ratio", "1", |own| own.volume_ratios[1])
+            .to_string()
     }
 }
 

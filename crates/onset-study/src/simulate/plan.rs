@@ -76,17 +76,17 @@ pub struct Question {
 }
 
 /// Columns of the history of a patch.
-pub(super) const COLUMNS: &[&str] = &[
-    "step",
-    "time",
-    "kinetic_energy",
-    "potential_energy",
-    "energy",
-    "momentum_1",
-    "momentum_2",
-    "momentum_3",
-    "largest_displacement",
-    "amplitude",
+pub(super) const COLUMNS: &[(&str, &str)] = &[
+    ("step", "1"),
+    ("time", "time"),
+    ("kinetic_energy", "energy"),
+    ("potential_energy", "energy"),
+    ("energy", "energy"),
+    ("momentum_1", "momentum"),
+    ("momentum_2", "momentum"),
+    ("momentum_3", "momentum"),
+    ("largest_displacement", "length"),
+    ("amplitude", "length"),
 ];
 
 /// Plan of the run of a patch.
@@ -240,6 +240,7 @@ impl Plan {
                 fields,
                 is_shown,
                 columns: COLUMNS,
+                units: problem.settings.effective().units(),
                 start,
                 grown: "a growing wave has left the linear range, or --amplitude is large: choose fewer --steps or a smaller --amplitude",
             },

@@ -2,14 +2,15 @@
 
 use super::SimulateError;
 use super::checkpoint::{CHECKPOINT, FRESH_START, Progress};
+use crate::csv::Table;
 use crate::figure::Sheet;
 use crate::input;
 use crate::output::{Content, Files, Output, text};
+use crate::settings::Units;
 use crate::vtk;
 use onset::method::MethodError;
 use onset::motion::{Fault, Ground, PatchState};
 use std::ffi::OsString;
-use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -60,8 +61,10 @@ pub(super) struct Course {
     pub(super) fields: Vec<u64>,
     /// Whether fields are kept for a page.
     pub(super) is_shown: bool,
-    /// Columns of the history, step and time first.
-    pub(super) columns: &'static [&'static str],
+    /// Columns of the history with their dimensions, step and time first.
+    pub(super) columns: &'static [(&'static str, &'static str)],
+    /// Units of the history.
+    pub(super) units: Units,
     pub(super) start: PatchState,
     /// Remedy for a motion that grows beyond the range of its law.
     pub(super) grown: &'static str,
@@ -280,7 +283,7 @@ impl<'a> Keeper<'a> {
         files.extend(others);
         files.push(text(
             "history.csv",
-            history(self.course.columns, &self.progress.history),
+            history(self.course, &self.progress.history),
         ));
         files.extend(checkpoint);
         let output = Output::at::<&str>(&place.folder, &[]);
@@ -350,11 +353,13 @@ fn begun(course: &Course, place: Option<&Place>) -> Result<Progress, SimulateErr
 }
 
 /// History as a CSV table.
-fn history(columns: &[&str], lines: &[f64]) -> String {
-    let mut table = columns.join(",") + "\n";
-    for line in lines.chunks_exact(columns.len()) {
-        let numbers: Vec<String> = line.iter().map(|number| format!("{number:e}")).collect();
-        let _ = writeln!(table, "{},{}", line[0], numbers[1..].join(","));
-    }
-    table
+fn history(course: &Course, lines: &[f64]) -> String {
+    let lines: Vec<&[f64]> = lines.chunks_exact(course.columns.len()).collect();
+    let columns = course.columns.iter().enumerate();
+    columns
+        .fold(
+            Table::new(&lines, course.units),
+            |table, (n, (name, dimension))| table.with(name, dimension, move |line| line[n]),
+        )
+        .to_string()
 }

@@ -4,12 +4,12 @@ use super::TuneQuestion;
 use crate::answers::{Evidence, LATTICE_NOTE, ProblemError, notes, stabilization};
 use crate::brief::{Brief, Short};
 use crate::compare::{Measured, TUNING_LIMITS, Thresholds, outcome, percent};
-use crate::csv;
+use crate::csv::Table;
 use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
 use crate::number;
 use crate::output::{Files, picture, text};
 use crate::range::middle;
-use crate::settings::{CompareSettings, Effective, Settings};
+use crate::settings::{CompareSettings, Effective, Key, Settings};
 use onset::cancel::Scope;
 use onset::measures::StretchOnset;
 use rayon::prelude::*;
@@ -298,30 +298,37 @@ impl TuneAnswer {
 
     /// All values as CSV.
     pub fn csv(&self) -> String {
-        let mut text = String::from(
-            "value,zero_modes,zero_modes_complete,weakest,false_instability,suppressed_instability,courant,dispersion_8,sufficient,masks,note\n",
-        );
-        for one in &self.tried {
-            let (sufficient, masks) = (
-                one.is_sufficient(&self.thresholds),
-                one.masks(&self.thresholds),
-            );
-            let cells = match &one.measured {
-                Ok(m) => format!(
-                    "{},{},{:.16e},{:.16e},{:.16e},{:.16e},{:.16e},{sufficient},{masks},",
-                    m.zero_modes,
-                    m.zero_modes_complete,
-                    m.weakest,
-                    m.fidelity.false_instability,
-                    m.fidelity.suppressed_instability,
-                    m.courant,
-                    m.dispersion_at(8.0)
-                ),
-                Err(why) => format!(",,,,,,,,,{}", csv::text(why)),
-            };
-            text.push_str(&format!("{:.16e},{cells}\n", one.value));
-        }
-        text
+        let dimension = Key::named(&self.key).and_then(|key| key.unit());
+        let measured =
+            |own: &Tried, value: &dyn Fn(&Measured) -> f64| own.measured.as_ref().ok().map(value);
+        let limits = &self.thresholds;
+        Table::new(&self.tried, self.settings.units())
+            .with("value", dimension.unwrap_or("1"), |own| own.value)
+            .with("zero_modes", "1", |own| {
+                own.measured.as_ref().ok().map(|m| m.zero_modes)
+            })
+            .with("zero_modes_complete", "1", |own| {
+                own.measured.as_ref().ok().map(|m| m.zero_modes_complete)
+            })
+            .with("weakest", "1", |own| measured(own, &|m| m.weakest))
+            .with("false_instability", "1", |own| {
+                measured(own, &|m| m.fidelity.false_instability)
+            })
+            .with("suppressed_instability", "1", |own| {
+                measured(own, &|m| m.fidelity.suppressed_instability)
+            })
+            .with("courant", "1", |own| measured(own, &|m| m.courant))
+            .with("dispersion_8", "1", |own| {
+                measured(own, &|m| m.dispersion_at(8.0))
+            })
+            .with("sufficient", "1", |own| {
+                own.measured.is_ok().then(|| own.is_sufficient(limits))
+            })
+            .with("masks", "1", |own| {
+                own.measured.is_ok().then(|| own.masks(limits))
+            })
+            .with("note", "1", |own| own.measured.as_ref().err().cloned())
+            .to_string()
     }
 
     /// The answer as `tune.csv` and the figure `tune`.

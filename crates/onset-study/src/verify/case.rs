@@ -3,11 +3,12 @@
 use super::prediction::{mode, predicted};
 use super::{Block, Code, Deck, Prediction, VerifyError};
 use crate::answers::{Problem, ProblemError};
+use crate::csv::Table;
 use crate::input;
 use crate::json;
 use crate::number::{exact, vector};
 use crate::output::{Files, text};
-use crate::settings::{Family, Settings};
+use crate::settings::{Family, Settings, Units};
 use onset::algebra::Complex;
 use onset::kinematics::DeformationGradient;
 use onset::time_step::{Integrator, Stepping};
@@ -298,6 +299,33 @@ impl Case {
     /// Number of frames of a complete output.
     pub fn frames(&self) -> usize {
         self.steps / self.every + 1
+    }
+}
+
+impl Case {
+    /// The case as CSV, in one row.
+    pub fn csv(&self) -> String {
+        Table::new(std::slice::from_ref(self), Units::Own)
+            .with("case", "1", |own| own.id.as_str())
+            .with("code", "1", |own| own.code.as_str())
+            .each("stretch", 3, "1", |own, n| own.stretches[n])
+            .each(
+                "wave_vector",
+                self.wave_vector.len(),
+                "1/length",
+                |own, n| own.wave_vector[n],
+            )
+            .with("omega_squared", "1/time^2", |own| {
+                own.prediction.omega_squared
+            })
+            .with("growth", "1/time", |own| own.prediction.rates[0].growth)
+            .with("frequency", "1/time", |own| {
+                own.prediction.rates[0].frequency
+            })
+            .with("time_step", "time", |own| own.time_step)
+            .with("steps", "1", |own| own.steps)
+            .with("every", "1", |own| own.every)
+            .to_string()
     }
 }
 

@@ -1,8 +1,10 @@
 //! Comparison of measured with predicted rates.
 
 use super::{CASE_FILE, Case, Fit, Projector, Rate, Record, VerifyError, fitted, named};
+use crate::csv::Table;
 use crate::input;
 use crate::number::{exact, told, vector};
+use crate::settings::Units;
 use onset::algebra::Complex;
 use serde::Serialize;
 use std::fmt;
@@ -217,6 +219,33 @@ pub(crate) fn compared(
             Outcome::Undecided,
             "the difference exceeds the tolerance, but not four times the uncertainty".to_owned(),
         ),
+    }
+}
+
+impl Judgment {
+    /// Predicted and measured rate as CSV, in one row.
+    pub fn csv(&self) -> String {
+        Table::new(std::slice::from_ref(self), Units::Own)
+            .with("outcome", "1", |own| own.outcome.name())
+            .with("code", "1", |own| own.code.as_str())
+            .with("case", "1", |own| own.case.as_str())
+            .each("stretch", 3, "1", |own, n| own.stretches[n])
+            .each(
+                "wave_vector",
+                self.wave_vector.len(),
+                "1/length",
+                |own, n| own.wave_vector[n],
+            )
+            .with("time_step", "time", |own| own.time_step)
+            .with("predicted_growth", "1/time", |own| own.predicted.growth)
+            .with("predicted_frequency", "1/time", |own| {
+                own.predicted.frequency
+            })
+            .with("measured_growth", "1/time", |own| own.measured.growth)
+            .with("measured_frequency", "1/time", |own| own.measured.frequency)
+            .with("difference", "1", |own| own.difference)
+            .with("uncertainty", "1", |own| own.uncertainty)
+            .to_string()
     }
 }
 

@@ -8,6 +8,8 @@ mod plain;
 mod pysph;
 
 use super::{Code, Settled, VerifyError};
+use crate::csv::Table;
+use crate::settings::Units;
 use serde::Serialize;
 use std::fmt;
 
@@ -53,6 +55,15 @@ pub struct ListedCode {
 }
 
 impl Codes {
+    /// The codes as CSV, one row for each.
+    pub fn csv(&self) -> String {
+        Table::new(&self.0, Units::Own)
+            .with("name", "1", |own| own.name)
+            .with("title", "1", |own| own.title)
+            .with("is_periodic", "1", |own| own.is_periodic)
+            .to_string()
+    }
+
     /// List of all codes.
     pub fn all() -> Self {
         let listed = |code: &dyn Code| ListedCode {
