@@ -197,7 +197,7 @@ impl Problem {
             let question = LimitQuestion::new(&key)?.between(range);
             let (low, high) = stretches.unwrap_or(USUAL_STRETCHES);
             let kept = KeepsAnswer::new(&problem.settings, &question, [low, high], &|_| ())?;
-            let answer = Answer::of(&kept, &kept)?.with_table(&kept.csv());
+            let answer = Answer::of(&kept, &kept, kept.csv())?;
             Ok(answer.with_files(move || Ok(kept.files())))
         })
     }

@@ -3,12 +3,12 @@
 use super::interval::{Admitted, End, EndKind, Trial, admitted, ends_of_domain, ranges};
 use super::{LimitQuestion, VALUES};
 use crate::answers::{Evidence, Problem, ProblemError, notes};
-use crate::csv;
+use crate::csv::Table;
 use crate::figure::{Axis, Figure, Line, Panel, Points, Rule, palette};
 use crate::number::{counted, told, vector};
 use crate::output::{Files, picture, text};
 use crate::range::spread;
-use crate::settings::{Effective, Settings};
+use crate::settings::{Effective, Key, Settings};
 use onset::cancel::Scope;
 use onset::kinematics::DeformationGradient;
 use onset::verdict::Verdict;
@@ -255,21 +255,16 @@ impl KeepsAnswer {
 
     /// All evaluated values as CSV.
     pub fn csv(&self) -> String {
-        let mut table =
-            String::from("value,stable_share,verdict,stretch_1,stretch_2,stretch_3,note\n");
-        for one in &self.tried {
-            let number = |own: Option<f64>| own.map_or(String::new(), |own| format!("{own:?}"));
-            let stretches = [0, 1, 2].map(|axis| number(one.stretches.map(|own| own[axis])));
-            table.push_str(&format!(
-                "{},{},{},{},{}\n",
-                number(Some(one.value)),
-                number(one.stable_share),
-                one.verdict.unwrap_or_default(),
-                stretches.join(","),
-                csv::text(one.note.as_deref().unwrap_or_default())
-            ));
-        }
-        table
+        let dimension = Key::named(self.key).and_then(|key| key.unit());
+        Table::new(&self.tried, self.settings.units())
+            .with("value", dimension.unwrap_or("1"), |own| own.value)
+            .with("stable_share", "1", |own| own.stable_share)
+            .with("verdict", "1", |own| own.verdict)
+            .each("stretch", 3, "1", |own, axis| {
+                own.stretches.map(|own| own[axis])
+            })
+            .with("note", "1", |own| own.note.clone())
+            .to_string()
     }
 
     /// Fraction of stable states over the values.
