@@ -89,6 +89,18 @@ const FIGURES: &[Step] = &[
         ],
     ),
     (
+        "kernels",
+        &[
+            "run",
+            "--release",
+            "--",
+            "list",
+            "kernels",
+            "--out",
+            "target/kernels.svg",
+        ],
+    ),
+    (
         "map",
         &[
             "run",
@@ -333,10 +345,11 @@ fn copy_figures() -> bool {
     ];
     let reproduced = reproduced.map(|name| (format!("target/reproduction/{name}.svg"), name));
     let compared = ("target/comparison/compare.svg".to_owned(), "methods-2d");
+    let kernels = ("target/kernels.svg".to_owned(), "kernels");
     let mapped = ("target/foam.svg".to_owned(), "foam-material-points");
     reproduced
         .into_iter()
-        .chain([compared, mapped])
+        .chain([compared, mapped, kernels])
         .all(|(from, name)| {
             let to = format!("book/src/figures/{name}.svg");
             std::fs::create_dir_all("book/src/figures")

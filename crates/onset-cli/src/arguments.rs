@@ -8,7 +8,7 @@ use clap_complete::Shell;
 use onset_study::audit::Convention;
 use onset_study::brief::Brief;
 use onset_study::compare::Thresholds;
-use onset_study::criteria::{Lateral, Mode, Range as Stretches};
+use onset_study::criteria::{Criterion, Lateral, Mode, Range as Stretches};
 use onset_study::figure::ColorMap;
 use onset_study::limit::Integrator;
 use onset_study::localization::PARAMETERS;
@@ -122,7 +122,7 @@ const PATH_EXAMPLES: &str = "Examples:
 const CRITERIA_EXAMPLES: &str = "Examples:
   onset criteria --set material.model=neo-hooke --set material.young=3 --set material.poisson=0.49
   onset criteria --set material.model=ogden --incompressible
-  onset criteria --mode uniaxial --range 0.2,5 --out figures";
+  onset criteria --range 0.2,5 --criterion hill,load-maximum --out figures";
 const CARD_EXAMPLES: &str = "Examples:
   onset card --energy \"mu/2*(I1 - 3 - 2*ln(J))\" --set material.mu=1 --out card
   onset card --set material.model=ogden --incompressible --mode uniaxial
@@ -370,6 +370,12 @@ pub enum Command {
         /// For the topic method: the method whose keys are listed, for example total-lagrangian-sph.
         #[arg(requires = "topic")]
         name: Option<String>,
+        /// Folder for the figure of all kernels (kernels.svg, .png, .pdf), or NAME.svg, NAME.png or NAME.pdf; for the topic kernels only.
+        #[arg(long, value_name = "PATH", requires = "topic")]
+        out: Option<PathBuf>,
+        /// How the figure is drawn.
+        #[command(flatten)]
+        drawing: DrawingArguments,
     },
     /// Check that study files are valid, and estimate their cost
     #[command(after_help = CHECK_EXAMPLES)]
@@ -1082,6 +1088,9 @@ pub struct CriteriaArguments {
     /// Folder for the figure (criteria.svg, .png, .pdf), or NAME.svg, NAME.png or NAME.pdf; no figure is drawn without it.
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
+    /// Criteria that the figure shows, at most seven of `onset list criteria`, with commas between them [default: strong-ellipticity,drucker-abaqus].
+    #[arg(long = "criterion", value_name = "NAMES", value_delimiter = ',', value_parser = criterion, requires = "out")]
+    pub drawn: Vec<Criterion>,
     /// Options of the figure.
     #[command(flatten)]
     pub drawing: DrawingArguments,
@@ -1401,6 +1410,14 @@ fn expected(typed: &str, what: &str, names: &[&str]) -> String {
 fn mode(text: &str) -> Result<Mode, String> {
     let named = Mode::ALL.into_iter().find(|mode| mode.name() == text);
     named.ok_or_else(|| expected(text, "expected one of", &Mode::ALL.map(Mode::name)))
+}
+
+fn criterion(text: &str) -> Result<Criterion, String> {
+    let mut named = Criterion::ALL.into_iter();
+    let names = Criterion::ALL.map(Criterion::name);
+    named
+        .find(|own| own.name() == text)
+        .ok_or_else(|| expected(text, "expected one of", &names))
 }
 
 /// Command-line arguments of `onset audit`.

@@ -21,6 +21,7 @@ use crate::arguments::{
     Arguments, BlockArguments, Command, CourseArguments, GivenArguments, ProblemArguments,
     SetArguments, StrainArguments, ThresholdArguments, TrustArguments, VerifyTask,
 };
+use crate::drawing::DrawingArguments;
 use crate::fail_on::FailOn;
 use crate::patience::{self, bar};
 use crate::printing::{self, Format, print_text};
@@ -36,7 +37,8 @@ use onset_study::catalog::{self, KeyList};
 use onset_study::compare::Thresholds;
 use onset_study::criteria::{Lateral, Mode};
 use onset_study::input;
-use onset_study::output::{Files, Output, OutputError};
+use onset_study::kernels;
+use onset_study::output::{Files, Output, OutputError, picture};
 use onset_study::reproduce;
 use onset_study::settings::{
     MaterialSettings, Program, SettingError, Settings, Study, Trust, did_you_mean, law_of,
@@ -166,7 +168,12 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         Command::Map(arguments) => map::run(&arguments),
         Command::Criteria(arguments) => criteria::criteria(&arguments),
         Command::Card(arguments) => criteria::card(&arguments),
-        Command::List { topic, name } => list(topic.as_deref(), name.as_deref()),
+        Command::List {
+            topic,
+            name,
+            out,
+            drawing,
+        } => list(topic.as_deref(), name.as_deref(), out.as_deref(), &drawing),
         Command::Check {
             files,
             assignments,
@@ -674,7 +681,18 @@ fn named(files: &[PathBuf]) -> Vec<String> {
         .collect()
 }
 
-fn list(topic: Option<&str>, name: Option<&str>) -> Result<ExitCode, Failure> {
+/// Prints topics, and draws the figure of the kernels at the place `out`.
+fn list(
+    topic: Option<&str>,
+    name: Option<&str>,
+    out: Option<&Path>,
+    drawing: &DrawingArguments,
+) -> Result<ExitCode, Failure> {
+    if let Some(topic) = topic.filter(|topic| out.is_some() && *topic != "kernels") {
+        return Err(Failure::input(format!(
+            "`onset list {topic}` has no figure\n  hint: `onset list kernels --out FOLDER` draws all kernels"
+        )));
+    }
     let unknown = |names: Vec<&str>| {
         let name = topic.unwrap_or_default();
         Failure::input(format!(
@@ -703,7 +721,9 @@ fn list(topic: Option<&str>, name: Option<&str>) -> Result<ExitCode, Failure> {
         text.join("\n").trim_end(),
         catalog::PAPER
     );
-    printing::print(&topics, &text, || catalog::csv(&topics))
+    let output = drawing.output(out, "kernels", &[])?;
+    let gallery = || Ok(vec![picture("kernels", kernels::gallery())]);
+    print_with_files(&topics, &text, output, gallery, || catalog::csv(&topics))
 }
 
 /// List of keys for a topic, and whether it lists the keys of a method.

@@ -18,6 +18,7 @@ pub mod fit;
 mod html;
 pub mod input;
 pub mod json;
+pub mod kernels;
 pub mod limit;
 pub mod localization;
 pub mod map;

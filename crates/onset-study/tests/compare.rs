@@ -1,7 +1,9 @@
 //! Tests of comparisons: tables, ranking, and the comparison files of the program.
 
 use onset::measures::{DispersionError, Extent, Fidelity, Load, OnsetPair, StretchOnset};
+use onset_study::brief::Brief;
 use onset_study::compare::{Measured, PANELS, Row, Table, Thresholds, WAVELENGTHS, recommended};
+use onset_study::figure::Layer;
 use onset_study::modes::{Fit, ModesAnswer, ModesQuestion, ShownMode};
 use onset_study::settings::{CompareSettings, Comparison, Settings, Units};
 use onset_study::tune::TuneQuestion;
@@ -413,4 +415,73 @@ fn methods_without_names_are_named_after_what_differs() {
     );
     let first = &varied.expect("variants").candidates[0];
     assert_eq!(first.name, "kernel cubic-spline");
+}
+
+#[test]
+fn markers_of_a_row_do_not_touch_and_every_symbol_is_in_the_legend() {
+    let at_rest = |_: Load| StretchOnset::AtRest;
+    let beyond = |load: Load| StretchOnset::NotBefore(if load.is_tension() { 3.0 } else { 0.4 });
+    let with = |method: &dyn Fn(Load) -> StretchOnset| {
+        let mut measured = good();
+        measured.onsets = Load::ALL
+            .map(|load| OnsetPair {
+                load,
+                material: StretchOnset::At(2.0),
+                method: method(load),
+            })
+            .to_vec();
+        measured.fidelity.false_instability = 0.5;
+        measured.fidelity.zero_energy = 0.5;
+        Ok(measured)
+    };
+    let mut own = table(vec![
+        ("unstable", with(&at_rest)),
+        ("stable", with(&beyond)),
+    ]);
+    own.dimension = 2;
+    let figure = own.figure();
+    for panel in &figure.panels {
+        let pixels = 17.0 * panel.lines.expect("a height") / own.rows.len() as f64;
+        let mut points: Vec<(f64, f64)> = Vec::new();
+        for layer in &panel.layers {
+            if let Layer::Points(layer) = layer {
+                points.extend(&layer.points);
+            }
+        }
+        for (n, one) in points.iter().enumerate() {
+            for other in &points[..n] {
+                let apart = (one.1 - other.1).abs() * pixels;
+                assert!(one.0 != other.0 || apart >= 6.0, "{}: {apart}", panel.title);
+            }
+        }
+    }
+    let names: Vec<String> = figure
+        .legend_entries()
+        .into_iter()
+        .map(|own| own.name)
+        .collect();
+    let arrows = names
+        .iter()
+        .filter(|name| *name == "stable beyond the range");
+    assert_eq!(arrows.count(), 1, "{names:?}");
+}
+
+#[test]
+fn the_table_has_a_row_of_the_material_and_verdicts_in_words() {
+    let mut weak = good();
+    weak.weakest = 0.05;
+    let own = table(vec![("good", Ok(good())), ("weak", Ok(weak))]);
+    let short = own.brief().text(false);
+    let row = |name: &str| {
+        short
+            .lines()
+            .find(|line| line.starts_with(name))
+            .expect("a row")
+            .to_owned()
+    };
+    assert!(row("the material").contains("2.0000"), "{short}");
+    assert!(row("good").ends_with("recommended"), "{short}");
+    assert!(row("weak").ends_with("zero-energy"), "{short}");
+    assert!(!short.contains("rule 2"), "{short}");
+    assert!(own.to_string().contains("\nthe material "), "{own}");
 }

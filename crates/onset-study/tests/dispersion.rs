@@ -155,3 +155,45 @@ fn typed_paths_are_followed_and_the_critical_wave_is_still_shown() {
     let refused = Diagram::new(&problem, &strain, Some("G-Q")).expect_err("no Q");
     assert!(refused.to_string().contains("M′"), "{refused}");
 }
+
+#[test]
+fn growing_and_weakly_controlled_waves_are_marked() {
+    let names = |assignments: &[&str], stretches: &str| -> Vec<String> {
+        let assignments: Vec<String> = assignments.iter().map(|own| (*own).to_owned()).collect();
+        let problem = problem(&assignments).expect("a problem");
+        let strain = Strain::of_stretches("--stretch", stretches, 2).expect("a state");
+        let diagram = Diagram::new(&problem, &strain, None).expect("a diagram");
+        let entries = diagram.figure("").legend_entries();
+        entries.into_iter().map(|entry| entry.name).collect()
+    };
+    let has = |names: &[String], what: &str| names.iter().any(|name| name.starts_with(what));
+    let (growing, physical, weak) = (
+        "growing, although",
+        "growing, as a wave",
+        "weakly controlled",
+    );
+    // In tension, SPH has a numerical instability of a stable solid.
+    let sph = names(
+        &[
+            "discretization.method=updated-sph",
+            "material.model=neo-hooke",
+        ],
+        "1.2,1.2",
+    );
+    assert!(has(&sph, growing) && !has(&sph, physical), "{sph:?}");
+    // Nodal strains do not see the shortest waves.
+    let nodal = names(
+        &[
+            "discretization.method=total-lagrangian-sph",
+            "material.model=neo-hooke",
+        ],
+        "1,1",
+    );
+    assert!(has(&nodal, weak) && !has(&nodal, growing), "{nodal:?}");
+    // Blatz-Ko foam loses ellipticity at the ratio 3.73 of stretches, with any Lagrangian kernel.
+    let foam = names(
+        &["discretization.frame=lagrangian", "material.model=blatz-ko"],
+        "4,1",
+    );
+    assert!(has(&foam, physical) && !has(&foam, growing), "{foam:?}");
+}

@@ -9,11 +9,11 @@ import { moving, type Moving } from "./moving";
 import * as pictures from "./pictures";
 import { enter } from "./token";
 
-/** Question of an address without one. */
+/** Question of an address without one: the foam rubber and the state of the README, whose map has physical and numerical parts. */
 const FIRST: Question = {
-  set: ["material.model=blatz-ko", "discretization.frame=eulerian"],
-  stretch: "1.2,1",
-  window: { axes: ["stretch-1", "stretch-2"], ranges: [[0.9, 2], [0.9, 2]] },
+  set: ["material.model=blatz-ko", "discretization.method=material-points", "discretization.grid-functions=quadratic-spline"],
+  stretch: "2,1",
+  window: { axes: ["stretch-1", "stretch-2"], ranges: [[0.3, 3.5], [0.3, 2.5]] },
 };
 /** Instructions below the map. */
 const HELP = "Click a state, or move with the arrow keys.";
@@ -267,8 +267,10 @@ function drawMap(): void {
       swatch.style.background = color;
       return element("li", {}, swatch, title);
     }),
-    element("li", {}, element("span", { class: "curve material" }), "boundary of the material"),
-    element("li", {}, element("span", { class: "curve particles" }), "boundary of the discretization"),
+    // Only boundaries that the window has.
+    ...(["material", "discretization"] as const)
+      .filter((owner) => curves?.features.some((curve) => curve.properties.of === owner))
+      .map((owner) => element("li", {}, element("span", { class: `curve ${owner}` }), `boundary of the ${owner}`)),
   );
   the("map-state").textContent = !shown.is_finest ? "finer…" : curves === null && isAsking("boundary") ? TRACING : "";
   lazily(the("map-table"), () =>

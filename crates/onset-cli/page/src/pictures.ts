@@ -80,6 +80,23 @@ function lined(curves: Curves | null): { of: string; points: [number, number][] 
   }));
 }
 
+/** Height of a row of labels, in pixels. */
+const ROW = 14;
+
+/** Rows of the labels below an axis: each label goes to the first row in which it overlaps no other. `scale` is in pixels. */
+export function staggered(ticks: [number, string][], scale: number): { at: number; name: string; row: number }[] {
+  const ends: number[] = [];
+  return ticks
+    .sort(([a], [b]) => a - b)
+    .map(([at, name]) => {
+      const half = 4.2 * name.length + 3;
+      const free = ends.findIndex((end) => end <= at * scale - half);
+      const row = free < 0 ? ends.length : free;
+      ends[row] = at * scale + half;
+      return { at, name, row };
+    });
+}
+
 /** Dispersion diagram: frequencies as positive values, growth rates as negative ones; the largest growth rate of oscillating waves as a separate curve. */
 export function dispersion(answer: Dispersion, width: number): Drawn {
   const [branches, own] = [answer.heights[0]?.particles.length ?? 0, answer.heights[0]?.continuum.length ?? 0];
@@ -101,15 +118,21 @@ export function dispersion(answer: Dispersion, width: number): Drawn {
   const isGrowing = low < 0 && !critical.stable;
   const ticks = new Map<number, string>();
   for (const { name, length } of answer.corners) ticks.set(length, ticks.has(length) ? `${ticks.get(length)}|${name}` : name);
+  const end = answer.lengths.at(-1) ?? 1;
+  const margins = { marginLeft: 52, marginRight: 20, marginTop: 24 };
+  const labels = staggered([...ticks], (width - margins.marginLeft - margins.marginRight) / end);
+  const rows = Math.max(0, ...labels.map(({ row }) => row));
   return Plot.plot({
     width,
-    height: 260,
-    marginLeft: 52,
-    marginTop: 24,
+    height: 260 + ROW * rows,
+    ...margins,
+    marginBottom: 30 + ROW * rows,
     style: { background: "transparent", fontSize: "13px" },
-    x: { domain: [0, answer.lengths.at(-1) ?? 1], ticks: [...ticks.keys()], tickFormat: (x: number) => ticks.get(x) ?? "", label: null },
+    x: { domain: [0, end], axis: null },
     y: { domain: [isGrowing ? low - margin : 0, high + margin], label: isGrowing ? "frequency; below 0: −(growth rate)" : "frequency" },
     marks: [
+      Plot.axisX([...ticks.keys()], { tickFormat: () => "", label: null }),
+      ...labels.map(({ at, name, row }) => Plot.text([[at, name]], { x: "0", text: "1", frameAnchor: "bottom", dy: 18 + ROW * row, fill: color("text"), clip: false })),
       Plot.ruleX(ticks.keys(), { stroke: color("line"), strokeDasharray: "2,3" }),
       Plot.ruleY([0], { stroke: color("text") }),
       ...continuum.map((points) => Plot.line(points, { x: "0", y: "1", stroke: color("quiet"), strokeDasharray: "6,4", clip: true })),

@@ -331,7 +331,7 @@ test("the zoo opens with one choice, in one and three dimensions too", options, 
 test("a question can be taken along", options, async () => {
   const { page, close } = await open();
   await finest(page);
-  for (const [form, expected] of [["toml", "[[axes]]"], ["command", "onset state --stretch 1.2,1 --set material.model=blatz-ko"], ["python", "onset.Method(frame=\"eulerian\")"]]) {
+  for (const [form, expected] of [["toml", "[[axes]]"], ["command", "onset state --stretch 2,1 --set material.model=blatz-ko"], ["python", "onset.Method(\"material-points\", grid_functions=\"quadratic-spline\")"]]) {
     await page.click(`button[data-form="${form}"]`);
     await page.waitForFunction((text) => document.getElementById("export-text").value.includes(text), expected);
   }
@@ -379,4 +379,40 @@ test("axe-core finds nothing, and the pictures of three sizes are taken", option
       await close();
     }
   }
+});
+
+test("labels of the dispersion do not overlap, and the legend names the boundaries of the window only", options, async () => {
+  const { page, close } = await open({ hash: "#set=material.model%3Dblatz-ko&set=discretization.frame%3Deulerian&stretch=1.2,1" });
+  await last(page, "dispersion");
+  const overlaps = await page.evaluate(() => {
+    const boxes = [...document.querySelectorAll("#dispersion svg text")].filter((own) => own.textContent !== "").map((own) => [own.textContent, own.getBoundingClientRect()]);
+    const meet = ([, a], [, b]) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+    return boxes.flatMap((one, n) => boxes.slice(0, n).filter((other) => meet(one, other)).map((other) => `${one[0]} and ${other[0]}`));
+  });
+  assert.deepEqual(overlaps, []);
+  await page.waitForFunction(() => document.getElementById("map").dataset.curves !== undefined, null, { timeout: 120_000 });
+  const names = await page.locator("#legend li").allTextContents();
+  assert.ok(!names.includes("boundary of the material"), "the material is stable in this window");
+  assert.ok(names.includes("boundary of the discretization"), names.join());
+  await close();
+});
+
+test("the page opens on a map with physical and numerical parts, and no word of a table breaks", options, async () => {
+  const { page, close } = await open();
+  await finest(page);
+  const names = (await page.locator("#legend li").allTextContents()).join();
+  for (const verdict of ["physical", "numerical", "stable"]) assert.ok(names.includes(verdict), names);
+  const broken = await page.evaluate(() => {
+    const lines = (word) => {
+      const range = document.createRange();
+      range.setStart(word.node, word.from);
+      range.setEnd(word.node, word.to);
+      return new Set([...range.getClientRects()].map((own) => Math.round(own.top))).size;
+    };
+    const heads = [...document.querySelectorAll("#numbers th")];
+    const words = heads.flatMap((head) => [...head.textContent.matchAll(/\S+/g)].map((own) => ({ node: head.firstChild, from: own.index, to: own.index + own[0].length, text: own[0] })));
+    return words.filter((word) => lines(word) > 1).map((word) => word.text);
+  });
+  assert.deepEqual(broken, []);
+  await close();
 });

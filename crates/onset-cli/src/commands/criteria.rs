@@ -2,13 +2,18 @@
 
 use super::{Failure, print_with_files};
 use crate::arguments::{CardArguments, CriteriaArguments, LawArguments};
-use onset_study::criteria::Question;
+use onset_study::criteria::{DRAWN, Question};
 use onset_study::output::picture;
 use std::process::ExitCode;
 
 /// Evaluates all stability criteria of a law.
 pub fn criteria(arguments: &CriteriaArguments) -> Result<ExitCode, Failure> {
     let question = question(&arguments.law)?;
+    let drawn = match &arguments.drawn[..] {
+        [] => &DRAWN[..],
+        named => named,
+    };
+    question.check_drawn(drawn).map_err(Failure::input)?;
     let place = arguments.out.as_deref();
     let output = arguments.drawing.output(place, "criteria", &[])?;
     let answer = question.answer().map_err(Failure::input)?;
@@ -17,7 +22,7 @@ pub fn criteria(arguments: &CriteriaArguments) -> Result<ExitCode, Failure> {
         &answer,
         &shown,
         output,
-        || Ok(vec![picture("criteria", answer.figure())]),
+        || Ok(vec![picture("criteria", answer.figure(drawn))]),
         || answer.csv(),
     )
 }

@@ -1,6 +1,6 @@
 //! Blocks of other programs in place of a study, in every command.
 
-use crate::{Written, document, onset_line};
+use crate::{Scratch, Written, document, onset, onset_line};
 
 const RUBBER: &str = "*MATERIAL, NAME=RUBBER\n*HYPERELASTIC, NEO HOOKE\n0.5, 0.02\n";
 
@@ -112,4 +112,25 @@ fn the_criteria_are_listed_with_formula_and_source() {
             .any(|entry| entry["name"] == criterion["criterion"]);
         assert!(known, "{criterion}");
     }
+}
+
+#[test]
+fn the_kernels_are_drawn_and_other_topics_have_no_figure() {
+    let folder = Scratch::new("kernels");
+    let out = folder.join("kernels.svg").display().to_string();
+    let answer = onset(&["list", "kernels", "--out", &out]);
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    let svg = std::fs::read_to_string(&out).expect("a file");
+    for name in ["quartic-spline", "laguerre-gauss", "distance r/h (−)"] {
+        assert!(svg.contains(name), "{name}");
+    }
+    let refused = onset(&["list", "lattices", "--out", &out]);
+    assert_eq!(refused.code, Some(2));
+    assert!(
+        refused
+            .stderr
+            .contains("`onset list lattices` has no figure"),
+        "{}",
+        refused.stderr
+    );
 }

@@ -1,6 +1,6 @@
 //! `onset criteria` and `onset card`.
 
-use super::{Scratch, Written, assert_close, document, number, onset};
+use super::{Scratch, Written, assert_close, document, number, onset, onset_line};
 use serde_json::Value;
 
 const BLATZ_KO: &str = "--set material.model=blatz-ko";
@@ -344,7 +344,7 @@ fn a_card_lists_every_limit_with_nominal_strain_and_stress() {
     let limit = |name: &str| criterion(bar, name);
     let load = limit("load-maximum");
     let stretch = 6.0_f64.powf(0.4);
-    assert_close(number(load, "/tension/stretch"), stretch, 1e-9);
+    assert_close(number(load, "/tension/imposed"), stretch, 1e-9);
     assert_close(number(load, "/tension/nominal_strain"), stretch - 1.0, 1e-9);
     let mu = number(&card, "/material/parameters/mu");
     let stress = mu * (stretch.powf(-0.5) - stretch.powi(-3));
@@ -414,7 +414,7 @@ fn kinks_give_a_warning() {
     let kinks = card["loadings"][0]["kinks"].as_array().expect("a list");
     assert_eq!(kinks.len(), 2, "{kinks:?}");
     for kink in kinks {
-        let l = number(kink, "/stretch");
+        let l = number(kink, "/imposed");
         assert!((l * l + 2.0 / l - 3.5).abs() < 1e-9, "{l}");
     }
 }
@@ -451,7 +451,7 @@ fn jumps_of_a_law_are_classified_in_every_loading() {
                 panic!("{term}, {title}: {kinks}");
             };
             assert_eq!(kink["kind"], kind, "{term}, {title}");
-            assert_close(number(kink, "/stretch"), stretch, 1e-9);
+            assert_close(number(kink, "/imposed"), stretch, 1e-9);
             let told = match kind {
                 "jump-of-stress" => "/mean_stress",
                 "step-of-energy" => "/energy",
@@ -583,4 +583,81 @@ fn tables_have_plain_numbers_in_aligned_columns_and_constants_in_order() {
         .map(column)
         .to_vec();
     assert!(ends[0].is_some() && ends[0] == ends[1], "{ends:?}: {text}");
+}
+
+#[test]
+fn limits_of_simple_shear_are_amounts_of_shear() {
+    // Plane strain: ellipticity is lost where gamma^2 = 2.
+    let line = format!("criteria {BLATZ_KO} --mode simple-shear");
+    let text = onset_line(&line).stdout;
+    for fact in [
+        "loses strong ellipticity at gamma = 1.699 and\n-1.699",
+        "gamma at the loss of",
+        "gamma from -9.9 to 9.9",
+    ] {
+        assert!(text.contains(fact), "{fact}: {text}");
+    }
+    assert!(!text.contains("stretch"), "{text}");
+    let answer = document(&line);
+    let loadings = answer["loadings"].as_array().expect("a list");
+    let plane = loadings
+        .iter()
+        .find(|own| own["title"] == "simple shear, plane strain");
+    let plane = plane.expect("the loading");
+    let limit = criterion(plane, "strong-ellipticity");
+    assert_close(number(limit, "/tension/limit"), 2.0_f64.sqrt(), 1e-9);
+    assert_close(
+        number(limit, "/compression/changes/0/imposed"),
+        -(2.0_f64.sqrt()),
+        1e-9,
+    );
+    assert_close(number(plane, "/tension_end/imposed"), 9.9, 1e-12);
+    let card = document(&format!("card {BLATZ_KO} --mode simple-shear"));
+    let bar = &card["loadings"][2];
+    assert_eq!(bar["mode"], "simple-shear");
+    assert_close(number(bar, "/tension"), 2.0_f64.sqrt(), 1e-9);
+    assert_close(
+        number(bar, "/criteria/0/holds/0/0"),
+        -(2.0_f64.sqrt()),
+        1e-9,
+    );
+}
+
+#[test]
+fn the_figure_shows_the_criteria_that_are_asked_for() {
+    let folder = Scratch::new("criteria-drawn");
+    let out = folder.join("drawn.svg").display().to_string();
+    let base = [
+        "criteria",
+        "--mode",
+        "hydrostatic",
+        "--set",
+        "material.model=blatz-ko",
+        "--out",
+        &out,
+    ];
+    let drawn = |criteria: &[&str]| onset(&[&base, criteria].concat());
+    let texts = || std::fs::read_to_string(folder.join("drawn.svg")).expect("a file");
+    assert_eq!(drawn(&[]).code, Some(0));
+    for title in [
+        "strong ellipticity",
+        "Drucker stability as Abaqus checks it",
+    ] {
+        assert!(texts().contains(title), "{title}");
+    }
+    assert_eq!(drawn(&["--criterion", "hill,load-maximum"]).code, Some(0));
+    assert!(texts().contains("a rising load") && !texts().contains("strong ellipticity"));
+    for (criteria, fact) in [
+        ("ellipticity", "expected one of strong-ellipticity"),
+        ("surface", "`surface` does not apply to blatz-ko"),
+        ("hill,hill", "expected at most 7, each once"),
+    ] {
+        let refused = drawn(&["--criterion", criteria]);
+        assert_eq!(refused.code, Some(2), "{criteria}");
+        assert!(
+            refused.stderr.contains(fact),
+            "{criteria}: {}",
+            refused.stderr
+        );
+    }
 }

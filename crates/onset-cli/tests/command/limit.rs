@@ -419,3 +419,36 @@ fn a_limit_is_drawn_and_listed() {
         assert!(folder.join(file).is_file(), "{file}");
     }
 }
+
+#[test]
+fn the_figure_shows_the_neighborhood_of_the_limit_over_a_named_quantity() {
+    let folder = Scratch::new("limit-window");
+    let drawn = |more: &str| {
+        let line = format!(
+            "limit studies/rubber.toml --vary material.young --time-step 1us --quiet {more}"
+        );
+        let mut words = super::words(&line);
+        words.extend([
+            "--out".to_owned(),
+            folder.join("limit.svg").display().to_string(),
+        ]);
+        let answer = onset(&words.iter().map(String::as_str).collect::<Vec<_>>());
+        assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+        std::fs::read_to_string(folder.join("limit.svg")).expect("a file")
+    };
+    // The present value is 2 MPa and the limit 387 MPa; the values are searched from 2 Pa to 2 TPa.
+    let svg = drawn("");
+    for text in [
+        "Young's modulus (Pa)",
+        ">10⁶<",
+        ">10⁹<",
+        ">limit<",
+        ">present value<",
+    ] {
+        assert!(svg.contains(text), "{text}");
+    }
+    for text in ["material.young (", ">10³<", ">10¹²<"] {
+        assert!(!svg.contains(text), "{text}");
+    }
+    assert!(drawn("--range 1e3,1e12").contains(">10⁴<"));
+}

@@ -4,7 +4,7 @@ use super::notes::{is_fluid, notes_on_law};
 use super::path::{CrossingAnswer, PathAnswer};
 use super::problem::{Problem, ProblemError, Strain};
 use super::state::{StateAnswer, rows};
-use crate::criteria::EndAnswer;
+use crate::criteria::{EndAnswer, imposed_label};
 use crate::csv::Table;
 use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
 use crate::number::told;
@@ -220,13 +220,9 @@ impl Course {
     /// Coordinate along the path: the imposed stretch or amount of shear, a stretch that changes along the path, or the path parameter.
     pub(super) fn abscissa(&self, s: f64) -> (&'static str, f64) {
         match self {
-            Self::Loading { loading, from, to } => (
-                match loading.mode {
-                    Mode::SimpleShear => "amount of shear γ (−)",
-                    _ => "imposed stretch λ (−)",
-                },
-                from + (to - from) * s,
-            ),
+            Self::Loading { loading, from, to } => {
+                (imposed_label(loading.mode), from + (to - from) * s)
+            }
             Self::Straight(from, to) => {
                 let (from, to) = (from.0.components(), to.0.components());
                 let shears = (0..3)
@@ -285,7 +281,7 @@ fn reached(path: &LoadingPath<'_>, imposed: f64) -> (f64, Option<String>) {
         return (imposed, None);
     }
     let last = states.last().map_or(0.0, |state| state.parameter);
-    let why = EndAnswer::of(end, imposed).reason;
+    let why = EndAnswer::of(end, imposed, mode).reason;
     let why = why.unwrap_or_else(|| "no state with free faces is found beyond it".to_owned());
     (mode.imposed(last), Some(why))
 }

@@ -6,8 +6,9 @@ use super::notes::notes;
 use super::problem::{Problem, ProblemError, Strain};
 use super::state::{ComplexNumber, list};
 use super::zone_path::{CRITICAL, SymmetryPoints, ZonePath};
+use crate::compare::percent;
 use crate::csv::Table;
-use crate::figure::{Axis, Figure, Line, Panel, Points, Rule, palette};
+use crate::figure::{Axis, Color, Figure, Line, Panel, Points, Rule, palette};
 use crate::number::{told, told_of, vector};
 use crate::output::{Files, picture, text};
 use crate::settings::Effective;
@@ -17,7 +18,7 @@ use onset::analysis::Analysis;
 use onset::bloch::growth_rate;
 use onset::cancel::Scope;
 use onset::kinematics::DeformationGradient;
-use onset::verdict::Assessment;
+use onset::verdict::{Assessment, WEAK_WAVE_RATIO};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -326,9 +327,16 @@ impl Diagram {
         {
             panel = panel.with(line);
         }
+        for (kind, name, color) in self.kinds() {
+            let lines = (0..self.branches()).map(|n| self.branch(n, kind));
+            let lines = lines.filter(|points| points.iter().any(|point| point.1.is_finite()));
+            for line in lines {
+                panel = panel.with(Line::new(line).width(4.0).color(color).named(&name));
+            }
+        }
         if flutters.iter().any(|point| point.1.is_finite()) {
-            let line = Line::new(flutters).color(palette::VERMILION).dashed();
-            panel = panel.with(line.named("particles, growth rate of flutter"));
+            let line = Line::new(flutters).color(numerical()).dashed();
+            panel = panel.with(line.named("growth rate of oscillating waves (flutter)"));
         }
         if let Some(marked) = self.marked() {
             panel = panel.with(marked);
@@ -338,6 +346,39 @@ impl Diagram {
             .with(panel)
             .with(self.density_panel(y))
             .caption(self.settings.caption())
+    }
+
+    /// Marked kinds of waves, with their names and colors.
+    fn kinds(&self) -> [(Kind, String, Color); 3] {
+        let physical = palette::verdict("physical").unwrap_or(palette::BLACK);
+        let weak = palette::verdict("zero-energy").unwrap_or(palette::PURPLE);
+        let share = percent(WEAK_WAVE_RATIO);
+        [
+            (
+                Kind::Weak,
+                format!("weakly controlled: below {share} of the slowest wave of the continuum"),
+                weak,
+            ),
+            (
+                Kind::Physical,
+                "growing, as a wave of the continuum does".to_owned(),
+                physical,
+            ),
+            (
+                Kind::Numerical,
+                "growing, although no wave of the continuum does".to_owned(),
+                numerical(),
+            ),
+        ]
+    }
+
+    /// Parts of a branch with waves of one kind.
+    fn branch(&self, n: usize, kind: Kind) -> Vec<(f64, f64)> {
+        let noise = RATE_ROUNDING * largest(&self.samples);
+        self.curve(|own| match Kind::of(own, n, noise) == Some(kind) {
+            true => own.particles[n],
+            false => f64::NAN,
+        })
     }
 
     /// Names of the corners; at a jump both names in one tick.
@@ -385,6 +426,39 @@ impl Diagram {
             .wider(0.35)
             .with(Rule::horizontal(0.0).color(palette::BLACK))
             .with(Line::new(outline).color(palette::BLUE))
+    }
+}
+
+/// Color of growth that only the discretization has.
+fn numerical() -> Color {
+    palette::verdict("numerical").unwrap_or(palette::ORANGE)
+}
+
+/// Kind of a wave of the discretization that the figure marks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    /// Its frequency is a small fraction of the slowest wave of the continuum.
+    Weak,
+    /// It grows, and so does a wave of the continuum with the same wave vector.
+    Physical,
+    /// It grows, and no wave of the continuum with the same wave vector does.
+    Numerical,
+}
+
+impl Kind {
+    /// Kind of the `n`-th wave of a sample; `None` for waves that are not marked. Values up to `noise` are rounding errors.
+    fn of(heights: &Heights, n: usize, noise: f64) -> Option<Self> {
+        let slowest = heights
+            .continuum
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min);
+        match heights.particles[n] {
+            height if height < -noise && slowest < -noise => Some(Self::Physical),
+            height if height < -noise => Some(Self::Numerical),
+            height if slowest > noise && height < WEAK_WAVE_RATIO * slowest => Some(Self::Weak),
+            _ => None,
+        }
     }
 }
 

@@ -9,13 +9,22 @@ use onset::measures::{Load, StretchOnset};
 /// Smallest value on the logarithmic axis of errors; smaller values are drawn there.
 const SMALLEST_ERROR_SHOWN: f64 = 1e-4;
 
+/// Height of a row in lines of text, and distance of the markers of a row, in rows.
+///
+/// Markers are 6 pixels wide and a row has 34: those of a row never touch.
+const ROW_LINES: f64 = 2.0;
+const SHIFT: f64 = 0.2;
+
+/// Vertical offset of the `n`-th of `count` series from the middle of its row; the first one is at the top.
+fn shift(n: usize, count: usize) -> f64 {
+    ((count - 1) as f64 / 2.0 - n as f64) * SHIFT
+}
+
 /// Marker of a loading.
 struct Look {
     color: Color,
     marker: Marker,
     filled: bool,
-    /// Vertical offset of its markers from the line of the method; lines are 1 apart.
-    shift: f64,
 }
 
 /// Markers of [`Load::ALL`]: triangles for tension, solid shapes for compression, in colors for color-blind readers.
@@ -24,25 +33,21 @@ const MARKERS: [Look; 4] = [
         color: palette::LOADS[0],
         marker: Marker::Triangle,
         filled: true,
-        shift: 0.21,
     },
     Look {
         color: palette::LOADS[1],
         marker: Marker::Circle,
         filled: true,
-        shift: 0.07,
     },
     Look {
         color: palette::LOADS[2],
         marker: Marker::Triangle,
         filled: false,
-        shift: -0.07,
     },
     Look {
         color: palette::LOADS[3],
         marker: Marker::Square,
         filled: true,
-        shift: -0.21,
     },
 ];
 
@@ -61,8 +66,7 @@ impl Table {
             .with(self.errors())
             .with(self.cost())
             .caption(format!(
-                "Material {}, {}. First instability: arrows where a loading up to the end of the window leaves the method \
-                 stable, crosses where the method is not defined any more. Verdicts on stretches from {} to {}. Errors of frequencies of the reference configuration over all \
+                "Material {}, {}. Verdicts on stretches from {} to {}. Errors of frequencies of the reference configuration over all \
                  directions; those below {} are drawn there.",
                 self.material,
                 counted(self.dimension, "dimension"),
@@ -86,7 +90,16 @@ impl Table {
     fn methods(&self) -> Axis {
         let ticks = self.rows.iter().enumerate();
         let ticks = ticks.map(|(n, row)| (self.height(n), row.name.clone()));
-        Axis::linear("", (0.4, self.rows.len() as f64 + 0.6)).ticks(ticks)
+        Axis::linear("", (0.5, self.rows.len() as f64 + 0.5)).ticks(ticks)
+    }
+
+    /// Empty panel with a row for each method, and lines between the rows.
+    fn panel(&self, title: &str, axis: Axis) -> Panel {
+        let rows = self.rows.len();
+        let panel = Panel::new(title, axis, self.methods()).lines(ROW_LINES * rows as f64);
+        (1..rows).fold(panel, |panel, n| {
+            panel.with(Rule::horizontal(self.height(n) + 0.5).color(Color::hex(0xdddddd)))
+        })
     }
 
     /// Panel of onsets: a marker at the onset of instability for each loading, or an arrow out of the window.
@@ -95,9 +108,14 @@ impl Table {
         let reach = 0.06 * (ends[1] - ends[0]);
         let axis = Axis::linear("stretch at onset (−)", (ends[0], ends[1]));
         let axis = axis.covering([ends[0] - reach, ends[1] + reach]);
-        let mut panel = Panel::new("First instability", axis, self.methods());
+        let mut panel = self.panel("First instability", axis);
+        let (mut is_any_beyond, mut is_any_undefined) = (false, false);
         let loads = Load::ALL.into_iter().zip(MARKERS);
-        for (load, look) in loads.filter(|(load, _)| load.is_possible(self.dimension)) {
+        let loads: Vec<(Load, Look)> = loads
+            .filter(|(load, _)| load.is_possible(self.dimension))
+            .collect();
+        for (n, (load, look)) in loads.iter().enumerate() {
+            let load = *load;
             let of = |m: &Measured| m.onsets.iter().find(|pair| pair.load == load).copied();
             let material = self.measured().find_map(|(_, m)| of(m));
             if let Some(StretchOnset::At(stretch)) = material.map(|pair| pair.material) {
@@ -110,8 +128,7 @@ impl Table {
             }
             let (mut points, mut beyond, mut undefined) = (Vec::new(), Vec::new(), Vec::new());
             for (height, m) in self.measured() {
-                // Offset, so that equal onsets of different loadings remain visible.
-                let height = height + look.shift;
+                let height = height + shift(n, loads.len());
                 match of(m).map(|pair| pair.method) {
                     Some(StretchOnset::NotBefore(end)) => beyond.push((end, height)),
                     Some(StretchOnset::Undefined(stretch)) => undefined.push((stretch, height)),
@@ -126,9 +143,24 @@ impl Table {
                 .marker(look.marker)
                 .named(load.title(self.dimension));
             let onsets = if look.filled { onsets } else { onsets.open() };
+            is_any_beyond |= !beyond.is_empty();
+            is_any_undefined |= !undefined.is_empty();
             panel = panel.with(Arrows::new(beyond, tips).color(look.color));
             panel = panel.with(marked(undefined).marker(Marker::Cross));
             panel = with_some(panel, onsets);
+        }
+        // Entries of the legend for the symbols of all loadings.
+        if is_any_beyond {
+            let arrows = Arrows::new(Vec::new(), Vec::new()).color(palette::GREY);
+            panel = panel.with(arrows.named("stable beyond the range"));
+        }
+        if is_any_undefined {
+            let crosses = Points::new(Vec::new()).marker(Marker::Cross);
+            panel = panel.with(
+                crosses
+                    .color(palette::GREY)
+                    .named("method not defined beyond"),
+            );
         }
         panel
     }
@@ -136,30 +168,30 @@ impl Table {
     fn verdicts(&self) -> Panel {
         let axis =
             Axis::linear("share of the window of states (%)", (0.0, 100.0)).covering([0.0, 100.0]);
-        let of = |share: fn(&Measured) -> f64| {
+        let of = |n: usize, share: fn(&Measured) -> f64| {
             let points = self
                 .measured()
-                .map(|(height, m)| (100.0 * share(m), height));
+                .map(|(height, m)| (100.0 * share(m), height + shift(n, 4)));
             Points::new(points.filter(|(share, _)| *share > 0.0).collect())
         };
         let series = [
-            of(|m| m.fidelity.false_instability)
+            of(0, |m| m.fidelity.false_instability)
                 .color(palette::VERMILION)
                 .named("unstable though the material is elliptic"),
-            of(|m| m.fidelity.suppressed_instability)
+            of(1, |m| m.fidelity.suppressed_instability)
                 .marker(Marker::Square)
                 .color(palette::BLACK)
                 .named("stable though the material is not elliptic"),
-            of(|m| m.fidelity.zero_energy)
+            of(2, |m| m.fidelity.zero_energy)
                 .marker(Marker::Triangle)
                 .color(palette::PURPLE)
                 .named("stable, but with zero-energy modes"),
-            of(|m| m.fidelity.undefined)
+            of(3, |m| m.fidelity.undefined)
                 .marker(Marker::Cross)
                 .color(palette::BLACK)
                 .named("the method is not defined"),
         ];
-        let panel = Panel::new("Wrong verdicts", axis, self.methods());
+        let panel = self.panel("Wrong verdicts", axis);
         series.into_iter().fold(panel, with_some)
     }
 
@@ -167,12 +199,12 @@ impl Table {
         let all = self.measured().flat_map(|(_, m)| &m.dispersion);
         let all = all.map(|error| error.error.max(SMALLEST_ERROR_SHOWN));
         let axis = Axis::log("error (−)", (SMALLEST_ERROR_SHOWN, 1.0)).covering(all);
-        let mut panel = Panel::new("Frequencies", axis, self.methods());
+        let mut panel = self.panel("Frequencies", axis);
         let colors = [palette::VERMILION, palette::BLUE, palette::GREEN];
-        for (count, color) in super::WAVELENGTHS.into_iter().zip(colors) {
-            let points = self
-                .measured()
-                .map(|(height, m)| (m.dispersion_at(count).max(SMALLEST_ERROR_SHOWN), height));
+        for (n, (count, color)) in super::WAVELENGTHS.into_iter().zip(colors).enumerate() {
+            let height = |height: f64| height + shift(n, super::WAVELENGTHS.len());
+            let error = |m: &Measured| m.dispersion_at(count).max(SMALLEST_ERROR_SHOWN);
+            let points = self.measured().map(|(at, m)| (error(m), height(at)));
             panel = panel.with(
                 Points::new(points.collect())
                     .marker(Marker::Square)
@@ -187,7 +219,7 @@ impl Table {
         let numbers = self.measured().map(|(_, m)| m.courant);
         let axis = Axis::linear("c Δt / spacing (−)", (0.0, 2.0)).covering(numbers.chain([0.0]));
         let points = self.measured().map(|(height, m)| (m.courant, height));
-        Panel::new("Critical time step", axis, self.methods())
+        self.panel("Critical time step", axis)
             .with(Points::new(points.collect()).color(palette::BLACK))
     }
 }

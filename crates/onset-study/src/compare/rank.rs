@@ -38,13 +38,19 @@ pub fn rules(limits: &Thresholds) -> [String; 6] {
     ]
 }
 
-/// Reasons for exclusion by the rules 1 to 5, in a few words.
-pub(super) const EXCLUSIONS: [&str; 5] = [
-    "not usable in the reference state or on the window",
-    "zero-energy or weakly controlled modes",
-    "unstable where the material is elliptic",
-    "stable where the material is not elliptic",
-    "inconsistent long-wavelength moduli",
+/// Verdict on a method that no rule excludes.
+pub(super) const RECOMMENDED: &str = "recommended";
+
+/// Verdicts on the methods that the rules 1 to 5 exclude, and their meaning in a few words.
+pub(super) const EXCLUSIONS: [(&str, &str); 5] = [
+    (
+        "not usable",
+        "not usable in the reference state or on the window",
+    ),
+    ("zero-energy", "zero-energy or weakly controlled modes"),
+    ("numerical", "unstable where the material is elliptic"),
+    ("suppressed", "stable where the material is not elliptic"),
+    ("inconsistent", "inconsistent long-wavelength moduli"),
 ];
 
 /// Method in a ranking: reason for exclusion, score and cost.
@@ -91,6 +97,12 @@ pub struct Dependence {
 }
 
 impl Ranked {
+    /// Verdict on the method in a word.
+    pub(super) fn verdict(&self) -> &'static str {
+        let excluded = self.excluded.as_ref();
+        excluded.map_or(RECOMMENDED, |(rule, _)| EXCLUSIONS[rule - 1].0)
+    }
+
     /// Score with the given number of digits, or the cost if the score is infinite.
     pub(super) fn measure(&self, digits: usize) -> String {
         match self.score.is_infinite() {

@@ -1,7 +1,7 @@
 //! Short forms of a comparison and of a recommendation.
 
 use super::rank::{EXCLUSIONS, Ranked, recommended};
-use super::table::Column;
+use super::table::{Column, MATERIAL};
 use super::{Recommendation, Table};
 use crate::brief::{Brief, Short};
 use crate::number::counted;
@@ -14,39 +14,39 @@ impl Brief for Table {
         let ranking = recommended(self);
         let mut columns = self.columns();
         columns.retain(|column| column.is_in_short);
-        let line = |name: &str, rule: &str, cell: &dyn Fn(&Column) -> String| {
+        let line = |name: &str, verdict: &str, cell: &dyn Fn(&Column) -> String| {
             let cells = columns.iter().map(|column| {
                 let width = column.width(&self.rows);
                 format!("  {:>width$}", cell(column))
             });
             let cells: String = cells.collect();
-            let line = format!("{:NAME$}{cells}  {rule}", cut(name));
+            let line = format!("{:NAME$}{cells}  {verdict}", cut(name));
             line.trim_end().to_owned()
         };
-        let head = line("method, best first", "excluded by", &|column| {
+        let head = line("method, best first", "verdict", &|column| {
             column.head.clone()
         });
+        let of_material = line(MATERIAL, "", &|column| column.material.clone());
         let lines = ranking.iter().map(|ranked| {
             let mut rows = self.rows.iter();
             let row = rows.find(|row| row.name == ranked.name);
-            let (rule, why) = match &ranked.excluded {
-                Some((rule, why)) => (format!("rule {rule}"), why.as_str()),
-                None => (String::new(), ""),
-            };
             match row.and_then(|row| row.measured.as_ref().ok()) {
-                Some(measured) => line(&ranked.name, &rule, &|column| (column.cell)(measured)),
+                Some(measured) => line(&ranked.name, ranked.verdict(), &|column| {
+                    (column.cell)(measured)
+                }),
                 None => {
+                    let why = ranked.excluded.as_ref().map_or("", |(_, why)| why);
                     let text = format!("{:NAME$}  {why}", cut(&ranked.name));
                     text.chars().take(crate::brief::WIDTH).collect()
                 }
             }
         });
         let mut short = Short::new(self.summary(&ranking))
-            .table(std::iter::once(head).chain(lines))
+            .table([head, of_material].into_iter().chain(lines))
             .row(
                 0,
-                "rules",
-                "onset recommend; columns, compression and other wavelengths: --all",
+                "verdicts",
+                "their rules: onset recommend; columns, compression and other wavelengths: --all",
             )
             .notes(&self.all_notes());
         if let Some(first) = self.rows.first() {
@@ -86,7 +86,7 @@ impl Brief for Recommendation {
         });
         let mut short = Short::new(self.table.summary(&self.ranking)).table(good);
         let mut is_first = true;
-        for (n, rule) in EXCLUSIONS.into_iter().enumerate() {
+        for (n, (verdict, rule)) in EXCLUSIONS.into_iter().enumerate() {
             let is_excluded = |ranked: &&Ranked| {
                 let mut by = ranked.excluded.iter();
                 by.any(|(by, _)| *by == n + 1)
@@ -103,7 +103,7 @@ impl Brief for Recommendation {
                     many => format!("{}, {} and {} more", names[0], names[1], many - 2),
                 };
                 let name = if is_first { "excluded" } else { "" };
-                short = short.row(1, name, format!("{rule}: {text}"));
+                short = short.row(1, name, format!("{verdict} ({rule}): {text}"));
                 is_first = false;
             }
         }

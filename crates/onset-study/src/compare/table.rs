@@ -39,16 +39,22 @@ pub(super) struct Column {
     pub(super) cell: Box<dyn Fn(&Measured) -> String>,
     /// Unrounded value of a cell, for the CSV file.
     pub(super) number: Box<dyn Fn(&Measured) -> f64>,
+    /// Cell of the material itself.
+    pub(super) material: String,
     /// Whether the short table has this column.
     pub(super) is_in_short: bool,
 }
 
+/// Cell of the material where a measure belongs to methods only.
+const NOT_OF_MATERIAL: &str = "-";
+
 impl Column {
-    /// Width of the head and of the cells of all methods.
+    /// Width of the head and of the cells of the material and all methods.
     pub(super) fn width(&self, rows: &[Row]) -> usize {
         let measured = rows.iter().filter_map(|row| row.measured.as_ref().ok());
         let cells = measured.map(|m| (self.cell)(m).chars().count());
-        cells.max().unwrap_or(0).max(self.head.chars().count())
+        let own = [&self.head, &self.material].map(|text| text.chars().count());
+        cells.chain(own).max().unwrap_or(0)
     }
 
     /// Returns the column as a column of the short table too.
@@ -74,6 +80,7 @@ fn column(
         meaning: meaning.into(),
         cell: Box::new(move |measured| shown(of_cell(measured))),
         number: Box::new(number),
+        material: NOT_OF_MATERIAL.to_owned(),
         is_in_short: false,
     }
 }
@@ -94,6 +101,7 @@ impl Table {
                     format!("{least}{}{more}", m.zero_modes)
                 }),
                 number: Box::new(|m| m.zero_modes as f64),
+                material: NOT_OF_MATERIAL.to_owned(),
                 is_in_short: true,
             },
             column(
@@ -136,14 +144,16 @@ impl Table {
                 head: short(load).to_owned(),
                 name: format!("onset_{}", load.name().replace(' ', "_")),
                 meaning: format!(
-                    "imposed stretch at which stability is lost in {}; the material: {}",
-                    load.title(self.dimension),
-                    self.material_onset(load)
+                    "imposed stretch at which stability is lost in {}",
+                    load.title(self.dimension)
                 ),
                 cell: Box::new(move |m| onset(m).map_or_else(String::new, told)),
                 number: Box::new(move |m| {
                     onset(m).and_then(StretchOnset::stretch).unwrap_or(f64::NAN)
                 }),
+                material: self
+                    .material_onset_of(load)
+                    .map_or_else(|| NOT_OF_MATERIAL.to_owned(), told),
                 is_in_short: load.is_tension(),
             });
         }
@@ -201,15 +211,6 @@ impl Table {
         columns
     }
 
-    /// Onset of the material along a loading, in words; equal in all rows, and empty if it was not computed.
-    fn material_onset(&self, load: Load) -> String {
-        match self.material_onset_of(load) {
-            None => String::new(),
-            Some(StretchOnset::NotBefore(end)) => format!("not up to {end}"),
-            Some(onset) => told(onset),
-        }
-    }
-
     /// Onset of the material along a loading; equal in all rows, and `None` if it was not computed.
     pub(super) fn material_onset_of(&self, load: Load) -> Option<StretchOnset> {
         let mut pairs = self
@@ -263,7 +264,7 @@ impl std::fmt::Display for Table {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let columns = self.columns();
         let names = self.rows.iter().map(|row| row.name.chars().count());
-        let width = names.max().unwrap_or(0).max("method".len());
+        let width = names.max().unwrap_or(0).max(MATERIAL.len());
         let widths: Vec<usize> = columns
             .iter()
             .map(|column| column.width(&self.rows))
@@ -280,6 +281,10 @@ impl std::fmt::Display for Table {
         write!(formatter, "{:width$}", "method")?;
         for (column, width) in columns.iter().zip(&widths) {
             write!(formatter, "  {:>width$}", column.head)?;
+        }
+        write!(formatter, "\n{MATERIAL:width$}")?;
+        for (column, width) in columns.iter().zip(&widths) {
+            write!(formatter, "  {:>width$}", column.material)?;
         }
         writeln!(formatter)?;
         for row in &self.rows {
@@ -315,6 +320,9 @@ impl std::fmt::Display for Table {
         writeln!(formatter, "\n{}", self.evidence)
     }
 }
+
+/// Name of the row of the material itself.
+pub(super) const MATERIAL: &str = "the material";
 
 /// Head of the column of a loading.
 pub(super) fn short(load: Load) -> &'static str {

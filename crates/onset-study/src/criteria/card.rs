@@ -1,14 +1,14 @@
 //! Safe range card of a law: the stretches at which it is strongly elliptic, on one page.
 
-use super::figure::{IMPOSED, held, mark, stretches};
+use super::figure::{Bar, DRAWN, MEANING, Row, charts, held};
 use super::sentence::{opening, title, witness};
 use super::{
     CriteriaError, CriterionAnswer, EndAnswer, KinkAnswer, Lateral, LawAnswer, LoadingAnswer, Mode,
-    Question, SideAnswer, imposed, kink,
+    Question, SideAnswer, kink, nominal_strain, sides,
 };
 use crate::answers::Evidence;
 use crate::csv::Table;
-use crate::figure::{Axis, Color, Figure, Line, Panel, Rule, palette};
+use crate::figure::{Figure, palette};
 use crate::json;
 use crate::number::{told, told_above, told_below};
 use crate::output::{Files, picture, text};
@@ -24,7 +24,7 @@ use std::fmt::{Display, Formatter};
 pub struct CardAnswer {
     /// Law with its parameters.
     pub material: LawAnswer,
-    /// Smallest and largest stretch of the search.
+    /// Smallest and largest stretch of the search; in simple shear, of the larger principal stretch, which is below 1 for a negative amount of shear.
     pub range: [f64; 2],
     /// Method of the search for limits, in words.
     pub method: &'static str,
@@ -65,9 +65,9 @@ pub struct Limits {
     pub lateral: Lateral,
     /// Short name of the loading.
     pub title: &'static str,
-    /// Stretch at which ellipticity is lost in compression; `null` if it is kept.
+    /// Imposed stretch, in simple shear the amount of shear, at which ellipticity is lost in compression or negative shear; `null` if it is kept.
     pub compression: Option<f64>,
-    /// Stretch at which ellipticity is lost in tension; `null` if it is kept.
+    /// Imposed stretch, in simple shear the amount of shear, at which ellipticity is lost in tension or positive shear; `null` if it is kept.
     pub tension: Option<f64>,
     /// Critical wave at the limit in compression; `null` if the criterion is kept.
     pub compression_witness: Option<Witness>,
@@ -77,11 +77,9 @@ pub struct Limits {
     pub compression_end: EndAnswer,
     /// End of the path in tension.
     pub tension_end: EndAnswer,
-    /// Intervals of stretch in which the law is elliptic.
-    pub elliptic: Vec<(f64, f64)>,
     /// Limits of ellipticity, of Drucker's and Hill's criteria and of the load, each with nominal strain and stress.
     pub criteria: Vec<CriterionLimits>,
-    /// Stretches at which energy, stress or tangent jump.
+    /// Places at which energy, stress or tangent jump.
     pub kinks: Vec<KinkAnswer>,
 }
 
@@ -98,13 +96,15 @@ pub struct CriterionLimits {
     pub compression: Option<LimitPoint>,
     /// State at which the criterion is violated in tension; `null` if it is satisfied throughout.
     pub tension: Option<LimitPoint>,
+    /// Intervals of the imposed stretch, in simple shear of the amount of shear, in which the criterion holds.
+    pub holds: Vec<(f64, f64)>,
 }
 
 /// State at which a criterion is violated.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LimitPoint {
-    /// Imposed stretch at the limit.
-    pub stretch: f64,
+    /// Imposed stretch at the limit; in simple shear the amount of shear.
+    pub imposed: f64,
     /// Nominal strain `lambda - 1`; in simple shear the amount of shear.
     pub nominal_strain: f64,
     /// Nominal stress `P_11`, in simple shear `P_12`. Units of stress.
@@ -200,12 +200,12 @@ impl BoxAnswer {
 
 impl Limits {
     fn of(answer: &LoadingAnswer) -> Self {
-        let ends = [answer.compression_end.stretch, answer.tension_end.stretch];
         let own = answer.criteria.first();
         let [compression, tension] = [
             own.map(|own| own.compression.clone()).unwrap_or_default(),
             own.map(|own| own.tension.clone()).unwrap_or_default(),
         ];
+        let of = |own: &CriterionAnswer| CriterionLimits::of(answer, own);
         Self {
             mode: answer.mode,
             lateral: answer.lateral,
@@ -216,44 +216,65 @@ impl Limits {
             tension_witness: tension.changes.first().map(|change| change.witness),
             compression_end: answer.compression_end.clone(),
             tension_end: answer.tension_end.clone(),
-            elliptic: own.map(|own| held(own, ends)).unwrap_or_default(),
-            criteria: answer.criteria.iter().map(CriterionLimits::of).collect(),
+            criteria: answer.criteria.iter().map(of).collect(),
             kinks: answer.kinks.clone(),
         }
     }
 
     /// One line for each fold (limit point) of the path.
     pub(super) fn folds(&self) -> Vec<String> {
-        let ends = [
-            ("compression", &self.compression_end),
-            ("tension", &self.tension_end),
-        ];
-        let folds = ends.into_iter().filter(|(_, end)| end.fold);
-        folds.filter_map(|(side, end)| end.line(side)).collect()
+        let ends = [&self.compression_end, &self.tension_end];
+        let folds = sides(self.mode).into_iter().zip(ends);
+        folds
+            .filter(|(_, end)| end.fold)
+            .filter_map(|(side, end)| end.line(self.mode, side))
+            .collect()
     }
 
-    pub(super) fn cell(limit: Option<f64>, end: &EndAnswer) -> String {
-        match (limit, &end.reason) {
+    /// Limits of ellipticity on both sides of the reference configuration, each with its name.
+    pub(super) fn cells(&self) -> [(&'static str, String); 2] {
+        let [below, above] = sides(self.mode);
+        let cell = |limit: Option<f64>, end: &EndAnswer, toward: &str| match (limit, &end.reason) {
             (Some(limit), _) => told(limit),
-            (None, None) => format!("none {} {}", toward(end.stretch), end.stretch),
-            (None, Some(_)) => format!(
-                "none {} {}, where the path ends",
-                toward(end.stretch),
-                told(end.stretch)
+            (None, None) => format!("none {toward} {}", told(end.imposed)),
+            (None, Some(_)) => {
+                format!("none {toward} {}, where the path ends", told(end.imposed))
+            }
+        };
+        [
+            (
+                below,
+                cell(self.compression, &self.compression_end, "down to"),
             ),
+            (above, cell(self.tension, &self.tension_end, "up to")),
+        ]
+    }
+
+    /// Row of the figure.
+    fn row(&self) -> Row<'_> {
+        let drawn = self.criteria.iter().filter(|own| own.defined);
+        let bars = DRAWN.into_iter().enumerate().filter_map(|(n, criterion)| {
+            let own = drawn.clone().find(|own| own.criterion == criterion)?;
+            Some(Bar::of(n, criterion, own.holds.clone()))
+        });
+        Row {
+            name: self.title,
+            ends: Some([self.compression_end.imposed, self.tension_end.imposed]),
+            bars: bars.collect(),
+            kinks: &self.kinks,
         }
     }
 }
 
 impl CriterionLimits {
-    fn of(answer: &CriterionAnswer) -> Self {
+    fn of(loading: &LoadingAnswer, answer: &CriterionAnswer) -> Self {
         let point = |side: &SideAnswer| {
-            let stretch = side.limit?;
+            let imposed = side.limit?;
             let first = side.changes.first();
-            let reached = first.filter(|change| change.stretch == stretch);
+            let reached = first.filter(|change| change.imposed == imposed);
             Some(LimitPoint {
-                stretch,
-                nominal_strain: reached.map_or(0.0, |change| change.nominal_strain),
+                imposed,
+                nominal_strain: nominal_strain(loading.mode, imposed),
                 nominal_stress: reached.map_or(0.0, |change| change.nominal_stress),
             })
         };
@@ -263,29 +284,28 @@ impl CriterionLimits {
             holds_in_reference: answer.holds_in_reference,
             compression: point(&answer.compression),
             tension: point(&answer.tension),
+            holds: match answer.defined {
+                true => held(loading, answer),
+                false => Vec::new(),
+            },
         }
     }
 
-    pub(super) fn cells(&self, limit: Option<LimitPoint>) -> [String; 3] {
+    pub(super) fn cells(&self, mode: Mode, limit: Option<LimitPoint>) -> [String; 3] {
         let none = || String::from("-");
         match limit {
             _ if !self.defined => ["not defined".to_owned(), none(), none()],
             None => ["never".to_owned(), none(), none()],
             Some(_) if !self.holds_in_reference => ["at F = 1".to_owned(), none(), none()],
-            Some(limit) if limit.stretch == 1.0 => ["at once".to_owned(), none(), none()],
+            Some(limit) if limit.imposed == super::imposed(mode, 1.0) => {
+                ["at once".to_owned(), none(), none()]
+            }
             Some(limit) => [
-                told(limit.stretch),
+                told(limit.imposed),
                 told(limit.nominal_strain),
                 told(limit.nominal_stress),
             ],
         }
-    }
-}
-
-fn toward(end: f64) -> &'static str {
-    match end < 1.0 {
-        true => "down to",
-        false => "up to",
     }
 }
 
@@ -329,66 +349,41 @@ impl CardAnswer {
                     side(criteria.find(|own| own.criterion == criterion)?)
                 };
                 table = table
-                    .with(&name, "1", |own| {
-                        Some(imposed(own.mode, point(own)?.stretch))
-                    })
+                    .with(&name, "1", |own| Some(point(own)?.imposed))
                     .with(format!("{name}_stress"), "stress", |own| {
                         Some(point(own)?.nominal_stress)
                     });
             }
         }
         table
-            .with("compression_end", "1", |own| {
-                imposed(own.mode, own.compression_end.stretch)
-            })
-            .with("tension_end", "1", |own| {
-                imposed(own.mode, own.tension_end.stretch)
-            })
+            .with("compression_end", "1", |own| own.compression_end.imposed)
+            .with("tension_end", "1", |own| own.tension_end.imposed)
             .to_string()
     }
 
     /// Draws the ranges as horizontal bars.
     pub fn figure(&self) -> Figure {
-        let [low, high] = self.range;
         let boxes = self.boxes();
-        let rows = (self.loadings.len() + boxes.len()) as f64;
-        let names = boxes
-            .iter()
-            .map(|(name, _)| *name)
-            .chain(self.loadings.iter().map(|limits| limits.title));
-        let ticks = names.enumerate().map(|(n, name)| (rows - n as f64, name));
-        let mut panel = Panel::new(
-            "",
-            stretches(IMPOSED, low, high),
-            Axis::linear("", (0.4, rows + 0.6)).ticks(ticks),
-        )
-        .with(Rule::vertical(1.0));
-        let bar = |from: f64, to: f64, y: f64| Line::new(vec![(from, y), (to, y)]).width(9.0);
-        for (n, (_, found)) in boxes.iter().enumerate() {
-            let y = rows - n as f64;
-            let bar = bar(found.low, found.high, y).color(palette::GREEN);
-            panel = panel.with(bar.named("box of principal stretches"));
-        }
-        for (n, limits) in self.loadings.iter().enumerate() {
-            let y = rows - (boxes.len() + n) as f64;
-            let ends = (limits.compression_end.stretch, limits.tension_end.stretch);
-            let all = Line::new(vec![(ends.0, y), (ends.1, y)]);
-            panel = panel.with(all.width(2.0).color(Color::hex(0xbbbbbb)));
-            for (from, to) in &limits.elliptic {
-                let bar = bar(*from, *to, y).color(palette::BLUE);
-                panel = panel.with(bar.named("imposed stretch of the loading"));
-            }
-            for (at, name) in limits.kinks.iter().map(mark) {
-                let mark = Line::new(vec![(at, y - 0.4), (at, y + 0.4)]);
-                panel = panel.with(mark.width(2.0).color(palette::VERMILION).named(name));
-            }
-        }
-        Figure::new(format!("Safe range: {}", title(&self.material)))
+        let boxes = boxes.iter().map(|(name, found)| {
+            let bar = Bar {
+                name: "box of principal stretches, strongly elliptic",
+                color: palette::GREEN,
+                holds: vec![(found.low, found.high)],
+            };
+            let row = Row {
+                name,
+                ends: None,
+                bars: vec![bar],
+                kinks: &[],
+            };
+            (None, row)
+        });
+        let loadings = self.loadings.iter();
+        let loadings = loadings.map(|limits| (Some(limits.mode), limits.row()));
+        let figure = Figure::new(format!("Safe range: {}", title(&self.material)))
             .columns(1)
-            .caption(
-                "Bars: stretches at which the law is strongly elliptic, so that all wave speeds are real. Grey lines: it is not. Boxes: all principal stretches between their ends.",
-            )
-            .with(panel)
+            .caption(format!("{MEANING} Strong ellipticity: all wave speeds are real. Boxes: all principal stretches between their ends."));
+        charts(figure, boxes.chain(loadings).collect(), self.range)
     }
 
     /// Returns the figure `card`, and the files `card.json` and `card.html`.
@@ -444,38 +439,35 @@ impl Display for CardAnswer {
             )?;
         }
         writeln!(formatter)?;
-        let compressed: Vec<String> = self
-            .loadings
-            .iter()
-            .map(|limits| Limits::cell(limits.compression, &limits.compression_end))
-            .collect();
-        let width = compressed.iter().map(String::len).max().unwrap_or(0);
-        for (limits, compressed) in self.loadings.iter().zip(&compressed) {
+        let cells: Vec<_> = self.loadings.iter().map(Limits::cells).collect();
+        let widths = cells.iter().map(|[(_, below), _]| below.len());
+        let width = widths.max().unwrap_or(0);
+        for (limits, [(below, smaller), (above, larger)]) in self.loadings.iter().zip(&cells) {
             writeln!(
                 formatter,
-                "{:<30} compression {compressed:<width$}   tension {}",
-                limits.title,
-                Limits::cell(limits.tension, &limits.tension_end)
+                "{:<30} {below:<11} {smaller:<width$}   {above} {larger}",
+                limits.title
             )?;
         }
         writeln!(
             formatter,
-            "\nLimits: stretch, nominal strain (in simple shear the amount of shear), nominal stress{}",
+            "\nLimits: imposed stretch (in simple shear the amount of shear gamma), nominal strain, nominal stress{}",
             self.unit_of_stress()
         )?;
         for limits in &self.loadings {
             writeln!(formatter, "\n{}", limits.title)?;
+            let [below, above] = sides(limits.mode);
             writeln!(
                 formatter,
-                "  {:<20} {:>16} {:>10} {:>13}   {:>16} {:>10} {:>13}",
-                "", "compression", "strain", "stress", "tension", "strain", "stress"
+                "  {:<20} {below:>16} {:>10} {:>13}   {above:>16} {:>10} {:>13}",
+                "", "strain", "stress", "strain", "stress"
             )?;
             for own in &limits.criteria {
-                let [stretch, strain, stress] = own.cells(own.compression);
-                let [other, its_strain, its_stress] = own.cells(own.tension);
+                let [place, strain, stress] = own.cells(limits.mode, own.compression);
+                let [other, its_strain, its_stress] = own.cells(limits.mode, own.tension);
                 writeln!(
                     formatter,
-                    "  {:<20} {stretch:>16} {strain:>10} {stress:>13}   {other:>16} {its_strain:>10} {its_stress:>13}",
+                    "  {:<20} {place:>16} {strain:>10} {stress:>13}   {other:>16} {its_strain:>10} {its_stress:>13}",
                     own.criterion.name()
                 )?;
             }
@@ -483,7 +475,7 @@ impl Display for CardAnswer {
                 writeln!(formatter, "  {line}")?;
             }
             for found in &limits.kinks {
-                writeln!(formatter, "  {}", kink(found))?;
+                writeln!(formatter, "  {}", kink(found, limits.mode))?;
             }
         }
         writeln!(formatter, "\nFound by: {}.\n{}", self.method, self.evidence)

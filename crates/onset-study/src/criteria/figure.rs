@@ -1,61 +1,150 @@
-//! Figure of the ranges in which criteria hold: horizontal bars, one panel for each loading.
+//! Figure of the ranges in which criteria hold: loadings as rows, a horizontal bar for each criterion.
 
-use super::{CriteriaAnswer, CriterionAnswer, KinkAnswer, LoadingAnswer};
+use super::{CriteriaAnswer, CriterionAnswer, KinkAnswer, LoadingAnswer, Mode};
 use crate::figure::{Axis, Color, Figure, Line, Panel, Rule, palette};
 use onset::criteria::{Change, Criterion, Discontinuity};
 
-/// Width of a bar, in pixels.
-const BAR: f64 = 8.0;
+/// Criteria that figures show by default: the loss of ellipticity, and the check of programs that fit laws to tests.
+pub const DRAWN: [Criterion; 2] = [Criterion::StrongEllipticity, Criterion::DruckerAbaqus];
+/// Largest number of criteria in a figure, which have different colors.
+pub const MOST_DRAWN: usize = palette::SERIES.len();
+
+/// Width of a bar, distance of neighboring bars, and space around the bars of a row, in pixels.
+const BAR: f64 = 7.0;
+const BAR_PITCH: f64 = 9.0;
+const ROW_SPACE: f64 = 9.0;
+/// Height of a line of text, in which the height of a panel is given, in pixels.
+const LINE: f64 = 17.0;
+/// Color of the thin lines over the whole path of a loading.
+const PATH: Color = Color::hex(0xbbbbbb);
+/// Meaning of bars and lines.
+pub(super) const MEANING: &str = "Bars: the criterion holds. Thin lines: it does not. Neither: there is no state, or the criterion is not defined for the law.";
+
+/// Bar of a row: name in the legend, color and intervals.
+pub(super) struct Bar {
+    pub(super) name: &'static str,
+    pub(super) color: Color,
+    pub(super) holds: Vec<(f64, f64)>,
+}
+
+/// Row of a chart of bars.
+pub(super) struct Row<'a> {
+    pub(super) name: &'a str,
+    /// Ends of the path of a loading; `None` for a row of bars alone.
+    pub(super) ends: Option<[f64; 2]>,
+    pub(super) bars: Vec<Bar>,
+    pub(super) kinks: &'a [KinkAnswer],
+}
+
+impl<'a> Row<'a> {
+    /// Row of a loading, with a bar for each of the criteria that is defined.
+    pub(super) fn of(loading: &'a LoadingAnswer, drawn: &[Criterion]) -> Self {
+        let defined = |criterion: &Criterion| {
+            let mut own = loading.criteria.iter();
+            own.find(|answer| answer.criterion == *criterion && answer.defined)
+        };
+        let bars = drawn.iter().enumerate().filter_map(|(n, criterion)| {
+            Some(Bar::of(n, *criterion, held(loading, defined(criterion)?)))
+        });
+        Self {
+            name: loading.title,
+            ends: Some([loading.compression_end.imposed, loading.tension_end.imposed]),
+            bars: bars.collect(),
+            kinks: &loading.kinks,
+        }
+    }
+}
+
+impl Bar {
+    /// Bar of the `n`-th criterion of a figure.
+    pub(super) fn of(n: usize, criterion: Criterion, holds: Vec<(f64, f64)>) -> Self {
+        Self {
+            name: criterion.title(),
+            color: palette::SERIES[n % palette::SERIES.len()],
+            holds,
+        }
+    }
+}
+
+/// Panel with the rows from top to bottom, over an axis of imposed values that are `reference` without deformation.
+pub(super) fn chart(rows: &[Row], axis: Axis, reference: f64) -> Panel {
+    let count = rows.len() as f64;
+    let most = rows
+        .iter()
+        .map(|row| row.bars.len())
+        .max()
+        .unwrap_or(0)
+        .max(1);
+    let height = BAR_PITCH * most as f64 + ROW_SPACE;
+    let at = |n: usize| count - n as f64;
+    let names = rows.iter().enumerate().map(|(n, row)| (at(n), row.name));
+    let mut panel = Panel::new("", axis, Axis::linear("", (0.5, count + 0.5)).ticks(names))
+        .lines(count * height / LINE)
+        .with(Rule::vertical(reference));
+    for (n, row) in rows.iter().enumerate() {
+        if n > 0 {
+            panel = panel.with(Rule::horizontal(at(n) + 0.5).color(Color::hex(0xdddddd)));
+        }
+        for (bar, own) in row.bars.iter().enumerate() {
+            let middle = (row.bars.len() - 1) as f64 / 2.0;
+            let y = at(n) - (bar as f64 - middle) * BAR_PITCH / height;
+            if let Some([low, high]) = row.ends {
+                let path = Line::new(vec![(low, y), (high, y)]);
+                panel = panel.with(path.width(2.0).color(PATH));
+            }
+            // The entry in the legend also names a criterion that holds nowhere.
+            let bars = own
+                .holds
+                .iter()
+                .flat_map(|(from, to)| [(*from, y), (*to, y), (f64::NAN, f64::NAN)]);
+            let bars = Line::new(bars.collect()).width(BAR);
+            panel = panel.with(bars.color(own.color).named(own.name));
+        }
+        for (place, name) in row.kinks.iter().map(mark) {
+            let mark = Line::new(vec![(place, at(n) - 0.4), (place, at(n) + 0.4)]);
+            panel = panel.with(mark.width(2.0).color(palette::BLACK).named(name));
+        }
+    }
+    panel
+}
+
+/// Panels of rows with their modes: loadings with an imposed stretch, and simple shear.
+pub(super) fn charts<'a>(
+    mut figure: Figure,
+    rows: Vec<(Option<Mode>, Row<'a>)>,
+    [low, high]: [f64; 2],
+) -> Figure {
+    let is_shear = |mode: &Option<Mode>| *mode == Some(Mode::SimpleShear);
+    let (shears, stretched): (Vec<_>, Vec<_>) =
+        rows.into_iter().partition(|(mode, _)| is_shear(mode));
+    let only = |rows: Vec<(Option<Mode>, Row<'a>)>| -> Vec<Row<'a>> {
+        rows.into_iter().map(|(_, row)| row).collect()
+    };
+    let (shears, stretched) = (only(shears), only(stretched));
+    if !stretched.is_empty() {
+        let axis = stretches(imposed_label(Mode::Uniaxial), low, high);
+        figure = figure.with(chart(&stretched, axis, 1.0));
+    }
+    if !shears.is_empty() {
+        let ends = [low, high].map(|end| super::imposed(Mode::SimpleShear, end));
+        let axis = shears_from(ends[0], ends[1]);
+        figure = figure.with(chart(&shears, axis, 0.0));
+    }
+    figure
+}
 
 impl CriteriaAnswer {
-    /// Draws the intervals in which the criteria hold as bars.
-    pub fn figure(&self) -> Figure {
+    /// Draws the intervals in which the given criteria hold as bars, one row for each loading.
+    pub fn figure(&self, drawn: &[Criterion]) -> Figure {
         let figure = Figure::new(format!(
             "Where stability criteria hold: {}",
             super::sentence::title(&self.material)
         ))
-        .caption(
-            "Bars: stretches at which the criterion holds. Grey lines: it does not. Neither: there is no state, or the criterion is not \
-             defined for the law. In simple shear γ = λ − 1/λ.",
-        );
-        self.loadings
-            .iter()
-            .fold(figure, |figure, loading| figure.with(self.panel(loading)))
-    }
-
-    fn panel(&self, loading: &LoadingAnswer) -> Panel {
-        let [low, high] = self.range;
-        let rows = loading.criteria.len() as f64;
-        let names = loading
-            .criteria
-            .iter()
-            .enumerate()
-            .map(|(n, answer)| (rows - n as f64, answer.criterion.name()));
-        let mut panel = Panel::new(
-            loading.title,
-            stretches(IMPOSED, low, high),
-            Axis::linear("", (0.4, rows + 0.6)).ticks(names),
-        );
-        panel = panel.with(Rule::vertical(1.0));
-        for (at, name) in loading.kinks.iter().map(mark) {
-            let mark = Line::new(vec![(at, 0.4), (at, rows + 0.6)]);
-            panel = panel.with(mark.color(palette::VERMILION).named(name));
-        }
-        for (n, answer) in loading.criteria.iter().enumerate() {
-            if !answer.defined {
-                continue;
-            }
-            let y = rows - n as f64;
-            let ends = [loading.compression_end.stretch, loading.tension_end.stretch];
-            let all = Line::new(vec![(ends[0], y), (ends[1], y)]);
-            panel = panel.with(all.width(2.0).color(Color::hex(0xbbbbbb)));
-            let (color, kind) = kind(answer.criterion);
-            for (from, to) in held(answer, ends) {
-                let bar = Line::new(vec![(from, y), (to, y)]);
-                panel = panel.with(bar.width(BAR).color(color).named(kind));
-            }
-        }
-        panel
+        .columns(1)
+        .caption(MEANING);
+        let rows = self.loadings.iter();
+        let rows = rows.map(|loading| (Some(loading.mode), Row::of(loading, drawn)));
+        charts(figure, rows.collect(), self.range)
     }
 }
 
@@ -66,11 +155,33 @@ pub(super) fn mark(kink: &KinkAnswer) -> (f64, &'static str) {
         Discontinuity::JumpOfStress => "jump of the stress",
         Discontinuity::KinkOfStress => "kink of the stress",
     };
-    (kink.stretch, name)
+    (kink.imposed, name)
 }
 
-/// Label of an axis of imposed stretches.
-pub(super) const IMPOSED: &str = "imposed stretch λ (−)";
+/// Label of the axis of the quantity that a mode imposes.
+pub(crate) fn imposed_label(mode: Mode) -> &'static str {
+    match mode {
+        Mode::SimpleShear => "amount of shear γ (−)",
+        _ => "imposed stretch λ (−)",
+    }
+}
+
+/// Axis of amounts of shear, with few ticks at round numbers.
+fn shears_from(low: f64, high: f64) -> Axis {
+    let reach = low.abs().max(high.abs());
+    let decade = 10f64.powf(reach.log10().floor());
+    // At most two ticks on each side.
+    let step = [0.5, 1.0, 2.0, 5.0].map(|factor| factor * decade);
+    let step = step
+        .into_iter()
+        .find(|step| reach < 3.0 * step)
+        .unwrap_or(5.0 * decade);
+    let ticks = (-2..=2).map(|n| f64::from(n) * step).map(|at| {
+        let digits = (-step.log10().floor()).max(0.0) as usize;
+        (at, format!("{at:.digits$}").replace('-', "−"))
+    });
+    Axis::linear(imposed_label(Mode::SimpleShear), (low, high)).ticks(ticks)
+}
 
 /// Logarithmic axis of stretches, with ticks at round numbers.
 pub(crate) fn stretches(label: &str, low: f64, high: f64) -> Axis {
@@ -86,37 +197,21 @@ pub(crate) fn stretches(label: &str, low: f64, high: f64) -> Axis {
     Axis::log(label, (low, high)).ticks(shown.map(|x| (x, format!("{x}"))))
 }
 
-/// Color of a criterion's class of perturbations, and its name in the legend.
-fn kind(criterion: Criterion) -> (Color, &'static str) {
-    match criterion {
-        Criterion::StrongEllipticity
-        | Criterion::PlaneEllipticity
-        | Criterion::BakerEricksen
-        | Criterion::OrderedForces => (palette::BLUE, "plane waves"),
-        Criterion::RankOneConvexity => (palette::SKY, "finite jumps"),
-        Criterion::Hill | Criterion::HillRotationFree => {
-            (palette::ORANGE, "incremental work under dead loads")
-        }
-        Criterion::Surface => (palette::SKY, "waves at free faces"),
-        Criterion::Drucker | Criterion::DruckerAbaqus | Criterion::TrueStressMonotonicity => {
-            (palette::GREEN, "stress work in logarithmic strain")
-        }
-        Criterion::LoadMaximum => (palette::VERMILION, "maximum of the load"),
-    }
-}
-
-/// Intervals of stretch in which a criterion holds, between the ends of the path.
-pub(super) fn held(answer: &CriterionAnswer, [low, high]: [f64; 2]) -> Vec<(f64, f64)> {
+/// Intervals of the imposed stretch or amount of shear in which a criterion holds, between the ends of the path.
+pub(super) fn held(loading: &LoadingAnswer, answer: &CriterionAnswer) -> Vec<(f64, f64)> {
     let mut intervals = Vec::new();
-    for (side, end) in [(&answer.compression, low), (&answer.tension, high)] {
-        let mut from = answer.holds_in_reference.then_some(1.0);
+    for (side, end) in [
+        (&answer.compression, &loading.compression_end),
+        (&answer.tension, &loading.tension_end),
+    ] {
+        let mut from = answer.holds_in_reference.then(|| loading.reference());
         for change in &side.changes {
             match change.change {
-                Change::Lost => intervals.extend(from.take().map(|from| (from, change.stretch))),
-                Change::Regained => from = Some(change.stretch),
+                Change::Lost => intervals.extend(from.take().map(|from| (from, change.imposed))),
+                Change::Regained => from = Some(change.imposed),
             }
         }
-        intervals.extend(from.map(|from| (from, end)));
+        intervals.extend(from.map(|from| (from, end.imposed)));
     }
     intervals.retain(|(from, to)| from != to);
     intervals
@@ -151,23 +246,24 @@ mod tests {
         ],
     ];
 
-    /// Thick horizontal lines of a panel, which are its bars: height and ends.
-    fn bars(panel: &Panel) -> Vec<(f64, [f64; 2])> {
-        let lines = panel.layers.iter().filter_map(|layer| match layer {
-            Layer::Line(line) if line.width > 2.0 => Some(&line.points),
-            _ => None,
-        });
+    /// Intervals that the bars of a criterion cover in a figure of one loading.
+    fn bars(figure: &Figure, criterion: Criterion) -> Vec<[f64; 2]> {
+        let lines = figure.panels[0]
+            .layers
+            .iter()
+            .filter_map(|layer| match layer {
+                Layer::Line(line) if line.name.as_deref() == Some(criterion.title()) => {
+                    Some(&line.points)
+                }
+                _ => None,
+            });
         lines
-            .map(|points| {
-                (
-                    points[0].1,
-                    [points[0].0.min(points[1].0), points[0].0.max(points[1].0)],
-                )
-            })
+            .flat_map(|points| points.chunks(3))
+            .map(|ends| [ends[0].0.min(ends[1].0), ends[0].0.max(ends[1].0)])
             .collect()
     }
 
-    fn question(law: &[&str]) -> Question {
+    fn question(law: &[&str], mode: Mode) -> Question {
         let set = law.iter().map(|own| match own.strip_prefix("energy=") {
             Some(energy) => format!("material.energy={energy}"),
             None => format!("material.{own}"),
@@ -178,21 +274,16 @@ mod tests {
         }
         let settings = Settings::from_assignments(&set).expect("a law");
         let range = Range::new(0.1, 10.0).expect("a range");
-        Question::new(&settings.material, range, &[Mode::Hydrostatic]).expect("a question")
+        Question::new(&settings.material, range, &[mode]).expect("a question")
     }
 
     #[test]
     fn bars_cover_exactly_the_states_in_which_the_criterion_holds() {
         for law in LAWS {
-            let question = question(law);
+            let question = question(law, Mode::Hydrostatic);
             let answer = question.answer().expect("an answer");
-            let card = question.card().expect("a card");
-            for ((loading, panel), limits) in answer
-                .loadings
-                .iter()
-                .zip(answer.figure().panels)
-                .zip(&card.loadings)
-            {
+            let of_card = question.card().expect("a card").figure();
+            for loading in &answer.loadings {
                 let own = question
                     .loadings
                     .iter()
@@ -204,26 +295,12 @@ mod tests {
                     &question.range,
                 )
                 .expect("a path");
-                let bars = bars(&panel);
-                for (n, criterion) in loading.criteria.iter().enumerate() {
-                    let y = (loading.criteria.len() - n) as f64;
-                    let is_covered = |x: f64| {
-                        bars.iter()
-                            .any(|(height, ends)| *height == y && ends[0] <= x && x <= ends[1])
-                    };
-                    let of_card = limits.elliptic.iter().map(|(a, b)| [a.min(*b), a.max(*b)]);
-                    if criterion.criterion == Criterion::StrongEllipticity {
-                        let drawn: Vec<_> = bars
-                            .iter()
-                            .filter(|(height, _)| *height == y)
-                            .map(|(_, ends)| *ends)
-                            .collect();
-                        assert_eq!(
-                            drawn,
-                            of_card.collect::<Vec<_>>(),
-                            "{law:?} {}",
-                            loading.title
-                        );
+                for criterion in &loading.criteria {
+                    let bars = bars(&answer.figure(&[criterion.criterion]), criterion.criterion);
+                    let is_covered = |x: f64| bars.iter().any(|ends| ends[0] <= x && x <= ends[1]);
+                    if DRAWN.contains(&criterion.criterion) {
+                        let of_card = self::bars(&of_card, criterion.criterion);
+                        assert_eq!(of_card, bars, "{law:?} {}", loading.title);
                     }
                     let limits =
                         [&criterion.compression, &criterion.tension].map(|side| side.limit);
@@ -256,6 +333,64 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    #[test]
+    fn one_panel_has_a_row_for_each_loading_and_simple_shear_is_drawn_over_gamma() {
+        let law = ["model=blatz-ko"];
+        let settings = Settings::from_assignments(&law.map(|own| format!("material.{own}")));
+        let range = Range::new(0.1, 10.0).expect("a range");
+        let question = Question::new(&settings.expect("a law").material, range, &[]);
+        let answer = question.expect("a question").answer().expect("an answer");
+        let figure = answer.figure(&DRAWN);
+        let rows = |n: usize| figure.panels[n].y.ticks.as_ref().expect("rows").len();
+        assert_eq!(figure.panels.len(), 2);
+        assert_eq!(rows(0) + rows(1), answer.loadings.len());
+        let [stretched, shear] = [0, 1].map(|n| figure.panels[n].x.label.as_str());
+        assert_eq!(
+            [stretched, shear],
+            ["imposed stretch λ (−)", "amount of shear γ (−)"]
+        );
+        let names: Vec<String> = figure
+            .legend_entries()
+            .into_iter()
+            .map(|own| own.name)
+            .collect();
+        assert_eq!(names, DRAWN.map(Criterion::title));
+        // Plane strain: ellipticity is lost where gamma^2 = 2, that is at the stretches of the isochoric loading.
+        let plane = answer
+            .loadings
+            .iter()
+            .find(|own| own.title == "simple shear, plane strain");
+        let plane = plane.expect("simple shear");
+        let limit = plane.criteria[0].tension.limit.expect("a limit");
+        assert!((limit - 2.0_f64.sqrt()).abs() < 1e-9, "{limit}");
+        assert!((plane.tension_end.imposed - 9.9).abs() < 1e-12);
+        let told = answer.to_string();
+        assert!(
+            told.contains("gamma > 0") && told.contains("1.41421"),
+            "{told}"
+        );
+    }
+
+    #[test]
+    fn bars_of_a_row_do_not_touch() {
+        let question = question(&["model=blatz-ko"], Mode::SimpleShear);
+        let answer = question.answer().expect("an answer");
+        let panel = &answer.figure(&Criterion::ALL[..MOST_DRAWN]).panels[0];
+        let mut heights: Vec<f64> = Vec::new();
+        for layer in &panel.layers {
+            if let Layer::Line(Line { points, width, .. }) = layer
+                && *width == BAR
+            {
+                heights.extend(points.first().map(|point| point.1));
+            }
+        }
+        heights.sort_by(f64::total_cmp);
+        let pixels = panel.lines.expect("a height") * LINE / answer.loadings.len() as f64;
+        for pair in heights.windows(2) {
+            assert!((pair[1] - pair[0]) * pixels > BAR, "{heights:?}");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The card as one self-contained HTML file, which can also be printed.
 
-use super::card::{CardAnswer, Limits};
+use super::card::CardAnswer;
 use super::kink;
 use super::sentence::{heading, title, witness};
 use crate::html::{embedded, escaped};
@@ -38,15 +38,16 @@ impl CardAnswer {
             page.push_str(&self.page_of_boxes());
         }
         page.push_str(
-            "<h2>Limits in each loading</h2>\n<table><tr><th>loading</th><th>compression</th><th>tension</th>\
+            "<h2>Limits in each loading</h2>\n<table><tr><th>loading</th><th>compression, or gamma &lt; 0</th><th>tension, or gamma &gt; 0</th>\
              <th>critical wave</th></tr>\n",
         );
         for limits in &self.loadings {
             let wave = limits.tension_witness.or(limits.compression_witness);
+            let [(_, below), (_, above)] = limits.cells();
             page.push_str(&row(&[
                 escaped(limits.title),
-                Limits::cell(limits.compression, &limits.compression_end),
-                Limits::cell(limits.tension, &limits.tension_end),
+                below,
+                above,
                 escaped(&wave.map(|wave| witness(&wave)).unwrap_or_default()),
             ]));
         }
@@ -55,7 +56,7 @@ impl CardAnswer {
         page.push_str("<figure>\n");
         page.push_str(&embedded(&self.figure().to_svg()));
         page.push_str(&format!(
-            "\n</figure>\n<p><small>Imposed stretches; in simple shear &gamma; = &lambda; &minus; 1/&lambda;. N is the direction of the wave in the \
+            "\n</figure>\n<p><small>Limits are imposed stretches, in simple shear the amount of shear &gamma; = F<sub>12</sub>. N is the direction of the wave in the \
              reference, g its polarization. Found by: {}. onset {}.</small></p>\n</body></html>\n",
             escaped(self.method),
             env!("CARGO_PKG_VERSION")
@@ -93,8 +94,8 @@ impl CardAnswer {
     /// Section with the limits of every criterion, with nominal strain and stress.
     fn page_of_criteria(&self) -> String {
         let mut page = format!(
-            "<h2>Criteria, each with nominal strain and stress{}</h2>\n<table class=\"c\"><tr><th></th><th>compression</th><th>strain</th>\
-             <th>stress</th><th>tension</th><th>strain</th><th>stress</th></tr>\n",
+            "<h2>Criteria, each with nominal strain and stress{}</h2>\n<table class=\"c\"><tr><th></th><th>compression, or gamma &lt; 0</th><th>strain</th>\
+             <th>stress</th><th>tension, or gamma &gt; 0</th><th>strain</th><th>stress</th></tr>\n",
             self.unit_of_stress()
         );
         for limits in &self.loadings {
@@ -104,14 +105,14 @@ impl CardAnswer {
             ));
             for own in &limits.criteria {
                 let mut cells = vec![own.criterion.name().to_owned()];
-                cells.extend(own.cells(own.compression));
-                cells.extend(own.cells(own.tension));
+                cells.extend(own.cells(limits.mode, own.compression));
+                cells.extend(own.cells(limits.mode, own.tension));
                 page.push_str(&row(&cells));
             }
             for line in limits
                 .folds()
                 .into_iter()
-                .chain(limits.kinks.iter().map(kink))
+                .chain(limits.kinks.iter().map(|own| kink(own, limits.mode)))
             {
                 page.push_str(&format!(
                     "<tr><td colspan=\"7\">{}</td></tr>\n",

@@ -3,13 +3,14 @@
 
 mod card;
 mod figure;
-pub(crate) use figure::stretches as stretch_axis;
+pub(crate) use figure::{imposed_label, stretches as stretch_axis};
 mod html;
 mod sentence;
 mod short;
 
 pub use card::{BoxAnswer, CardAnswer, Limits};
-pub use onset::criteria::{Lateral, Mode, Range};
+pub use figure::{DRAWN, MOST_DRAWN};
+pub use onset::criteria::{Criterion, Lateral, Mode, Range};
 
 use crate::answers::{Evidence, moduli, notes_on_law};
 use crate::csv::Table;
@@ -17,8 +18,8 @@ use crate::number;
 use crate::settings::{MaterialSettings, Units, Value};
 use onset::cancel::Scope;
 use onset::criteria::{
-    Change, Criterion, Discontinuity, Event, Kink, Knowledge, Loading, LoadingError, LoadingPath,
-    PathEnd, PathState, Track, Witness, follow, follow_jumps, has_energy, is_isotropic, kinks,
+    Change, Discontinuity, Event, Kink, Knowledge, Loading, LoadingError, LoadingPath, PathEnd,
+    PathState, Track, Witness, follow, follow_jumps, has_energy, is_isotropic, kinks,
     polyconvexity,
 };
 use onset::material::{Hyperelastic, MaterialError, Membrane};
@@ -66,6 +67,26 @@ pub enum CriteriaError {
         /// Orientation or loading that is refused, for example `in simple shear`.
         how: String,
     },
+    /// A criterion that the figure should show does not apply to the law.
+    #[error(
+        "`{}` does not apply to {law}; expected one of {}\n  hint: surface applies with --incompressible only", asked.name(), names(known)
+    )]
+    NotApplicable {
+        /// The criterion that was asked for.
+        asked: Criterion,
+        /// Name of the law.
+        law: String,
+        /// Criteria that apply.
+        known: Vec<Criterion>,
+    },
+    /// A figure cannot show these criteria in different colors.
+    #[error(
+        "{given} criteria are asked for, expected at most {MOST_DRAWN}, each once\n  hint: draw several figures"
+    )]
+    TooMany {
+        /// Number of criteria that were asked for.
+        given: usize,
+    },
     /// The path of a loading failed.
     #[error("{title}: {source}{}{}", hint(source), told(notes))]
     Loading {
@@ -76,6 +97,12 @@ pub enum CriteriaError {
         /// Notes on the law that may explain the failure.
         notes: Vec<String>,
     },
+}
+
+/// Names of criteria, in a list.
+fn names(criteria: &[Criterion]) -> String {
+    let names: Vec<&str> = criteria.iter().map(|own| own.name()).collect();
+    names.join(", ")
 }
 
 /// Hint for laws that cannot be evaluated.
@@ -153,7 +180,7 @@ const UPPER_BOUND: &str = "a limit is an upper bound of the distance from the re
 pub struct CriteriaAnswer {
     /// Law with its parameters.
     pub material: LawAnswer,
-    /// Smallest and largest stretch of the search.
+    /// Smallest and largest stretch of the search; in simple shear, of the larger principal stretch, which is below 1 for a negative amount of shear.
     pub range: [f64; 2],
     /// Knowledge about the polyconvexity of the law.
     pub polyconvexity: PolyconvexityAnswer,
@@ -216,20 +243,18 @@ impl CriteriaAnswer {
                 changes.find(|change| change.change == kind).cloned()
             };
             table = table
-                .with(format!("{name}_lost"), "1", |(loading, own)| {
-                    Some(imposed(loading.mode, side(own).limit?))
-                })
+                .with(format!("{name}_lost"), "1", |(_, own)| side(own).limit)
                 .with(format!("{name}_lost_stress"), "stress", |(_, own)| {
                     Some(first(own, Change::Lost)?.nominal_stress)
                 })
                 .with(format!("{name}_upper_bound"), "1", |(_, own)| {
                     side(own).limit.is_some().then(|| side(own).upper_bound)
                 })
-                .with(format!("{name}_regained"), "1", |(loading, own)| {
-                    Some(imposed(loading.mode, first(own, Change::Regained)?.stretch))
+                .with(format!("{name}_regained"), "1", |(_, own)| {
+                    Some(first(own, Change::Regained)?.imposed)
                 })
                 .with(format!("{name}_end"), "1", |(loading, _)| {
-                    imposed(loading.mode, end(loading).stretch)
+                    end(loading).imposed
                 });
         }
         table.to_string()
@@ -249,9 +274,9 @@ pub struct LoadingAnswer {
     pub compression_end: EndAnswer,
     /// End of the path in tension, with its cause.
     pub tension_end: EndAnswer,
-    /// Further equilibria with the same imposed stretch and other free stretches, if any were found.
+    /// Further equilibria with the same imposed stretch or amount of shear and other free stretches, if any were found.
     pub other_states: Vec<OtherState>,
-    /// Stretches at which the energy, the stress or the tangent jumps, nearest to the reference configuration first.
+    /// Places at which the energy, the stress or the tangent jumps, nearest to the reference configuration first.
     pub kinks: Vec<KinkAnswer>,
     /// Results for each criterion.
     pub criteria: Vec<CriterionAnswer>,
@@ -260,8 +285,8 @@ pub struct LoadingAnswer {
 /// Jump of energy, stress or tangent, taken from the smaller to the larger stretch.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct KinkAnswer {
-    /// Imposed stretch at the jump.
-    pub stretch: f64,
+    /// Imposed stretch at the jump; in simple shear the amount of shear.
+    pub imposed: f64,
     /// Lowest derivative that jumps: energy, stress or tangent.
     pub kind: Discontinuity,
     /// Norm of the jump of this derivative over all components, relative to the tangent.
@@ -277,7 +302,7 @@ pub struct KinkAnswer {
 }
 
 impl KinkAnswer {
-    fn of(kink: &Kink) -> Self {
+    fn of(kink: &Kink, mode: Mode) -> Self {
         let &Kink {
             stretch,
             kind,
@@ -289,7 +314,7 @@ impl KinkAnswer {
             ..
         } = kink;
         Self {
-            stretch,
+            imposed: imposed(mode, stretch),
             kind,
             jump,
             energy,
@@ -303,8 +328,8 @@ impl KinkAnswer {
 /// End of a loading path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EndAnswer {
-    /// Last stretch of the path.
-    pub stretch: f64,
+    /// Last imposed stretch of the path; in simple shear the last amount of shear.
+    pub imposed: f64,
     /// Whether the end is a fold, the limit point of the equilibrium of the free faces.
     pub fold: bool,
     /// Reason why the path ends; `null` at the end of the range.
@@ -317,8 +342,8 @@ const FOLD: &str =
 /// Further equilibrium of the free faces at a given imposed stretch.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OtherState {
-    /// Imposed stretch of the state.
-    pub stretch: f64,
+    /// Imposed stretch of the state; in simple shear the amount of shear.
+    pub imposed: f64,
     /// Deformation gradient `F_iJ`, by rows.
     pub deformation_gradient: [[f64; 3]; 3],
 }
@@ -332,16 +357,17 @@ pub struct CriterionAnswer {
     pub defined: bool,
     /// Whether the criterion holds in the reference configuration.
     pub holds_in_reference: bool,
-    /// Result for stretches below 1.
+    /// Result for stretches below 1, or negative amounts of shear.
     pub compression: SideAnswer,
-    /// Result for stretches above 1.
+    /// Result for stretches above 1, or positive amounts of shear.
     pub tension: SideAnswer,
 }
 
 /// Result for a criterion on one side of the reference configuration.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SideAnswer {
-    /// First stretch, counted from the reference configuration, at which the criterion is violated; `null` if it is satisfied throughout.
+    /// First imposed stretch, in simple shear the first amount of shear, at which the criterion is violated, counted from the reference configuration;
+    /// `null` if it is satisfied throughout.
     pub limit: Option<f64>,
     /// Whether the limit is only an upper bound: the criterion is violated there, but it may be violated nearer to the reference configuration.
     pub upper_bound: bool,
@@ -354,9 +380,9 @@ pub struct SideAnswer {
 pub struct ChangeAnswer {
     /// Direction of the change: lost or regained.
     pub change: Change,
-    /// Imposed stretch at the change.
-    pub stretch: f64,
-    /// Relative half width of the bracket, or the shift that rounding can cause if it is larger; for an upper bound, the tolerance of the named
+    /// Imposed stretch at the change; in simple shear the amount of shear.
+    pub imposed: f64,
+    /// Relative half width of the bracket of the stretch, or the shift that rounding can cause if it is larger; for an upper bound, the tolerance of the named
     /// witness.
     pub tolerance: f64,
     /// Nominal strain at the change: `lambda - 1`, in simple shear the amount of shear.
@@ -523,6 +549,27 @@ impl Question {
         criteria
     }
 
+    /// Checks that a figure can show criteria.
+    ///
+    /// # Errors
+    /// [`CriteriaError::NotApplicable`] for a criterion that does not apply to the law, [`CriteriaError::TooMany`] for more criteria than a figure has
+    /// colors, or for repeated ones.
+    pub fn check_drawn(&self, drawn: &[Criterion]) -> Result<(), CriteriaError> {
+        let is_repeated = (1..drawn.len()).any(|n| drawn[..n].contains(&drawn[n]));
+        if is_repeated || drawn.len() > MOST_DRAWN {
+            return Err(CriteriaError::TooMany { given: drawn.len() });
+        }
+        let known = self.criteria();
+        match drawn.iter().find(|own| !known.contains(own)) {
+            Some(asked) => Err(CriteriaError::NotApplicable {
+                asked: *asked,
+                law: self.law.model.clone(),
+                known,
+            }),
+            None => Ok(()),
+        }
+    }
+
     /// Evaluates every criterion for every loading.
     ///
     /// # Errors
@@ -560,9 +607,10 @@ impl Question {
             .filter_map(|(name, value)| Some((name.as_str(), value.as_f64()?)))
             .collect();
         let known = polyconvexity(&self.law.model, &parameters);
-        let refuted = loadings
-            .iter()
-            .find_map(|loading| Some((loading.title, loading.refutes_polyconvexity()?)));
+        let refuted = loadings.iter().find_map(|loading| {
+            let refuted = loading.refutes_polyconvexity()?;
+            Some((loading.title, told_place(loading.mode, refuted)))
+        });
         // The proof against polyconvexity may rest on the volumetric part, which the incompressible response lacks.
         let is_of_volume = self.law.incompressible && known.knowledge == Knowledge::NotPolyconvex;
         let knowledge = match is_of_volume {
@@ -570,12 +618,9 @@ impl Question {
             false => known.knowledge,
         };
         match (knowledge, refuted) {
-            (Knowledge::Unknown, Some((title, stretch))) => PolyconvexityAnswer {
+            (Knowledge::Unknown, Some((title, place))) => PolyconvexityAnswer {
                 knowledge: Knowledge::NotPolyconvex,
-                reason: format!(
-                    "it is not rank-one convex: {title}, stretch {}",
-                    number::told(stretch)
-                ),
+                reason: format!("it is not rank-one convex: {title}, {place}"),
                 source: "computed".to_owned(),
             },
             _ if is_of_volume => PolyconvexityAnswer {
@@ -632,10 +677,13 @@ impl Question {
             mode: loading.mode,
             lateral: loading.lateral,
             title: self.title(loading),
-            compression_end: EndAnswer::of(&path.compression_end, limits[0]),
-            tension_end: EndAnswer::of(&path.tension_end, limits[1]),
+            compression_end: EndAnswer::of(&path.compression_end, limits[0], loading.mode),
+            tension_end: EndAnswer::of(&path.tension_end, limits[1], loading.mode),
             other_states: other_states(&path),
-            kinks: kinks(&path).iter().map(KinkAnswer::of).collect(),
+            kinks: kinks(&path)
+                .iter()
+                .map(|kink| KinkAnswer::of(kink, loading.mode))
+                .collect(),
             criteria,
         })
     }
@@ -648,7 +696,17 @@ impl CriterionAnswer {
 }
 
 impl LoadingAnswer {
-    /// Returns a stretch at which the law is not rank-one convex, and hence not polyconvex.
+    /// Imposed quantity in the reference configuration: the stretch 1, in simple shear no shear.
+    fn reference(&self) -> f64 {
+        imposed(self.mode, 1.0)
+    }
+
+    /// Distance of a place from the reference configuration along the loading.
+    fn distance(&self, place: f64) -> f64 {
+        self.mode.parameter(place).abs()
+    }
+
+    /// Returns a place at which the law is not rank-one convex, and hence not polyconvex.
     fn refutes_polyconvexity(&self) -> Option<f64> {
         let lost = |criterion: Criterion| {
             let found = self
@@ -663,15 +721,14 @@ impl LoadingAnswer {
 
 impl EndAnswer {
     /// Reason why the path ends, in a line; `None` at the end of the range.
-    fn line(&self, side: &str) -> Option<String> {
+    fn line(&self, mode: Mode, side: &str) -> Option<String> {
         let reason = self.reason.as_ref()?;
-        Some(format!(
-            "{side} ends at stretch {}: {reason}",
-            number::told(self.stretch)
-        ))
+        let place = told_place(mode, self.imposed);
+        Some(format!("{side} ends at {place}: {reason}"))
     }
 
-    pub(crate) fn of(end: &PathEnd, limit: f64) -> Self {
+    /// End of a path of a mode whose search ends at the stretch `limit`.
+    pub(crate) fn of(end: &PathEnd, limit: f64, mode: Mode) -> Self {
         let (stretch, reason) = match end {
             PathEnd::Range => (limit, None),
             PathEnd::Law { stretch, source } => {
@@ -690,7 +747,7 @@ impl EndAnswer {
             ),
         };
         Self {
-            stretch,
+            imposed: imposed(mode, stretch),
             fold: matches!(end, PathEnd::Fold { .. }),
             reason,
         }
@@ -725,15 +782,15 @@ fn other_states(path: &LoadingPath<'_>) -> Vec<OtherState> {
     places
         .flat_map(|s| path.other_states(s).into_iter().map(move |f| (s, f)))
         .map(|(s, f)| OtherState {
-            stretch: s.exp(),
+            imposed: path.loading.mode.imposed(s),
             deformation_gradient: *f.components(),
         })
         .collect()
 }
 
 /// Describes a jump of energy, stress or tangent.
-fn kink(kink: &KinkAnswer) -> String {
-    let place = number::told(kink.stretch);
+fn kink(kink: &KinkAnswer, mode: Mode) -> String {
+    let place = told_place(mode, kink.imposed);
     let [energy, stress, mean, bulk] = [
         kink.energy,
         kink.largest_stress,
@@ -743,31 +800,45 @@ fn kink(kink: &KinkAnswer) -> String {
     .map(number::told);
     match kink.kind {
         Discontinuity::StepOfEnergy => format!(
-            "step of the energy at stretch {place}: the energy jumps by {energy}, so that the law has no stress there"
+            "step of the energy at {place}: the energy jumps by {energy}, so that the law has no stress there"
         ),
         Discontinuity::JumpOfStress => format!(
-            "jump of the stress at stretch {place} (kink of the energy): the Cauchy stress jumps by up to {stress}, its mean by {mean}"
+            "jump of the stress at {place} (kink of the energy): the Cauchy stress jumps by up to {stress}, its mean by {mean}"
         ),
         Discontinuity::KinkOfStress => format!(
-            "kink of the stress at stretch {place}: the tangent jumps by {:.2} %, d2W/dJ2 by {bulk}; a limit there is one-sided",
+            "kink of the stress at {place}: the tangent jumps by {:.2} %, d2W/dJ2 by {bulk}; a limit there is one-sided",
             100.0 * kink.jump
         ),
     }
 }
 
-/// Imposed quantity of a mode at a stretch: the stretch, or in simple shear the amount of shear.
+/// Imposed quantity of a mode at a stretch of the search: the stretch itself, in simple shear the amount of shear.
 fn imposed(mode: Mode, stretch: f64) -> f64 {
     match mode {
-        Mode::SimpleShear => stretch - stretch.recip(),
+        Mode::SimpleShear => mode.imposed(stretch.ln()),
         _ => stretch,
     }
 }
 
-fn nominal_strain(loading: Loading, stretch: f64) -> f64 {
-    match loading.mode {
-        Mode::SimpleShear => imposed(loading.mode, stretch),
-        _ => stretch - 1.0,
+/// Place along a loading in words: `stretch 1.2`, in simple shear `gamma = 0.4`.
+fn told_place(mode: Mode, place: f64) -> String {
+    match mode {
+        Mode::SimpleShear => format!("gamma = {}", number::told(place)),
+        _ => format!("stretch {}", number::told(place)),
     }
+}
+
+/// Names of the two sides of the reference configuration, first of smaller, then of larger imposed values.
+fn sides(mode: Mode) -> [&'static str; 2] {
+    match mode {
+        Mode::SimpleShear => ["gamma < 0", "gamma > 0"],
+        _ => ["compression", "tension"],
+    }
+}
+
+/// Nominal strain at an imposed stretch or amount of shear.
+fn nominal_strain(mode: Mode, place: f64) -> f64 {
+    place - imposed(mode, 1.0)
 }
 
 fn nominal_stress(loading: Loading, state: &PathState) -> f64 {
@@ -787,6 +858,7 @@ fn side(path: &LoadingPath<'_>, loading: Loading, track: Option<&Track>) -> Side
     };
     let change = |event: &Event| {
         let s = event.stretch.ln();
+        let place = imposed(loading.mode, event.stretch);
         // If the equilibrium of the free faces branches at the change, the path has no state there; the state just before it is reported.
         let state = path.at(s).or_else(|| {
             CHANGE_OFFSETS
@@ -795,9 +867,9 @@ fn side(path: &LoadingPath<'_>, loading: Loading, track: Option<&Track>) -> Side
         });
         ChangeAnswer {
             change: event.change,
-            stretch: event.stretch,
+            imposed: place,
             tolerance: event.tolerance,
-            nominal_strain: nominal_strain(loading, event.stretch),
+            nominal_strain: nominal_strain(loading.mode, place),
             nominal_stress: state
                 .as_ref()
                 .map_or(f64::NAN, |state| nominal_stress(loading, state)),
@@ -808,7 +880,7 @@ fn side(path: &LoadingPath<'_>, loading: Loading, track: Option<&Track>) -> Side
         }
     };
     SideAnswer {
-        limit: track.limit(),
+        limit: track.limit().map(|limit| imposed(loading.mode, limit)),
         upper_bound: track
             .events
             .first()

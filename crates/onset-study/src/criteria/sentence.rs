@@ -12,36 +12,42 @@ impl Display for CriteriaAnswer {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> Result {
         writeln!(formatter, "{}", opening(&self.material))?;
         let [low, high] = self.range;
-        writeln!(formatter, "Stretches from {low} to {high}.")?;
+        let shear = self
+            .range_of_shear()
+            .map_or_else(String::new, |[low, high]| {
+                format!(" In simple shear, gamma = F12 from {low} to {high}.")
+            });
+        writeln!(formatter, "Stretches from {low} to {high}.{shear}")?;
         writeln!(formatter, "{}", polyconvexity(&self.polyconvexity))?;
         for loading in &self.loadings {
             writeln!(formatter, "\n{}", loading.title)?;
             let names = loading.criteria.iter();
             let names = names.map(|answer| answer.criterion.name().len());
             let width = names.max().unwrap_or(0);
+            let [below, above] = super::sides(loading.mode);
             writeln!(
                 formatter,
-                "  {:<width$} {:>16} {:>16}   at the loss",
-                "", "compression", "tension"
+                "  {:<width$} {below:>16} {above:>16}   at the loss",
+                ""
             )?;
             for answer in &loading.criteria {
                 writeln!(
                     formatter,
                     "  {:<width$} {:>16} {:>16}   {}",
                     answer.criterion.name(),
-                    cell(answer, &answer.compression, number::DIGITS),
-                    cell(answer, &answer.tension, number::DIGITS),
-                    witnesses(answer)
+                    cell(loading, answer, Side::Below, number::DIGITS),
+                    cell(loading, answer, Side::Above, number::DIGITS),
+                    witnesses(loading, answer)
                 )?;
             }
             for kink in &loading.kinks {
-                writeln!(formatter, "  {}", super::kink(kink))?;
+                writeln!(formatter, "  {}", super::kink(kink, loading.mode))?;
             }
             for (name, end) in [
-                ("compression", &loading.compression_end),
-                ("tension", &loading.tension_end),
+                (below, &loading.compression_end),
+                (above, &loading.tension_end),
             ] {
-                if let Some(line) = end.line(name) {
+                if let Some(line) = end.line(loading.mode, name) {
                     writeln!(formatter, "  {line}")?;
                 }
             }
@@ -49,8 +55,8 @@ impl Display for CriteriaAnswer {
                 let f = &other.deformation_gradient;
                 writeln!(
                     formatter,
-                    "  not the only state: at stretch {} the faces are also free of traction with F = diag({}, {}, {})",
-                    number::told(other.stretch),
+                    "  not the only state: at {} the faces are also free of traction with F = diag({}, {}, {})",
+                    super::told_place(loading.mode, other.imposed),
                     number::told(f[0][0]),
                     number::told(f[1][1]),
                     number::told(f[2][2])
@@ -166,21 +172,45 @@ pub(super) fn polyconvexity(known: &super::PolyconvexityAnswer) -> String {
     }
 }
 
-pub(super) fn cell(answer: &CriterionAnswer, side: &SideAnswer, digits: usize) -> String {
+/// Side of the reference configuration along a loading.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Side {
+    /// Smaller imposed values: compression, or negative shear.
+    Below,
+    /// Larger imposed values.
+    Above,
+}
+
+impl Side {
+    pub(super) fn of(self, answer: &CriterionAnswer) -> &SideAnswer {
+        match self {
+            Self::Below => &answer.compression,
+            Self::Above => &answer.tension,
+        }
+    }
+}
+
+pub(super) fn cell(
+    loading: &LoadingAnswer,
+    answer: &CriterionAnswer,
+    side: Side,
+    digits: usize,
+) -> String {
+    let (at, side) = (side, side.of(answer));
     match side.limit {
         _ if !answer.defined => "not defined".to_owned(),
         None => "never".to_owned(),
         Some(_) if !answer.holds_in_reference => "at F = 1".to_owned(),
-        Some(1.0) => "at once".to_owned(),
+        Some(limit) if limit == loading.reference() => "at once".to_owned(),
         Some(limit) => {
             let again = side
                 .changes
                 .iter()
                 .any(|change| change.change == Change::Regained);
-            let bound = match (side.upper_bound, limit < 1.0) {
+            let bound = match (side.upper_bound, at) {
                 (false, _) => "",
-                (true, true) => "≥ ",
-                (true, false) => "≤ ",
+                (true, Side::Below) => "≥ ",
+                (true, Side::Above) => "≤ ",
             };
             format!(
                 "{bound}{}{}",
@@ -192,19 +222,19 @@ pub(super) fn cell(answer: &CriterionAnswer, side: &SideAnswer, digits: usize) -
 }
 
 /// Perturbation at the loss in tension, or else in compression.
-fn witnesses(answer: &CriterionAnswer) -> String {
+fn witnesses(loading: &LoadingAnswer, answer: &CriterionAnswer) -> String {
     let first = |side: &SideAnswer| side.changes.first().map(|change| witness(&change.witness));
     let mut text = first(&answer.tension)
         .or_else(|| first(&answer.compression))
         .unwrap_or_default();
-    for (name, side) in [
-        ("compression", &answer.compression),
-        ("tension", &answer.tension),
-    ] {
+    let of_sides = super::sides(loading.mode)
+        .into_iter()
+        .zip([&answer.compression, &answer.tension]);
+    for (name, side) in of_sides {
         for change in &side.changes {
             if change.change == Change::Regained {
-                let stretch = number::told(change.stretch);
-                text.push_str(&format!("; *again in {name} at {stretch}"));
+                let place = number::told(change.imposed);
+                text.push_str(&format!("; *again in {name} at {place}"));
             }
         }
     }
@@ -316,7 +346,7 @@ pub(super) fn disagreements(loadings: &[LoadingAnswer]) -> Vec<String> {
             .criteria
             .iter()
             .find(|answer| answer.criterion == Criterion::Hill);
-        found.is_some_and(|hill| hill.compression.limit == Some(1.0))
+        found.is_some_and(|hill| hill.compression.limit == Some(loading.reference()))
     };
     if loadings.iter().any(|loading| hill(&loading)) {
         sentences.push(
@@ -347,12 +377,13 @@ fn comparison(loading: &LoadingAnswer, criterion: Criterion, tension: bool) -> O
     };
     let (side, waves) = (side(criterion)?, side(Criterion::StrongEllipticity)?.limit);
     let own = side.limit;
-    let distance = |limit: Option<f64>| limit.map_or(f64::INFINITY, |limit| limit.ln().abs());
+    let distance =
+        |limit: Option<f64>| limit.map_or(f64::INFINITY, |limit| loading.distance(limit));
     let (near, far) = (distance(own), distance(waves));
     let what = format!(
         "{}, {}",
         loading.title,
-        if tension { "tension" } else { "compression" }
+        super::sides(loading.mode)[usize::from(tension)]
     );
     let until = |limit: Option<f64>| {
         limit.map_or("throughout".to_owned(), |limit| {
@@ -360,7 +391,7 @@ fn comparison(loading: &LoadingAnswer, criterion: Criterion, tension: bool) -> O
         })
     };
     match own {
-        Some(1.0) if criterion == Criterion::Hill => None,
+        Some(own) if criterion == Criterion::Hill && own == loading.reference() => None,
         Some(own) if near < far * (1.0 - LIMIT_TOLERANCE) => Some(Comparison::Sooner(format!(
             "{what} from {} (waves {})",
             number::told(own),

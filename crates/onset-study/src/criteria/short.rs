@@ -1,7 +1,7 @@
 //! Short form of the criteria of a law: four criteria, one line per loading.
 
-use super::sentence::{cell, heading, moduli};
-use super::{CriteriaAnswer, CriterionAnswer, LoadingAnswer};
+use super::sentence::{Side, cell, heading, moduli};
+use super::{CriteriaAnswer, CriterionAnswer, LoadingAnswer, Mode, imposed};
 use crate::brief::{Brief, Short};
 use onset::criteria::Criterion;
 
@@ -18,6 +18,8 @@ const TITLE: usize = 28;
 const CELL: usize = 18;
 /// Significant digits of a limit, which leave room for the marks of bounds.
 const DIGITS: usize = 4;
+/// Significant digits of an amount of shear, which leave room for its sign too.
+const SIGNED_DIGITS: usize = 3;
 
 impl Brief for CriteriaAnswer {
     fn brief(&self) -> Short {
@@ -26,15 +28,28 @@ impl Brief for CriteriaAnswer {
             .map(|(_, head)| format!("{head:>CELL$}"))
             .concat();
         let table = self.of_each_mode().map(line);
+        let has = |is_shear: bool| {
+            self.of_each_mode()
+                .any(|own| (own.mode == Mode::SimpleShear) == is_shear)
+        };
+        let what = match (has(false), has(true)) {
+            (true, true) => "stretch, gamma at loss of",
+            (false, true) => "gamma at the loss of",
+            _ => "stretch at the loss of",
+        };
+        let shear = self
+            .range_of_shear()
+            .map(|[low, high]| format!("gamma from {low} to {high}"));
+        let searched = match (has(false), shear) {
+            (false, Some(shear)) => shear,
+            (_, None) => format!("in compression and in tension from {low} to {high}"),
+            (true, Some(shear)) => {
+                format!("in compression and in tension from {low} to {high}; {shear}")
+            }
+        };
         Short::new(self.summary())
-            .table(
-                std::iter::once(format!("{:TITLE$}{head}", "stretch at the loss of")).chain(table),
-            )
-            .row(
-                0,
-                "limits",
-                format!("in compression and in tension from {low} to {high}; - is never"),
-            )
+            .table(std::iter::once(format!("{what:TITLE$}{head}")).chain(table))
+            .row(0, "limits", format!("{searched}; - is never"))
             .row(
                 1,
                 "see also",
@@ -46,6 +61,16 @@ impl Brief for CriteriaAnswer {
 }
 
 impl CriteriaAnswer {
+    /// Amounts of simple shear that are searched, as they are printed; `None` without simple shear.
+    pub(super) fn range_of_shear(&self) -> Option<[String; 2]> {
+        let has_shear = self
+            .loadings
+            .iter()
+            .any(|own| own.mode == Mode::SimpleShear);
+        let ends = self.range.map(|end| imposed(Mode::SimpleShear, end));
+        has_shear.then(|| ends.map(crate::number::told))
+    }
+
     /// The first loading of each mode, whose faces are free, if there are several modes; all loadings of a single mode.
     fn of_each_mode(&self) -> impl Iterator<Item = &LoadingAnswer> {
         let first = self.loadings.first().map(|loading| loading.mode);
@@ -65,12 +90,31 @@ impl CriteriaAnswer {
     fn summary(&self) -> String {
         let lost = |loading: &LoadingAnswer| -> Option<String> {
             let own = answer(loading, Criterion::StrongEllipticity)?;
-            let sides = [(&own.tension, "tension"), (&own.compression, "compression")];
-            let sides = sides.into_iter().filter(|(side, _)| side.limit.is_some());
-            let sides: Vec<String> = sides
-                .map(|(side, name)| format!("{} in {name}", cell(own, side, DIGITS)))
-                .collect();
-            (!sides.is_empty()).then(|| format!("{} ({})", sides.join(" and "), loading.title))
+            let sides = [(Side::Above, "tension"), (Side::Below, "compression")];
+            let lost = sides
+                .into_iter()
+                .filter(|(side, _)| side.of(own).limit.is_some());
+            let told = lost.map(|(side, name)| {
+                let place = cell(loading, own, side, DIGITS);
+                match loading.mode {
+                    Mode::SimpleShear => place,
+                    _ => format!("{place} in {name}"),
+                }
+            });
+            let told: Vec<String> = told.collect();
+            let what = match loading.mode {
+                _ if !own.holds_in_reference => {
+                    return Some(
+                        "is not strongly elliptic in the reference configuration".to_owned(),
+                    );
+                }
+                Mode::SimpleShear => "gamma =",
+                _ => "a stretch of",
+            };
+            (!told.is_empty()).then(|| {
+                let (places, title) = (told.join(" and "), loading.title);
+                format!("loses strong ellipticity at {what} {places} ({title})")
+            })
         };
         let name = self.material.name.as_ref().unwrap_or(&self.material.model);
         let law = match moduli(&self.material) {
@@ -79,7 +123,7 @@ impl CriteriaAnswer {
         };
         let [low, high] = self.range;
         match self.of_each_mode().find_map(lost) {
-            Some(lost) => format!("{law} loses strong ellipticity at a stretch of {lost}."),
+            Some(lost) => format!("{law} {lost}."),
             None => format!(
                 "{law} is strongly elliptic along the loadings below from stretch {low} to {high}."
             ),
@@ -94,13 +138,17 @@ fn answer(loading: &LoadingAnswer, criterion: Criterion) -> Option<&CriterionAns
 
 /// The limits of a loading in a line.
 fn line(loading: &LoadingAnswer) -> String {
+    let digits = match loading.mode {
+        Mode::SimpleShear => SIGNED_DIGITS,
+        _ => DIGITS,
+    };
     let cells = SHORT_COLUMNS.map(|(criterion, _)| {
         let text = match answer(loading, criterion) {
-            Some(own) if own.defined => [&own.compression, &own.tension]
+            Some(own) if own.defined => [Side::Below, Side::Above]
                 .map(|side| {
-                    let text = match side.limit {
+                    let text = match side.of(own).limit {
                         None => "-".to_owned(),
-                        Some(_) => cell(own, side, DIGITS),
+                        Some(_) => cell(loading, own, side, digits),
                     };
                     format!("{text:>9}")
                 })

@@ -29,8 +29,13 @@ const BAR: f64 = 13.0;
 
 /// Size of letters in a picture with a width in print, relative to the usual one: numbers have 8 pt instead of 9.
 const PRINTED: f64 = 8.0 / 9.0;
-/// Smallest width of a panel in a picture with a width in print, before panels are put below each other.
+/// Smallest width of a panel in a picture with a width in print, before panels are put below each other; for panels that share their rows, smallest
+/// width beside each other.
 const NARROWEST: f64 = 150.0;
+const NARROWEST_OF_ROWS: f64 = 90.0;
+/// Smallest width of a panel, and smallest usual height, in which the label of the vertical axis has few lines.
+const SMALLEST: f64 = 40.0;
+const LOWEST: f64 = 120.0;
 
 /// Draws the figure on a sheet.
 pub(super) fn scene(figure: &Figure, sheet: &Sheet) -> Scene {
@@ -46,18 +51,18 @@ pub(super) fn scene(figure: &Figure, sheet: &Sheet) -> Scene {
     };
     // The panels fill the width that the other parts of the picture leave.
     let available = width / PRINTED;
-    figure.columns = figure.columns.clamp(1, figure.panels.len().max(1));
+    let count = figure.panels.len();
+    // Panels that share their rows need the names of the rows once if they are beside each other.
+    let mut pairs = figure.panels.windows(2);
+    let has_one_set = count > 1 && pairs.all(|pair| shares_rows(&pair[1], &pair[0]));
+    let (columns, narrowest) = match has_one_set {
+        true => (count, NARROWEST_OF_ROWS),
+        false => (figure.columns, NARROWEST),
+    };
+    figure.columns = columns.clamp(1, count.max(1));
     let scene = loop {
-        let columns = figure.columns as f64;
-        let mut panel = available / columns;
-        for _ in 0..8 {
-            let excess = Grid::of(&figure, Some(panel)).width() - available;
-            if excess <= 0.0 {
-                break;
-            }
-            panel = (panel - (excess / columns).max(0.5)).max(40.0);
-        }
-        if panel >= NARROWEST || figure.columns == 1 {
+        let panel = widest_panel(&figure, available);
+        if panel >= narrowest || figure.columns == 1 {
             break drawn(&figure, Some(panel), available);
         }
         figure.columns -= 1;
@@ -68,6 +73,24 @@ pub(super) fn scene(figure: &Figure, sheet: &Sheet) -> Scene {
         theme: sheet.theme,
         ..scene
     }
+}
+
+/// Largest usual width of the panels with which the picture is at most as wide as available.
+fn widest_panel(figure: &Figure, available: f64) -> f64 {
+    let (mut low, mut high) = (SMALLEST, (available / figure.columns as f64).max(SMALLEST));
+    for _ in 0..12 {
+        let middle = 0.5 * (low + high);
+        match Grid::of(figure, Some(middle)).width() <= available {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    low
+}
+
+/// Returns true if a panel has the rows of the panel before it, whose names then stand for both.
+fn shares_rows(panel: &Panel, before: &Panel) -> bool {
+    panel.y.ticks.is_some() && panel.y == before.y
 }
 
 /// Measured panels in rows.
@@ -87,7 +110,11 @@ impl<'a> Grid<'a> {
         let panels: Vec<Measured> = figure
             .panels
             .iter()
-            .map(|panel| Measured::new(panel, size))
+            .enumerate()
+            .map(|(n, panel)| {
+                let is_named = n % columns == 0 || !shares_rows(panel, &figure.panels[n - 1]);
+                Measured::new(panel, size, is_named)
+            })
             .collect();
         let column = |index: usize, size: fn(&Measured) -> f64| {
             let members = panels.iter().skip(index).step_by(columns);
@@ -215,17 +242,21 @@ struct Bar<'a> {
 }
 
 impl<'a> Measured<'a> {
-    fn new(panel: &'a Panel, size: Size) -> Self {
+    /// Measures a panel, with the names of the ticks of its vertical axis if `is_named`.
+    fn new(panel: &'a Panel, size: Size, is_named: bool) -> Self {
         let (width, height) = box_size(panel, size);
         let title = font::wrap(&panel.title, WORDS, width + 50.0);
         let x_label = font::wrap(&panel.x.label, WORDS, width + 50.0);
         let y_label = font::wrap(&panel.y.label, WORDS, height + 10.0);
         let x_marks = spaced_marks(&panel.x, width);
-        let y_marks = panel.y.marks(match panel.y.scale {
+        let mut y_marks = panel.y.marks(match panel.y.scale {
             Scale::Linear => mark_target(height, 42.0),
             // One tick per decade if there is room.
             Scale::Log10 => mark_target(height, 22.0),
         });
+        if !is_named {
+            y_marks.iter_mut().for_each(|mark| mark.label.clear());
+        }
         let bars: Vec<Bar> = panel
             .layers
             .iter()
@@ -373,7 +404,7 @@ impl Size {
             },
             None => Self {
                 width: usual,
-                height: (0.75 * usual).round(),
+                height: (0.75 * usual).round().max(LOWEST),
                 equal_height: 1.2 * usual,
             },
         }
@@ -394,10 +425,11 @@ fn box_size(panel: &Panel, size: Size) -> (f64, f64) {
         } else {
             1.0
         };
-        return (
-            (wider * width).round(),
-            size.height.max(NAME * names as f64),
-        );
+        let height = match panel.lines.filter(|lines| lines.is_finite()) {
+            Some(lines) => (NAME * lines).round().clamp(40.0, 10_000.0),
+            None => size.height,
+        };
+        return ((wider * width).round(), height.max(NAME * names as f64));
     }
     // The aspect ratio is limited to 1 to 8; beyond that the longer side is cut, because a panel would become a line.
     let ratio = (length(&panel.y) / length(&panel.x)).clamp(0.125, 8.0);
@@ -532,6 +564,37 @@ mod tests {
             );
             assert!(width <= 300.0 && height <= 360.0 + 1e-9);
         }
+    }
+
+    #[test]
+    fn panels_of_a_printed_picture_take_the_room_that_is_there() {
+        let label = "frequency ω; below 0: −(growth rate) (1/time)";
+        let axis = || Axis::linear(label, (-1.0, 4.0));
+        let panel = Panel::new("", Axis::linear("k", (0.0, 1.0)), axis()).wider(1.84);
+        let figure = Figure::new("").columns(1).with(panel);
+        for available in [250.0, 357.0, 740.0] {
+            let grid = Grid::of(&figure, Some(widest_panel(&figure, available)));
+            assert!(grid.width() <= available && grid.width() > available - 40.0);
+            assert!(grid.panels[0].height >= LOWEST);
+        }
+    }
+
+    #[test]
+    fn panels_beside_each_other_share_the_names_of_their_rows() {
+        let rows = || Axis::linear("", (0.5, 2.5)).ticks([(1.0, "a long name"), (2.0, "another")]);
+        let panel = || Panel::new("", Axis::linear("x (m)", (0.0, 1.0)), rows()).lines(4.0);
+        let figure = Figure::new("").columns(2).with(panel()).with(panel());
+        let grid = Grid::of(&figure, None);
+        let has_names = |n: usize| {
+            grid.panels[n]
+                .y_marks
+                .iter()
+                .all(|mark| !mark.label.is_empty())
+        };
+        assert!(has_names(0) && !has_names(1));
+        let figure = figure.columns(1);
+        let below = Grid::of(&figure, None);
+        assert!(below.panels.iter().all(|own| own.left > 60.0));
     }
 
     #[test]

@@ -79,6 +79,8 @@ pub struct Panel {
     pub equal_aspect: bool,
     /// Width of the box as a multiple of the usual width; ignored with an equal aspect.
     pub width: f64,
+    /// Height of the box in lines of text, for rows that need the same height at every width; the usual height if `None`. Ignored with an equal aspect.
+    pub lines: Option<f64>,
     /// Layers, from back to front.
     pub layers: Vec<Layer>,
 }
@@ -216,6 +218,7 @@ impl Panel {
             y,
             equal_aspect: false,
             width: 1.0,
+            lines: None,
             layers: Vec::new(),
         }
     }
@@ -229,6 +232,12 @@ impl Panel {
     /// Multiplies the usual width by `width` and keeps the usual height.
     pub fn wider(mut self, width: f64) -> Self {
         self.width = width;
+        self
+    }
+
+    /// Sets the height of the box to a number of lines of text.
+    pub fn lines(mut self, lines: f64) -> Self {
+        self.lines = Some(lines);
         self
     }
 

@@ -19,6 +19,8 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt;
 
+/// Factor by which the figure extends beyond the limits and the present value.
+const NEIGHBORHOOD: f64 = 10.0;
 /// Tolerance of the logarithmic step ratio at a limit, and of the relative width of the bracket.
 const LIMIT_TOLERANCE: f64 = 1e-10;
 
@@ -109,6 +111,9 @@ pub struct LimitAnswer {
     pub notes: Vec<String>,
     /// All settings in effect except the varied one.
     pub settings: Effective,
+    /// Whether the range of values was asked for.
+    #[serde(skip)]
+    is_range_asked: bool,
 }
 
 /// Smallest critical step for which the step, a fraction of it, is safe.
@@ -257,6 +262,7 @@ impl LimitAnswer {
             evidence: Evidence::Searched,
             notes: notes_on_problem,
             settings: settings.effective_beside(question.key()),
+            is_range_asked: question.range.is_some(),
         };
         let alone = answer.isolated_point();
         answer.notes.extend(alone);
@@ -318,20 +324,29 @@ impl LimitAnswer {
             .filter(|one| has_step(one))
             .map(|one| (one.value, one.critical_time_step))
             .collect();
-        let label = match self.unit {
-            Some(unit) => format!("{} ({unit})", self.key),
-            None => self.key.to_owned(),
-        };
+        let key = Key::named(self.key);
+        let title = key.map_or(self.key, Key::title);
+        let label = key.map_or_else(String::new, |key| key.label(units));
         let is_positive = self.tried.first().is_some_and(|one| one.value > 0.0);
-        let values = points.iter().map(|point| point.0);
+        let [low, high] = self.window();
+        let shown: Vec<(f64, f64)> = points
+            .iter()
+            .filter(|point| (low..=high).contains(&point.0))
+            .copied()
+            .collect();
+        let values = shown.iter().map(|point| point.0);
         let x = match is_positive {
             true => Axis::log(label, (1e-4, 1.0)).covering(values),
             false => Axis::linear(label, (0.0, 1.0)).covering(values),
         };
-        let steps = points.iter().map(|point| point.1).chain([self.time_step]);
+        let steps = shown.iter().map(|point| point.1).chain([self.needed()]);
         let y = Axis::log(units.label("critical time step", "time"), (1e-4, 1.0)).covering(steps);
         let mut panel = Panel::new("", x, y)
-            .with(Line::new(points.clone()).color(palette::BLUE))
+            .with(
+                Line::new(points)
+                    .color(palette::BLUE)
+                    .named("critical step"),
+            )
             .with(
                 Rule::horizontal(self.needed())
                     .dashed()
@@ -349,9 +364,31 @@ impl LimitAnswer {
                 _ => rule,
             });
         }
-        Figure::new(format!("Critical time step over {}", self.key))
+        Figure::new(format!("Critical time step over {title}"))
             .with(panel)
             .caption(self.settings.caption())
+    }
+
+    /// Values that the figure shows: a range that was asked for; otherwise the neighborhood of the limits and of the present value, or all values without
+    /// them.
+    fn window(&self) -> [f64; 2] {
+        let all = [self.tried.first(), self.tried.last()]
+            .map(|one| one.map_or(f64::NAN, |one| one.value));
+        let ends = self.admitted.iter().flat_map(|own| [&own.from, &own.to]);
+        let places = ends
+            .filter(|end| end.kind != EndKind::Range)
+            .map(|end| end.value)
+            .chain(self.present.iter().map(|own| own.value));
+        let (low, high) = places.fold((f64::INFINITY, 0.0_f64), |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
+        match self.is_range_asked || low <= 0.0 || low > high {
+            true => all,
+            false => [
+                (low / NEIGHBORHOOD).max(all[0]),
+                (high * NEIGHBORHOOD).min(all[1]),
+            ],
+        }
     }
 
     fn units(&self) -> Units {

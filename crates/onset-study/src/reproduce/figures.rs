@@ -422,6 +422,33 @@ fn domains<const N: usize>(
     Ok(Plate { figure, tables })
 }
 
+/// Cells of a drawn field for each computed state along an axis.
+const FINER: usize = 6;
+
+/// Values on a grid that is finer by a factor, linear between the middles of the cells of the given grid and constant beyond.
+fn interpolated(values: &[f64], (columns, rows): (usize, usize), factor: usize) -> Vec<f64> {
+    // Neighbors of a fine cell along an axis, and the weight of the second one.
+    let between = |n: usize, count: usize| {
+        let last = (count - 1) as f64;
+        let place = ((n as f64 + 0.5) / factor as f64 - 0.5).clamp(0.0, last);
+        let low = place.floor();
+        (low as usize, (low + 1.0).min(last) as usize, place - low)
+    };
+    let mut finer = Vec::with_capacity(values.len() * factor * factor);
+    for y in 0..rows * factor {
+        let (lower, upper, up) = between(y, rows);
+        for x in 0..columns * factor {
+            let (left, right, along) = between(x, columns);
+            let of = |row: usize| {
+                let [a, b] = [left, right].map(|column| values[row * columns + column]);
+                a + along * (b - a)
+            };
+            finer.push(of(lower) + up * (of(upper) - of(lower)));
+        }
+    }
+    finer
+}
+
 fn figure_07() -> Result<Plate, ReproduceError> {
     let study = study!("figure-07")?;
     let problem = Problem::new(study.settings.clone())?;
@@ -443,22 +470,20 @@ fn figure_07() -> Result<Plate, ReproduceError> {
         .collect::<Result<_, _>>()?;
     let column = |c: usize| rows.iter().map(|row| row[c]).collect::<Vec<f64>>();
     let field = |c: usize, label: &str| {
-        Field::new(
-            first.range,
-            second.range,
-            (first.count, second.count),
-            column(c),
-            label,
-        )
+        let size = (first.count, second.count);
+        let finer = (FINER * first.count, FINER * second.count);
+        let values = interpolated(&column(c), size, FINER);
+        Field::new(first.range, second.range, finer, values, label)
     };
     let lowest = column(2).into_iter().fold(0.0, f64::min);
     let figure = Figure::new("Figure 7. Squares of the frequencies, Eulerian kernel with stress points")
         .columns(2)
-        .caption(
+        .caption(format!(
             "D_mx = 1.6, regular lattice, paper's linearization, material of equation (5), extremes over the whole Brillouin \
              zone. The largest ω² is positive in every state and decides nothing; the smallest decides: it is zero (the \
-             translation) where the state is stable.",
-        )
+             translation) where the state is stable. Computed in {} × {} states, interpolated between them.",
+            first.count, second.count
+        ))
         .with(stretch_panel(&study, "smallest ω²").with(field(2, "min ω² (1/time²)").diverging().range(lowest, -lowest)))
         .with(stretch_panel(&study, "largest ω²").with(field(3, "max ω² (1/time²)")));
     let table = csv(

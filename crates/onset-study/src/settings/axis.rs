@@ -124,7 +124,7 @@ impl Axis {
             Quantity::Stretch(_) => "stretch λ₃",
             Quantity::Shear => "shear γ",
             Quantity::Rotation => "rotation of the lattice θ",
-            Quantity::Setting(key) => key.parts().1,
+            Quantity::Setting(key) => key.title(),
         }
     }
 

@@ -6,7 +6,7 @@ use super::method::{
 use super::moduli::{MODULI, is_modulus};
 use super::needs::{Cases, is, is_not};
 use super::renamed;
-use super::{MapSettings, Model, OUTPUTS, Plane, StateSettings, Value, aliases, word_of};
+use super::{MapSettings, Model, OUTPUTS, Plane, StateSettings, Units, Value, aliases, word_of};
 use onset::kinematics::STRETCHES;
 use onset::material::Admitted::{self, Any, Between, Positive, Within};
 use onset::material::Parameter;
@@ -295,7 +295,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     key(
         "discretization.aspect",
         Kind::Number("1", RATIO),
-        "rectangular lattice: side ratio b/a of the second to the first side",
+        "rectangular lattice: side ratio b/a, of the second to the first side",
     )
     .only_with(&[&[is("discretization.lattice", &["rectangular"])]]),
     key(
@@ -347,7 +347,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     key(
         "discretization.support",
         Kind::Number("1", IN_SPACINGS),
-        "support radius in units of discretization.spacing, D_mx",
+        "support radius, D_mx, in units of discretization.spacing",
     )
     .only_with(WEIGHTED),
     key(
@@ -596,6 +596,47 @@ impl Key {
     /// Section, and name within the section.
     pub fn parts(&self) -> (&'static str, &'static str) {
         self.name.split_once('.').unwrap_or(("", self.name))
+    }
+
+    /// Name of the quantity in a figure: the beginning of the meaning, up to the first remark. Symbol of a parameter whose meaning depends on the law.
+    ///
+    /// ```
+    /// use onset_study::settings::Key;
+    /// let title = |name| Key::named(name).map(|key| key.title());
+    /// assert_eq!(title("material.young"), Some("Young's modulus"));
+    /// assert_eq!(title("discretization.artificial-stress"), Some("coefficient of artificial stress"));
+    /// assert_eq!(title("material.mu"), Some("mu"));
+    /// ```
+    pub fn title(&self) -> &'static str {
+        let (section, name) = self.parts();
+        let meaning = if section == "material" && !is_modulus(name) {
+            let mut parameters = Model::all()
+                .flat_map(Model::parameters)
+                .filter(|parameter| parameter.name == name);
+            match parameters.next() {
+                Some(first) if parameters.all(|other| other.meaning == first.meaning) => {
+                    first.meaning
+                }
+                _ => name,
+            }
+        } else {
+            self.meaning
+        };
+        // The methods that read a key are named before a colon.
+        let meaning = match meaning.split_once(": ") {
+            Some((methods, rest)) if !methods.contains([',', ';', '(']) => rest,
+            _ => meaning,
+        };
+        let end = [", ", "; ", ": ", " ("]
+            .into_iter()
+            .filter_map(|mark| meaning.find(mark))
+            .min();
+        &meaning[..end.unwrap_or(meaning.len())]
+    }
+
+    /// Label of an axis over the values of the key: its title with the unit.
+    pub fn label(&self, units: Units) -> String {
+        units.label(self.title(), self.unit().unwrap_or("1"))
     }
 
     /// Unit or dimension of a key that takes a number, `1` if dimensionless; `None` for other keys.

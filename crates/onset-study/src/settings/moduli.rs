@@ -11,25 +11,25 @@ pub(super) const MODULI: [(&str, &str, Admitted, &str); 4] = [
         "young",
         "stress",
         Admitted::Positive,
-        "Young's modulus at small strains, together with one of poisson, bulk or shear, instead of the law's parameters",
+        "Young's modulus, at small strains, together with one of poisson, bulk or shear, instead of the law's parameters",
     ),
     (
         "poisson",
         "1",
         Admitted::Between(-1.0, 0.5),
-        "Poisson's ratio at small strains, together with one of young, bulk or shear",
+        "Poisson's ratio, at small strains, together with one of young, bulk or shear",
     ),
     (
         "bulk",
         "stress",
         Admitted::Positive,
-        "bulk modulus at small strains, together with one of young, poisson or shear",
+        "bulk modulus, at small strains, together with one of young, poisson or shear",
     ),
     (
         "shear",
         "stress",
         Admitted::Positive,
-        "shear modulus at small strains, together with one of young, poisson or bulk",
+        "shear modulus, at small strains, together with one of young, poisson or bulk",
     ),
 ];
 

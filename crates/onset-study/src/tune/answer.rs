@@ -215,7 +215,10 @@ impl TuneAnswer {
             .map(|one| one.value)
             .filter(|x| *x > 0.0)
             .collect();
-        let axis = || Axis::log(self.key, (1e-4, 1.0)).covering(positive.clone());
+        let key = Key::named(self.key);
+        let units = self.settings.units();
+        let label = key.map_or_else(String::new, |key| key.label(units));
+        let axis = || Axis::log(label.clone(), (1e-4, 1.0)).covering(positive.clone());
         let line = |number: &dyn Fn(&Measured) -> f64| {
             let points = self
                 .tried

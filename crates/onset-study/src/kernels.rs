@@ -1,0 +1,81 @@
+//! Figure of all kernels: weight and slope over the distance in smoothing lengths.
+
+use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
+use onset::kernel::Kernel;
+
+/// Number of points of a curve.
+const POINTS: usize = 240;
+/// Largest distance in smoothing lengths that is drawn.
+const REACH: f64 = 3.0;
+
+/// Draws the weight and its slope for every named kernel.
+///
+/// ```
+/// let figure = onset_study::kernels::gallery();
+/// assert_eq!(figure.legend_entries().len(), onset::kernel::Kernel::ALL.len());
+/// ```
+pub fn gallery() -> Figure {
+    let label = "distance r/h (−)";
+    let axis = || Axis::linear(label, (0.0, REACH));
+    let mut weights = Panel::new("", axis(), Axis::linear("weight W/W(0) (−)", (0.0, 1.05)));
+    let steepest = Kernel::ALL.into_iter().flat_map(|kernel| curves(kernel).1);
+    let vertical = Axis::linear("slope h W′/W(0) (−)", (-1.0, 0.0))
+        .covering(steepest.map(|(_, slope)| slope).chain([0.0]));
+    let mut slopes = Panel::new("", axis(), vertical).with(Rule::horizontal(0.0));
+    for (n, kernel) in Kernel::ALL.into_iter().enumerate() {
+        let styled = |points: Vec<(f64, f64)>| {
+            let line = Line::new(points)
+                .color(palette::SERIES[n % palette::SERIES.len()])
+                .named(kernel.name());
+            match n < palette::SERIES.len() {
+                true => line,
+                false => line.dashed(),
+            }
+        };
+        let (weight, slope) = curves(kernel);
+        weights = weights.with(styled(weight));
+        // At the particle the slope of every kernel is zero by symmetry, also at a cusp.
+        slopes = slopes.with(styled(slope[1..].to_vec()));
+    }
+    Figure::new("Kernels")
+        .columns(2)
+        .with(weights)
+        .with(slopes)
+        .caption(
+            "h: smoothing length as papers and codes define it for each kernel. Wendland's functions: those of two and three dimensions.",
+        )
+}
+
+/// Weight and slope of a kernel over the distance in smoothing lengths.
+fn curves(kernel: Kernel) -> (Vec<(f64, f64)>, Vec<(f64, f64)>) {
+    let rim = 1.0 / kernel.nominal_smoothing_length(1.0);
+    let origin = kernel.profile::<3, f64>(0.0).value;
+    let at = |n: usize| {
+        // The profile is defined within the support.
+        let q = n as f64 / POINTS as f64;
+        let profile = kernel.profile::<3, f64>(q);
+        let weight = profile.value / origin;
+        let slope = profile.slope_over_q * q / origin / rim;
+        ((q * rim, weight), (q * rim, slope))
+    };
+    (0..=POINTS).map(at).unzip()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slopes_are_the_derivatives_of_the_weights() {
+        for kernel in Kernel::ALL {
+            let (weight, slope) = curves(kernel);
+            assert_eq!(weight[0], (0.0, 1.0), "{}", kernel.name());
+            for n in 2..weight.len() {
+                let (before, after) = (weight[n - 2], weight[n]);
+                let difference = (after.1 - before.1) / (after.0 - before.0);
+                let error = (difference - slope[n - 1].1).abs();
+                assert!(error < 2e-3, "{} at {}", kernel.name(), weight[n - 1].0);
+            }
+        }
+    }
+}
