@@ -134,7 +134,7 @@ fn materials_are_chosen_by_number() {
     );
     let first = told(LsDyna, &two, None);
     assert!(
-        first.contains("this is material 3; select another with --material: 4"),
+        first.contains("material 3 (1 of 2; --material chooses)"),
         "{first}"
     );
     let second = told(LsDyna, &two, Some("4"));
