@@ -468,7 +468,7 @@ pub enum Command {
     Simulate(Box<SimulateArguments>),
     /// Show instabilities that users of particle codes reported, with cause and remedy
     ///
-    /// Lists the reports, or answers one: what was reported and where, the verdict on its state, what to change, and the study with its settings.
+    /// Lists the reports, or answers one: the observation with its source, the verdict on its state, a remedy, and the study with its settings.
     #[command(after_help = ZOO_EXAMPLES)]
     Zoo(ZooArguments),
     /// Draw stored maps: verdicts and boundaries, a field, or an overlay
@@ -1546,8 +1546,8 @@ pub struct SetArguments {
 /// Deck of another program instead of a study.
 #[derive(Clone, Debug, Default, Args)]
 pub struct BlockArguments {
-    /// FILE is a deck of this program, needed if the program is not recognized: abaqus (*HYPERELASTIC ...), ansys (TB,HYPER ...), calculix (the
-    /// keywords of abaqus, so that it is named), febio (material type="Ogden"), felupe (fem.Hyperelastic(fem.ogden, mu=...)), hyperelastic
+    /// FILE is a deck of this program; for decks that are not recognized, and for calculix, which has the keywords of abaqus. Programs: abaqus
+    /// (*HYPERELASTIC ...), ansys (TB,HYPER ...), calculix, febio (material type="Ogden"), felupe (fem.Hyperelastic(...)), hyperelastic
     /// (ThirdOrderDeformation(C10=...)), lsdyna (*MAT_OGDEN_RUBBER ...) or radioss (/MAT/LAW42 ...).
     #[arg(
         long,

@@ -309,11 +309,17 @@ fn without_axes(name: &str, program: Program, law: &Reading) -> Failure {
         format!("[[axes]]\nquantity = \"stretch-{number}\"\nrange = [0.5, 2.0]\nstates = 64\n")
     };
     let study = [law.section(), axis(1), axis(2)].join("\n");
-    let study = study.replace('\n', "\n    ");
+    let study: Vec<String> = study
+        .lines()
+        .map(|line| match line {
+            "" => String::new(),
+            line => format!("    {line}"),
+        })
+        .collect();
     Failure::input(format!(
-        "{name} is {}, which has a law and no axes; this command needs a study with [[axes]]\n  hint: write a study, for example\n\n    {}",
+        "{name} is {}, which has a law and no axes; this command needs a study with [[axes]]\n  hint: write a study, for example\n\n{}",
         program.deck(),
-        study.trim_end()
+        study.join("\n")
     ))
 }
 

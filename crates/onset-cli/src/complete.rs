@@ -1,6 +1,6 @@
 //! Completion of the command line in shells: commands, options, and the words of their values.
 //!
-//! The script of a shell calls this program with the words typed so far. Words come from the tables that also check the arguments.
+//! The script of a shell calls this program with the typed words. Candidates come from the tables that also check the arguments.
 
 use crate::arguments::LATERALS;
 use crate::fail_on;
@@ -31,7 +31,7 @@ const VARIABLE: &str = "ONSET_COMPLETE";
 /// The shells with a completion.
 const SHELLS: &[&dyn EnvCompleter] = &[&Bash, &Elvish, &Fish, &Powershell, &Zsh];
 
-/// Answers a request of a shell for completions and exits; returns if there is none.
+/// Answers a request of a shell for completions and exits; returns without such a request.
 pub fn answer(command: fn() -> Command) {
     let with_words = move || with_words(command());
     CompleteEnv::with_factory(with_words)
@@ -50,7 +50,7 @@ pub fn script(shell: &str) -> Result<Vec<u8>> {
     Ok(script)
 }
 
-/// Candidates with their meanings, for the text typed so far.
+/// Candidates with their meanings, for a typed text.
 type Words = fn(&str) -> Vec<(String, String)>;
 
 /// Command with the words of its options and arguments.

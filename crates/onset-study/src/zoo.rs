@@ -35,7 +35,7 @@ pub struct Report {
     pub verdict: String,
     /// Time step of the report, if it is above the critical one.
     pub time_step: Option<f64>,
-    /// Known remedy.
+    /// Known remedy, in words.
     pub remedy: String,
     /// Verdict with the remedy, if settings express it.
     pub remedy_verdict: Option<String>,
@@ -192,31 +192,33 @@ impl Report {
 
 /// Answer of `onset zoo`: all reports.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(transparent)]
-pub struct Zoo(Vec<Report>);
+pub struct Zoo {
+    /// All reports, by name.
+    pub reports: Vec<Report>,
+}
 
 impl Default for Zoo {
     fn default() -> Self {
-        Self(reports())
+        Self { reports: reports() }
     }
 }
 
 impl fmt::Display for Zoo {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names = self.0.iter().map(|report| report.name.len());
+        let names = self.reports.iter().map(|report| report.name.len());
         let name = names.max().unwrap_or(0);
         let verdict = |report: &Report| match report.time_step {
             Some(_) => format!("{}, time step", report.verdict),
             None => report.verdict.clone(),
         };
-        let verdicts = self.0.iter().map(|report| verdict(report).len());
+        let verdicts = self.reports.iter().map(|report| verdict(report).len());
         let width = verdicts.max().unwrap_or(0);
         writeln!(
             formatter,
             "{:name$}  {:width$}  remedy",
             "report", "verdict"
         )?;
-        for report in &self.0 {
+        for report in &self.reports {
             let room = WIDTH - name - width - 4;
             writeln!(
                 formatter,
@@ -229,7 +231,7 @@ impl fmt::Display for Zoo {
         write!(
             formatter,
             "\n{}; \"time step\" marks a step above the critical one. `onset zoo NAME` shows one.",
-            counted(self.0.len(), "report")
+            counted(self.reports.len(), "report")
         )
     }
 }
@@ -237,7 +239,7 @@ impl fmt::Display for Zoo {
 /// Answer of `onset zoo NAME`: a report with the answers for its state and its remedy.
 #[derive(Clone, Debug, Serialize)]
 pub struct ReportAnswer {
-    /// Report.
+    /// Report as it is in the zoo.
     #[serde(flatten)]
     pub report: Report,
     /// Principal stretches of the state.

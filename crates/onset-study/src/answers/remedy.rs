@@ -9,8 +9,8 @@ use std::sync::Arc;
 /// Sentences on the settings that leave no zero-energy modes at a state; empty for methods with a stabilization, which is tuned, and where nothing that
 /// was tried works.
 ///
-/// Velocities of points that the grid does not resolve are kept by FLIP, decay with a share of FLIP below one, and are removed by the affine transfer; a
-/// cell with one point has modes of the grid that this point does not resolve.
+/// FLIP keeps velocities of points that the grid does not resolve. With a share of FLIP below one they decay, and the affine transfer removes them. A cell
+/// with one point has modes of the grid that this point does not resolve.
 pub(super) fn remedy(problem: &Problem, f: &DeformationGradient) -> String {
     let settings = &problem.settings;
     let method = &settings.method;
@@ -29,7 +29,9 @@ pub(super) fn remedy(problem: &Problem, f: &DeformationGradient) -> String {
     };
     let transfers = [Some(&share).filter(|_| is_flip), Some(&affine)];
     let transfers = transfers.into_iter().flatten().cloned();
-    let transfers: Vec<String> = transfers.filter(|own| is_remedy(&[own.clone()])).collect();
+    let transfers: Vec<String> = transfers
+        .filter(|own| is_remedy(std::slice::from_ref(own)))
+        .collect();
     let found = match transfers.is_empty() {
         false => transfers.join(" or "),
         true => {

@@ -18,7 +18,7 @@ pub struct Entry {
     pub assumed: String,
     /// Arguments of `onset state` that reproduce the report.
     pub question: Question,
-    /// Known remedy.
+    /// Known remedy, in words.
     pub remedy: String,
     /// Arguments of `onset state` with the remedy; `None` if settings do not express it.
     pub remedy_question: Option<Question>,

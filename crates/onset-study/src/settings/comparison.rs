@@ -153,7 +153,7 @@ impl Comparison {
     }
 
     /// Reads settings or a comparison, and replaces each method by its variants: `variations` such as `discretization.penalty=0,0.1,0.5` list the
-    /// values of a key of `[discretization]`, separated by commas, or lists of numbers separated by semicolons. A key alone stands for all its words.
+    /// values of a key of `[discretization]`, separated by commas, or lists of numbers separated by semicolons. For a key without values, all its words are compared.
     /// Several variations are combined.
     ///
     /// # Errors

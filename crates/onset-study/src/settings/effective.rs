@@ -161,9 +161,14 @@ impl Effective {
 
     /// Lists the settings with their names, in a line.
     pub fn told(&self) -> String {
-        let choices = self.0.iter().filter_map(|(name, choice)| {
-            let (section, name) = name.split_once('.').unwrap_or(("", name));
-            (section != "material" || !self.is_absent(name)).then(|| choice.told(name))
+        let is_absent = |name: &str| {
+            let own = name.strip_prefix("material.");
+            own.is_some_and(|own| self.is_absent(own))
+        };
+        let present = self.0.iter().filter(|(name, _)| !is_absent(name));
+        let choices = present.map(|(name, choice)| {
+            let name = name.split_once('.').map_or(*name, |(_, own)| own);
+            choice.told(name)
         });
         choices.collect::<Vec<_>>().join(", ")
     }

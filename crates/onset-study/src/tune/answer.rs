@@ -325,7 +325,7 @@ impl TuneAnswer {
     }
 }
 
-/// What has a stiffness in place of a damping, behind a sentence.
+/// Clause on a stiffness that replaces a damping, or an empty text.
 fn stiffness(settings: &Settings) -> String {
     // Artificial stress has no stiffness in a body without stress.
     let is_stiffness = |key: &&str| *key != "discretization.artificial-stress";
