@@ -30,12 +30,14 @@ from ._answers import (
     Path,
     Recommendation,
     Record,
+    Report,
     Screening,
     Simulation,
     State,
     Tuning,
     Verdicts,
     Waves,
+    Zoo,
 )
 from ._ask import (
     audit,
@@ -64,6 +66,7 @@ from ._ask import (
     tune,
     verdicts,
     waves,
+    zoo,
 )
 from ._errors import InputError, MachineError, OnsetError, SettingError
 from ._exports import Mode
@@ -95,6 +98,7 @@ __all__ = [
     "Path",
     "Recommendation",
     "Record",
+    "Report",
     "Screening",
     "SettingError",
     "Simulation",
@@ -103,6 +107,7 @@ __all__ = [
     "Tuning",
     "Verdicts",
     "Waves",
+    "Zoo",
     "audit",
     "bands",
     "boundary",
@@ -129,4 +134,5 @@ __all__ = [
     "tune",
     "verdicts",
     "waves",
+    "zoo",
 ]

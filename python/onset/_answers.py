@@ -701,6 +701,18 @@ class Localization(Answer):
     __slots__ = ()
 
 
+class Zoo(Answer):
+    """Instabilities that users of particle codes reported: ``reports``, each with ``name``, ``title``, ``where``, ``verdict`` and ``remedy``."""
+
+    __slots__ = ()
+
+
+class Report(Answer):
+    """Report of an instability: the ``answer`` for its state, the ``remedy``, the ``remedy_answer`` with it, and the ``study`` with its settings."""
+
+    __slots__ = ()
+
+
 class Comparison(Answer):
     """Comparison of methods: ``rows``, each with the ``measured`` values, or a ``note`` with the reason why the method could not be measured."""
 

@@ -27,12 +27,14 @@ from ._answers import (
     Modes,
     Path,
     Recommendation,
+    Report,
     Screening,
     Simulation,
     State,
     Tuning,
     Verdicts,
     Waves,
+    Zoo,
 )
 from ._arrays import Complexes, Floats, components, deformations, number, numbers, pair, positive, received, share, typed, whole
 from ._arrays import between, frames_of, listed, names, place, switch
@@ -1321,6 +1323,19 @@ def compare(
         raise TypeError(f"vary is {type(vary).__name__}; expected keys with lists of values")
     variations = [_variation(name, values) for name, values in (vary or {}).items()]
     return Comparison(_onset.compare(file, [*law, *names(set, "set")], libraries, variations))
+
+
+@asks
+def zoo(name: str | None = None) -> Zoo | Report:
+    """Instabilities that users of particle codes reported, or the answer for one of them: ``onset zoo``.
+
+    Parameters
+    ----------
+    name
+        Name of a report, for example ``trixi-371-cubic``; all reports are listed if omitted.
+    """
+    answer = _onset.zoo(name)
+    return Zoo(answer) if name is None else Report(answer)
 
 
 @asks

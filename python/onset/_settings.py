@@ -298,15 +298,15 @@ class Material(_Settings):
 
     @classmethod
     @asks
-    def read(cls, block: str | os.PathLike[str], program: str, *, material: str | None = None) -> Material:
-        """Reads the law from a block of another program, as ``--from`` does.
+    def read(cls, block: str | os.PathLike[str], program: str | None = None, *, material: str | None = None) -> Material:
+        """Reads the law from a deck of another program, as the commands do.
 
         Parameters
         ----------
         block
             Text of the block, or the path of a file. A text that names an existing file is its path.
         program
-            ``abaqus``, ``ansys``, ``calculix``, ``febio``, ``felupe``, ``hyperelastic``, ``lsdyna`` or ``radioss``.
+            ``abaqus``, ``ansys``, ``calculix``, ``febio``, ``felupe``, ``hyperelastic``, ``lsdyna`` or ``radioss``; recognized by its keywords if omitted.
         material
             Name or number of one of several materials.
 

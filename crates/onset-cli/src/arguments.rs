@@ -126,7 +126,7 @@ const CRITERIA_EXAMPLES: &str = "Examples:
 const CARD_EXAMPLES: &str = "Examples:
   onset card --energy \"mu/2*(I1 - 3 - 2*ln(J))\" --set material.mu=1 --out card
   onset card --set material.model=ogden --incompressible --mode uniaxial
-  onset card rubber.inp --from abaqus";
+  onset card rubber.inp --incompressible";
 const MODES_EXAMPLES: &str = "Examples:
   onset modes --set discretization.quadrature=nodal --out modes
   onset modes --set discretization.method=tlsph
@@ -168,6 +168,10 @@ const SIMULATE_EXAMPLES: &str = "Examples:
   onset simulate studies/bodies/notched-plate.toml --time 60 --amplitude 0.01 --out plate
 
 Exit codes: 0 agrees (or the run of a body is complete), 1 differs or the motion breaks down, 3 undecided, 2 the input is wrong, 130 interrupted.";
+const ZOO_EXAMPLES: &str = "Examples:
+  onset zoo
+  onset zoo trixi-371-cubic
+  onset zoo trixi-371-cubic --out beam.toml";
 const AUDIT_EXAMPLES: &str = "Examples:
   onset audit --set material.model=ogden
   onset audit --set material.model=umat --set material.library=./my_umat.so --strict
@@ -380,15 +384,15 @@ pub enum Command {
     /// Check that study files are valid, and estimate their cost
     #[command(after_help = CHECK_EXAMPLES)]
     Check {
-        /// Study files, - for standard input.
-        #[arg(value_name = "FILE", required = true)]
+        /// Study files, or decks of other programs with a law; - for standard input.
+        #[arg(id = "file", value_name = "FILE", required = true)]
         files: Vec<PathBuf>,
         /// Set a key of the study, overriding the file, for example map.tile=128 (may be given several times).
         #[arg(long = "set", value_name = "KEY=VALUE")]
         assignments: Vec<String>,
-        /// Material block of another program in FILE.
+        /// Deck of another program in FILE.
         #[command(flatten)]
-        block: RefusedBlockArguments,
+        block: BlockArguments,
         /// Libraries that the file may load.
         #[command(flatten)]
         trust: TrustArguments,
@@ -409,7 +413,7 @@ pub enum Command {
         /// Folder for boundary.geojson and boundary.csv; nothing is written without it.
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
-        /// Material block of another program in FILE.
+        /// Deck of another program in FILE.
         #[command(flatten)]
         block: RefusedBlockArguments,
         /// Libraries that the file may load.
@@ -468,6 +472,11 @@ pub enum Command {
     /// with a body, the body and its grips are simulated instead.
     #[command(after_help = SIMULATE_EXAMPLES, after_long_help = with_keys(SIMULATE_EXAMPLES, &(keys() + &body_keys())))]
     Simulate(Box<SimulateArguments>),
+    /// Show instabilities that users of particle codes reported, with cause and remedy
+    ///
+    /// Lists the reports, or answers one: the observation with its source, the verdict on its state, a remedy, and the study with its settings.
+    #[command(after_help = ZOO_EXAMPLES)]
+    Zoo(ZooArguments),
     /// Draw stored maps: verdicts and boundaries, a field, or an overlay
     ///
     /// Draws the verdicts with the boundaries of material and particles, or one field. Several stores are drawn as one overlay.
@@ -513,8 +522,6 @@ pub struct CourseArguments {
     #[arg(long, value_name = "WHAT", value_parser = lateral, requires = "mode", help_heading = "Path")]
     pub lateral: Option<Lateral>,
     /// Start: two or three stretches, or the components F11,F12,F21,F22; with --mode one stretch [default: 1], or gamma in simple shear [default: 0].
-    /// The name of a program (abaqus, ansys, calculix, febio, felupe, hyperelastic, lsdyna or radioss) states that FILE is a block of this program
-    /// (give --from twice for both).
     #[arg(
         long,
         value_name = "L1,L2",
@@ -522,9 +529,17 @@ pub struct CourseArguments {
         required_unless_present = "mode",
         help_heading = "Path"
     )]
-    pub from: Vec<String>,
-    /// Material in FILE if FILE is a block: its name or its number [default: the first material with a law].
-    #[arg(long, value_name = "NAME", requires = "from", help_heading = "Problem")]
+    pub from: Option<String>,
+    /// FILE is a deck of this program, as --from in other commands; needed if the program is not recognized, or is calculix.
+    #[arg(
+        long,
+        value_name = "PROGRAM",
+        requires = "file",
+        help_heading = "Problem"
+    )]
+    pub read_as: Option<Program>,
+    /// Material in FILE, if FILE is a deck: its name or its number [default: the first material with a law].
+    #[arg(long, value_name = "NAME", requires = "file", help_heading = "Problem")]
     pub material: Option<String>,
     /// End of the path, in the same form as the start.
     #[arg(
@@ -1120,8 +1135,8 @@ pub struct CompareArguments {
     /// Comparison file with a material and `[[methods]]`, or a study whose method is compared with the built-in methods; - for standard input.
     #[arg(required_unless_present = "variations")]
     pub file: Option<PathBuf>,
-    /// Compare variants of a method: a key of the discretization with its values, separated by commas (lists of numbers by semicolons). Given several times, the
-    /// values are combined. Without FILE, --set defines the method.
+    /// Compare variants of a method: a key of the discretization with its values, separated by commas (lists of numbers by semicolons), or a key alone
+    /// for all its words, such as discretization.kernel. Given several times, the values are combined. Without FILE, --set defines the method.
     #[arg(long = "vary", value_name = "KEY=VALUES")]
     pub variations: Vec<String>,
     /// Folder for compare.html, compare.csv and the figure (compare.svg, .png, .pdf), or NAME.svg, NAME.png or NAME.pdf for the figure alone; nothing is
@@ -1134,7 +1149,7 @@ pub struct CompareArguments {
     /// Set a key for all methods, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
-    /// Material block of another program in FILE.
+    /// Deck of another program in FILE.
     #[command(flatten)]
     pub block: BlockArguments,
     /// Libraries that the file may load.
@@ -1319,7 +1334,7 @@ pub struct RecommendArguments {
     /// Set a key for all methods, for example material.model=blatz-ko (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
-    /// Material block of another program in FILE.
+    /// Deck of another program in FILE.
     #[command(flatten)]
     pub block: BlockArguments,
     /// Libraries that the file may load.
@@ -1328,6 +1343,16 @@ pub struct RecommendArguments {
     /// Length of the printed answer.
     #[command(flatten)]
     pub detail: DetailArguments,
+}
+
+/// Command-line arguments of `onset zoo`.
+#[derive(Debug, Args)]
+pub struct ZooArguments {
+    /// Name of a report [default: all reports are listed].
+    pub name: Option<String>,
+    /// Write the study with the settings of the report to this file.
+    #[arg(long, value_name = "FILE", requires = "name")]
+    pub out: Option<PathBuf>,
 }
 
 /// Command-line arguments of `onset map`.
@@ -1354,7 +1379,7 @@ pub struct MapArguments {
     /// Set a key of the study, for example discretization.support=1.6 or map.adaptive=true (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
-    /// Material block of another program in FILE.
+    /// Deck of another program in FILE.
     #[command(flatten)]
     pub block: RefusedBlockArguments,
     /// Libraries that the file may load.
@@ -1460,16 +1485,18 @@ pub struct AuditArguments {
     pub strict: bool,
 }
 
+/// Conditions on the other directions of a loading.
+pub const LATERALS: [Lateral; 4] = [
+    Lateral::Free,
+    Lateral::PlaneStress,
+    Lateral::PlaneStrain,
+    Lateral::Held,
+];
+
 /// Parses the condition on the other directions.
 fn lateral(text: &str) -> Result<Lateral, String> {
-    let all = [
-        Lateral::Free,
-        Lateral::PlaneStress,
-        Lateral::PlaneStrain,
-        Lateral::Held,
-    ];
-    let named = all.into_iter().find(|lateral| lateral.name() == text);
-    named.ok_or_else(|| expected(text, "expected one of", &all.map(Lateral::name)))
+    let named = LATERALS.into_iter().find(|lateral| lateral.name() == text);
+    named.ok_or_else(|| expected(text, "expected one of", &LATERALS.map(Lateral::name)))
 }
 
 /// Parses the name of a tangent convention.
@@ -1505,7 +1532,7 @@ pub struct ProblemArguments {
     /// Study file and settings of the problem.
     #[command(flatten)]
     pub given: GivenArguments,
-    /// Material block of another program in FILE.
+    /// Deck of another program in FILE.
     #[command(flatten)]
     pub block: BlockArguments,
 }
@@ -1513,7 +1540,8 @@ pub struct ProblemArguments {
 /// Study file and additional settings.
 #[derive(Debug, Args)]
 pub struct GivenArguments {
-    /// Study file with the material and the discretization, - for standard input [default: settings of --set only].
+    /// Study file with the material and the discretization, or a deck of another program with the law; - for standard input [default: settings of --set
+    /// only].
     pub file: Option<PathBuf>,
     /// Settings on the command line.
     #[command(flatten)]
@@ -1543,28 +1571,30 @@ pub struct SetArguments {
     pub energy: Option<String>,
 }
 
-/// Arguments for an input block of another program in place of a study.
+/// Arguments for a deck of another program in place of a study.
 #[derive(Clone, Debug, Default, Args)]
 pub struct BlockArguments {
-    /// FILE is a block of another program: abaqus or calculix (*HYPERELASTIC ...), ansys (TB,HYPER ...), febio (material type="Ogden"), felupe
-    /// (fem.Hyperelastic(fem.ogden, mu=...)), hyperelastic (ThirdOrderDeformation(C10=...)), lsdyna (*MAT_OGDEN_RUBBER ...) or radioss
-    /// (/MAT/LAW42 ...). Its constants are read as this program defines them.
+    /// FILE is a deck of this program; for decks that are not recognized, and for calculix, which has the keywords of abaqus. Programs: abaqus
+    /// (*HYPERELASTIC ...), ansys (TB,HYPER ...), calculix, febio (material type="Ogden"), felupe (fem.Hyperelastic(...)), hyperelastic
+    /// (ThirdOrderDeformation(C10=...)), lsdyna (*MAT_OGDEN_RUBBER ...) or radioss (/MAT/LAW42 ...).
     #[arg(
         long,
+        visible_alias = "read-as",
         value_name = "PROGRAM",
         requires = "file",
         help_heading = "Problem"
     )]
     pub from: Option<Program>,
-    /// Material in FILE: its name in Abaqus, CalculiX and FEBio, its number in ANSYS, LS-DYNA and Radioss [default: the first material with a law].
-    #[arg(long, value_name = "NAME", requires = "from", help_heading = "Problem")]
+    /// Material in FILE, if FILE is a deck: its name in Abaqus, CalculiX and FEBio, its number in ANSYS, LS-DYNA and Radioss [default: the first
+    /// material with a law].
+    #[arg(long, value_name = "NAME", requires = "file", help_heading = "Problem")]
     pub material: Option<String>,
 }
 
-/// Block of another program for a command that needs the axes of a study; refused with the reason.
+/// Deck of another program for a command that needs the axes of a study; refused with the study to write.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct RefusedBlockArguments {
-    /// FILE is a block of another program.
+    /// FILE is a deck of another program.
     #[arg(long, value_name = "PROGRAM", hide = true)]
     pub from: Option<Program>,
 }

@@ -16,6 +16,7 @@ mod screen;
 mod simulate;
 mod tune;
 mod verify;
+mod zoo;
 
 use crate::arguments::{
     Arguments, BlockArguments, Command, CourseArguments, GivenArguments, ProblemArguments,
@@ -41,9 +42,10 @@ use onset_study::kernels;
 use onset_study::output::{Files, Output, OutputError, picture};
 use onset_study::reproduce;
 use onset_study::settings::{
-    MaterialSettings, Program, SettingError, Settings, Study, Trust, did_you_mean, law_of,
+    MaterialSettings, Program, Reading, SettingError, Settings, Study, Trust, did_you_mean, law_of,
     preset_names,
 };
+use onset_study::zoo::is_entry;
 use std::fmt::Display;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -157,9 +159,9 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             failing,
         } => {
             let output = drawing.output(out.as_deref(), "path", &["path.csv"])?;
-            let (block, start) = asked.block()?;
+            let block = asked.block();
             let problem = ProblemArguments { given, block }.build()?;
-            let course = course(&asked, start, &problem)?;
+            let course = course(&asked, &problem)?;
             path(&problem, &course, output, failing.fail_on.as_ref())
         }
         #[cfg(feature = "explore")]
@@ -179,7 +181,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             assignments,
             block,
             trust,
-        } => check::check(&files, &assignments, block.from, &trust.trust()),
+        } => check::check(&files, &assignments, &block, &trust.trust()),
         Command::Audit(arguments) => audit::audit(&arguments),
         Command::UmatUtilities => {
             printing::only_text("Fortran")?;
@@ -213,6 +215,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         Command::Screen(arguments) => screen::screen(&arguments),
         Command::Fit(arguments) => fit::fit(&arguments),
         Command::Simulate(arguments) => simulate::simulate(&arguments),
+        Command::Zoo(arguments) => zoo::zoo(&arguments),
         Command::Reproduce { out } => reproduce(&out),
     }
 }
@@ -227,6 +230,7 @@ fn waiting_for(command: &Command) -> Option<&'static str> {
         Command::Path { .. } => Some("following the path"),
         Command::Localize(_) => Some("following the loading"),
         Command::Criteria(_) => Some("following loadings"),
+        Command::Zoo(_) => Some("searching the zone"),
         Command::Card(_) => Some("searching boxes of stretches"),
         Command::Audit(_) => Some("differentiating"),
         Command::Modes(_) => Some("searching the zone"),
@@ -288,52 +292,82 @@ fn unreadable(name: &str, error: std::io::Error) -> Failure {
 pub fn study(
     file: &Path,
     assignments: &[String],
-    block: Option<Program>,
+    from: Option<Program>,
     trust: &Trust,
 ) -> Result<Study, Failure> {
     let (name, text) = source(file)?;
-    if let Some(why) = without_axes(&name, &text, block) {
-        return Err(Failure::input(why));
+    let block = BlockArguments {
+        from,
+        material: None,
+    };
+    if let Some((program, law)) = law_of_deck(&name, &text, &block, assignments)? {
+        return Err(without_axes(&name, program, &law));
     }
     let mut study = Study::parse(&name, &text)
         .and_then(|study| study.override_with(assignments))
-        .map_err(Failure::input)?;
+        .map_err(|error| not_a_study(&name, &text, error))?;
     study.settings.material = permitted(study.settings.material, trust)?;
     Ok(study)
 }
 
-/// Reason why an input block of another program cannot replace a study with axes; `None` for a study.
-pub fn without_axes(name: &str, text: &str, block: Option<Program>) -> Option<String> {
-    let program = block.or_else(|| program_of(text))?.name();
-    Some(format!(
-        "{name} is an input block of {program}, and this command needs a study with [[axes]]\n  hint: copy the keys printed by `onset criteria {name} --from {program}` into [material] of a study; state, path, criteria and others accept the block directly"
+/// Error for a deck in place of a study with axes: the study to write.
+fn without_axes(name: &str, program: Program, law: &Reading) -> Failure {
+    let axis = |number: usize| {
+        format!("[[axes]]\nquantity = \"stretch-{number}\"\nrange = [0.5, 2.0]\nstates = 64\n")
+    };
+    let study = [law.section(), axis(1), axis(2)].join("\n");
+    let study: Vec<String> = study
+        .lines()
+        .map(|line| match line {
+            "" => String::new(),
+            line => format!("    {line}"),
+        })
+        .collect();
+    Failure::input(format!(
+        "{name} is {}, which has a law and no axes; this command needs a study with [[axes]]\n  hint: write a study, for example\n\n{}",
+        program.deck(),
+        study.join("\n")
     ))
 }
 
-/// Foreign program whose format a text has, or `None` for studies.
-fn program_of(text: &str) -> Option<Program> {
-    // A study is recognized first, so that its errors are reported even if its comments mention another program.
-    let is_section = |line: &str| {
-        let sections = [
-            "[material",
-            "[discretization",
-            "[[axes",
-            "[body",
-            "[[methods",
-        ];
-        sections
-            .iter()
-            .any(|section| line.trim_start().starts_with(section))
-    };
-    (!text.lines().any(is_section)).then(|| Program::of_text(text))?
+/// Law of a deck in place of a study, with the program of the deck; `None` for a study.
+fn law_of_deck(
+    name: &str,
+    text: &str,
+    block: &BlockArguments,
+    assignments: &[String],
+) -> Result<Option<(Program, Reading)>, Failure> {
+    let wanted = block.material.as_deref();
+    match (block.from.or_else(|| Program::of_deck(text)), wanted) {
+        (Some(program), _) => {
+            let read = law_of(program, name, text, wanted, assignments);
+            Ok(Some((program, read.map_err(Failure::input)?)))
+        }
+        (None, Some(_)) => Err(Failure::input(format!(
+            "--material has no effect: {name} is not recognized as a deck of another program\n  hint: leave --material out, or name the program of the deck, for example --from abaqus (in `onset path`, --read-as abaqus)"
+        ))),
+        (None, None) => Ok(None),
+    }
 }
 
-/// Input of a file and assignments: the text of a study, or the assignments that represent a block of another program.
+/// Error in a study, or the command for an entry of the zoo, whose file is not a study.
+fn not_a_study(name: &str, text: &str, error: SettingError) -> Failure {
+    let stem = Path::new(name).file_stem().and_then(|stem| stem.to_str());
+    match stem.filter(|_| is_entry(text)) {
+        Some(stem) => Failure::input(format!(
+            "{name} is an entry of the zoo, not a study\n  hint: `onset zoo {stem}` shows its answer, and --out FILE writes its study"
+        )),
+        None => Failure::input(error),
+    }
+}
+
+/// Input of a file and assignments: the text of a study, or the assignments that represent a deck of another program.
 struct Read {
     name: String,
     text: String,
     assignments: Vec<String>,
-    /// Notes on the block, and the name of its law.
+    is_deck: bool,
+    /// Notes on the deck, and the name of its law.
     notes: Vec<String>,
     title: Option<String>,
 }
@@ -343,39 +377,51 @@ impl Read {
     fn of(
         file: Option<&Path>,
         block: &BlockArguments,
-        mut assignments: Vec<String>,
+        assignments: Vec<String>,
     ) -> Result<Self, Failure> {
         let (name, text) = file.map_or_else(|| Ok(Default::default()), source)?;
-        let Some(program) = block.from else {
+        Self::of_text(name, text, block, assignments)
+    }
+
+    /// Reads the text of a file and applies assignments.
+    fn of_text(
+        name: String,
+        text: String,
+        block: &BlockArguments,
+        mut assignments: Vec<String>,
+    ) -> Result<Self, Failure> {
+        let Some((_, read)) = law_of_deck(&name, &text, block, &assignments)? else {
             return Ok(Self {
                 name,
                 text,
                 assignments,
+                is_deck: false,
                 notes: Vec::new(),
                 title: None,
             });
         };
-        let wanted = block.material.as_deref();
-        let read = law_of(program, &name, &text, wanted, &assignments).map_err(Failure::input)?;
         assignments.splice(0..0, read.assignments);
         Ok(Self {
             name: String::new(),
             text: String::new(),
             assignments,
+            is_deck: true,
             notes: read.notes,
             title: read.name,
         })
     }
 
-    /// Error in a study, or a hint that the file is a block of another program.
+    /// Error in the study.
     fn failure(&self, error: SettingError) -> Failure {
-        match program_of(&self.text).map(Program::name) {
-            Some(program) => Failure::input(format!(
-                "{} is not a study, but an input block of {program}\n  hint: add --from {program}",
-                self.name
-            )),
-            None => Failure::input(error),
-        }
+        not_a_study(&self.name, &self.text, error)
+    }
+
+    /// Settings in which the keys `open` will be varied.
+    fn settings(self, open: &[&str], trust: &Trust) -> Result<Settings, Failure> {
+        let settings = Settings::of_file(&self.name, &self.text, &self.assignments, open);
+        let mut settings = settings.map_err(|error| self.failure(error))?;
+        settings.material = self.law(settings.material, trust)?;
+        Ok(settings)
     }
 
     /// Material settings with the notes on the block, if the user allows its library.
@@ -485,11 +531,7 @@ impl ProblemArguments {
 
     /// Settings in which the keys `open` will be varied.
     fn settings_with(&self, open: &[&str]) -> Result<Settings, Failure> {
-        let read = self.read()?;
-        let settings = Settings::of_file(&read.name, &read.text, &read.assignments, open);
-        let mut settings = settings.map_err(|error| read.failure(error))?;
-        settings.material = read.law(settings.material, &self.given.trust.trust())?;
-        Ok(settings)
+        self.read()?.settings(open, &self.given.trust.trust())
     }
 }
 
@@ -575,42 +617,24 @@ fn print_with_files(
 }
 
 impl CourseArguments {
-    /// Block named by `--from`, if it names a program, and the start of the path.
-    fn block(&self) -> Result<(BlockArguments, Option<&str>), Failure> {
-        let (programs, starts): (Vec<&String>, Vec<&String>) = self
-            .from
-            .iter()
-            .partition(|from| from.parse::<Program>().is_ok());
-        if programs.len() > 1 || starts.len() > 1 {
-            return Err(Failure::input(
-                "--from is given twice for the same purpose\n  hint: give one start, and one program if FILE is a block of another program",
-            ));
-        }
-        if self.material.is_some() && programs.is_empty() {
-            return Err(Failure::input(
-                "--material has no effect: FILE is not a block of another program\n  hint: leave --material out, or name the program of the block, for example --from abaqus",
-            ));
-        }
-        if starts.is_empty() && self.mode.is_none() {
-            return Err(Failure::input(
-                "the path has no start\n  hint: add --from with two stretches, for example --from 1,1, or a loading, --mode uniaxial",
-            ));
-        }
-        let block = BlockArguments {
-            from: programs.first().and_then(|program| program.parse().ok()),
+    /// Deck of another program in place of a study.
+    fn block(&self) -> BlockArguments {
+        BlockArguments {
+            from: self.read_as,
             material: self.material.clone(),
-        };
-        Ok((block, starts.first().map(|start| start.as_str())))
+        }
     }
 }
 
 /// Loading path of the arguments.
-fn course(
-    arguments: &CourseArguments,
-    from: Option<&str>,
-    problem: &Problem,
-) -> Result<Course, Failure> {
+fn course(arguments: &CourseArguments, problem: &Problem) -> Result<Course, Failure> {
     let extent = problem.extent();
+    let from = arguments.from.as_deref();
+    if let Some(program) = from.filter(|from| from.parse::<Program>().is_ok()) {
+        return Err(Failure::input(format!(
+            "--from {program}: in `onset path`, --from is the start of the path\n  hint: a deck is recognized; to name its program, write --read-as {program}"
+        )));
+    }
     let Some(mode) = arguments.mode else {
         let from = Strain::of_either("--from", from.unwrap_or_default(), extent)?;
         let to = Strain::of_either("--to", &arguments.to, extent)?;

@@ -29,6 +29,16 @@ const GROUPS: [(&str, &[Verdict]); 3] = [
     ),
 ];
 
+/// Names of verdicts and groups.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    let groups = GROUPS.iter().map(|(name, _)| *name);
+    Verdict::ALL
+        .into_iter()
+        .map(Verdict::name)
+        .chain([UNDEFINED])
+        .chain(groups)
+}
+
 /// Verdicts for which a command fails.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FailOn(Vec<&'static str>);

@@ -2,6 +2,7 @@
 
 use crate::arguments::Arguments;
 use crate::commands::{Failure, wrote};
+use crate::complete;
 use crate::printing::{only_text, print, print_text};
 use clap::{ColorChoice, Command, CommandFactory, FromArgMatches};
 use clap_complete::Shell;
@@ -29,7 +30,7 @@ const GROUPS: [(&str, &[&str]); 5] = [
     ),
     (
         "A method",
-        &["recommend", "compare", "tune", "limit", "verify"],
+        &["recommend", "compare", "tune", "limit", "verify", "zoo"],
     ),
     ("A law", &["fit", "criteria", "card", "audit", "localize"]),
     ("A study", &["check", "map", "plot", "boundary"]),
@@ -90,6 +91,7 @@ pub fn command(is_long: bool) -> Command {
 
 /// Parses the command line; exits after help or an invalid argument.
 pub fn parse() -> Arguments {
+    complete::answer(|| command(false));
     let typed = words();
     let is_long = typed
         .get(1)
@@ -128,8 +130,7 @@ fn color(typed: &[OsString]) -> ColorChoice {
 /// Prints the completion script of a shell.
 pub fn completions(shell: Shell) -> Result<ExitCode, Failure> {
     only_text("a script for a shell")?;
-    let mut script = Vec::new();
-    clap_complete::generate(shell, &mut Arguments::command(), "onset", &mut script);
+    let script = complete::script(&shell.to_string()).map_err(Failure::machine)?;
     print_text(String::from_utf8_lossy(&script).trim_end())
 }
 

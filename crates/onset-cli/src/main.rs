@@ -11,6 +11,7 @@
 
 mod arguments;
 mod commands;
+mod complete;
 mod drawing;
 #[cfg(feature = "explore")]
 mod explore;

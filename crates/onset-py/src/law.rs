@@ -32,13 +32,21 @@ pub struct Law {
 /// Reads a law from a block of another program: returns the assignments, and notes on its constants.
 #[pyfunction]
 pub fn read_law(
-    program: &str,
+    program: Option<&str>,
     name: &str,
     text: &str,
     material: Option<String>,
     assignments: Vec<String>,
 ) -> PyResult<(Vec<String>, Vec<String>)> {
-    let program: Program = program.parse().map_err(Failure::Input)?;
+    let program = match program {
+        Some(program) => program.parse().map_err(Failure::Input)?,
+        None => Program::of_deck(text).ok_or_else(|| {
+            Failure::Input(format!(
+                "{name} is not recognized as a deck of a program\n  hint: give the program, one of {}",
+                Program::ALL.map(Program::name).join(", ")
+            ))
+        })?,
+    };
     let wanted = material.as_deref();
     let read = law_of(program, name, text, wanted, &assignments).map_err(Failure::from)?;
     Ok((read.assignments, read.notes))

@@ -20,6 +20,7 @@ mod pool;
 mod problem;
 mod screen;
 mod study;
+mod zoo;
 
 /// Compiled part of the package `onset`.
 #[pyo3::pymodule]
@@ -44,6 +45,8 @@ mod _onset {
     use crate::screen::screen;
     #[pymodule_export]
     use crate::study::Study;
+    #[pymodule_export]
+    use crate::zoo::zoo;
 
     #[pymodule_init]
     fn init(_module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {

@@ -1,20 +1,17 @@
-//! Short form of an answer: at most [`LINES`] lines of at most [`WIDTH`] characters.
+//! Short form of an answer: at most [`LINES`] lines of at most [`WIDTH`] characters, with at most [`NOTE_LINES`] lines of notes.
 //!
-//! The command line prints it by default. The full text of an answer is its `Display`.
+//! Lines are divided between words; a word longer than a line exceeds the width. The command line prints the short form by default. The full text of an answer is its `Display`.
 
 use std::fmt::Display;
 
-/// Largest number of lines, without the settings.
+/// Largest number of lines, without the notes and the settings.
 pub const LINES: usize = 12;
+/// Largest number of lines of the notes.
+pub const NOTE_LINES: usize = 6;
 /// Largest number of characters in a line.
 pub const WIDTH: usize = 100;
 /// Width of the names of rows.
 const NAME: usize = 12;
-/// Number of lines that notes leave to a table: its head and the most important lines.
-const MIN_TABLE_LINES: usize = 4;
-/// Largest number of lines of notes if they leave no room for rows.
-const BEGINNING_OF_NOTE: usize = 2;
-
 /// An answer with a short form.
 pub trait Brief: Display {
     /// Returns the short form of the answer.
@@ -62,7 +59,7 @@ impl Short {
         self
     }
 
-    /// Adds notes; each of them is shown, with its beginning at least.
+    /// Adds notes, the most important ones first.
     pub(crate) fn notes(mut self, notes: &[String]) -> Self {
         self.notes.extend_from_slice(notes);
         self
@@ -86,10 +83,6 @@ impl Short {
             let own = own.filter(|(row, _)| row.rank == rank);
             own.map(|(_, lines)| lines.len()).sum::<usize>()
         };
-        let important = kept(0) + kept(1) + kept(2);
-        let room = left.saturating_sub(important + self.table.len().min(MIN_TABLE_LINES));
-        let notes = self.shown_notes(room);
-        left = left.saturating_sub(notes.len());
         let table = self.cut_table(left.saturating_sub(kept(0)));
         left = left.saturating_sub(table.len());
         let mut is_shown = vec![false; rows.len()];
@@ -104,7 +97,7 @@ impl Short {
         lines.extend(table);
         let shown = rows.into_iter().zip(is_shown).filter(|(_, shown)| *shown);
         lines.extend(shown.flat_map(|(own, _)| own));
-        lines.extend(notes);
+        lines.extend(self.shown_notes());
         lines.push(
             named(
                 "more",
@@ -121,29 +114,24 @@ impl Short {
         lines.join("\n")
     }
 
-    /// The notes in a number of lines; the beginning of each if they do not fit.
+    /// The notes that fit into [`NOTE_LINES`] lines, each of them whole, and the number of the others.
     ///
-    /// Notes limit the validity of an answer and are never left out. A command in a note stays on one line, so that it can be copied.
-    fn shown_notes(&self, room: usize) -> Vec<String> {
-        let whole = |note: &String| match note.contains("--set ") {
-            true => vec![format!("note: {note}")],
-            false => wrapped(&format!("note: {note}"), "note: ".len()),
-        };
-        let notes: Vec<Vec<String>> = self.notes.iter().map(whole).collect();
-        let count: usize = notes.iter().map(Vec::len).sum();
-        if count <= room {
-            return notes.concat();
-        }
-        let begin = |mut lines: Vec<String>| {
-            if lines.len() > BEGINNING_OF_NOTE {
-                lines.truncate(BEGINNING_OF_NOTE);
-                if let Some(last) = lines.last_mut() {
-                    *last = last.chars().take(WIDTH - 2).chain([' ', '…']).collect();
-                }
+    /// A command in a note stays on one line, so that it can be copied.
+    fn shown_notes(&self) -> Vec<String> {
+        let mut lines: Vec<String> = Vec::new();
+        for (n, note) in self.notes.iter().enumerate() {
+            let own = match note.contains("--set ") {
+                true => vec![format!("note: {note}")],
+                false => wrapped(&format!("note: {note}"), "note: ".len()),
+            };
+            let left = self.notes.len() - n;
+            if lines.len() + own.len() + usize::from(left > 1) > NOTE_LINES {
+                lines.push(format!("note: {left} more: --all"));
+                break;
             }
-            lines
-        };
-        notes.into_iter().flat_map(begin).collect()
+            lines.extend(own);
+        }
+        lines
     }
 
     /// The lines of the table that fit into a number of lines.
@@ -171,7 +159,25 @@ fn named(name: &str, text: &str) -> Vec<String> {
     wrapped(&format!("{name:<NAME$}{text}"), NAME)
 }
 
-/// Lines of at most [`WIDTH`] characters, indented after the first. Longer words are cut.
+/// A text that is cut between words to a number of characters; a first word that is longer is kept.
+pub(crate) fn cut(text: &str, width: usize) -> String {
+    if text.chars().count() <= width {
+        return text.to_owned();
+    }
+    let mut short = String::new();
+    for word in text.split_whitespace() {
+        let gap = usize::from(!short.is_empty());
+        // Two characters mark the cut.
+        if gap == 1 && short.chars().count() + gap + word.chars().count() + 2 > width {
+            break;
+        }
+        short.push_str(&" "[..gap]);
+        short.push_str(word);
+    }
+    short.trim_end_matches([',', ';', ':']).to_owned() + " …"
+}
+
+/// Lines of at most [`WIDTH`] characters, indented after the first, divided between words.
 pub(crate) fn wrapped(text: &str, indent: usize) -> Vec<String> {
     let mut lines = Vec::new();
     let mut line = String::new();
@@ -188,14 +194,7 @@ pub(crate) fn wrapped(text: &str, indent: usize) -> Vec<String> {
         if !is_empty {
             line.push(' ');
         }
-        let room = WIDTH - line.chars().count();
-        match word.chars().count() <= room {
-            true => line.push_str(word),
-            false => {
-                line.extend(word.chars().take(room - 1));
-                line.push('…');
-            }
-        }
+        line.push_str(word);
         is_empty = false;
     }
     lines.push(line);
@@ -204,7 +203,7 @@ pub(crate) fn wrapped(text: &str, indent: usize) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{LINES, Short, WIDTH, wrapped};
+    use super::{LINES, NOTE_LINES, Short, WIDTH, cut, wrapped};
 
     #[test]
     fn a_short_answer_never_exceeds_its_lines_and_its_width() {
@@ -212,23 +211,46 @@ mod tests {
         let answer = Short::new("A sentence of several words. ".repeat(8))
             .row(0, "verdict", "stable")
             .row(3, "stress", long.clone())
-            .row(1, "material", "x".repeat(300))
             .table((0..40).map(|n| format!("line {n}")))
-            .notes(&[
-                long.clone(),
-                "short".to_owned(),
-                format!("run --set {long}"),
-            ])
+            .notes(&["short".to_owned(), long, "another".to_owned()])
             .settings("material", "by default");
         let text = answer.text(false);
-        assert!(text.lines().count() <= LINES, "{text}");
-        let mut others = text.lines().filter(|line| !line.contains("--set "));
-        assert!(others.all(|line| line.chars().count() <= WIDTH), "{text}");
-        assert_eq!(text.matches("note: ").count(), 3, "{text}");
+        assert!(text.lines().count() <= LINES + NOTE_LINES, "{text}");
+        assert!(
+            text.lines().all(|line| line.chars().count() <= WIDTH),
+            "{text}"
+        );
         assert!(text.contains("verdict     stable"), "{text}");
-        assert!(text.contains("more"), "{text}");
+        assert!(text.contains("note: short\nnote: 2 more: --all"), "{text}");
         assert!(!text.contains("by default"), "{text}");
         assert!(answer.text(true).contains("material    by default"));
+    }
+
+    #[test]
+    fn notes_are_whole_and_take_no_line_of_the_answer() {
+        let answer = |notes: &[String]| {
+            let short = Short::new("One.").table((0..6).map(|n| format!("line {n}")));
+            short.row(0, "limits", "in tension").notes(notes)
+        };
+        let notes = [
+            "word ".repeat(30),
+            format!("run --set {}", "k=v ".repeat(40)),
+        ];
+        let (with, without) = (answer(&notes).text(false), answer(&[]).text(false));
+        let own = with.lines().filter(|line| without.contains(line));
+        assert_eq!(own.count(), without.lines().count(), "{with}");
+        for note in &notes {
+            let words = with.split_whitespace().collect::<Vec<_>>().join(" ");
+            assert!(words.contains(note.trim()), "{with}");
+        }
+    }
+
+    #[test]
+    fn nothing_is_cut_within_a_word() {
+        let path = "x".repeat(300);
+        assert_eq!(wrapped(&format!("a {path} b"), 0), ["a", &path, "b"]);
+        assert_eq!(cut("penalty 0.5, cubic spline", 15), "penalty 0.5 …");
+        assert_eq!(cut("penalty", 7), "penalty");
     }
 
     #[test]

@@ -37,6 +37,7 @@ pub mod store;
 pub mod tune;
 pub mod verify;
 mod vtk;
+pub mod zoo;
 
 pub use onset::cancel::unless;
 pub use onset::verdict::Verdict;

@@ -1,12 +1,14 @@
 //! `onset check` and `onset schema`: validation of study files, and their JSON schema.
 
-use super::{Failure, source, without_axes};
+use super::{Failure, Read, source};
+use crate::arguments::BlockArguments;
 use crate::printing::{Format, format, only_text, print, print_text};
-use onset_study::answers::StudySummary;
+use onset_study::answers::{Problem, StudySummary};
 use onset_study::csv::Table;
 use onset_study::settings::{
-    Origin, Program, SettingError, Study, Trust, Units, schema as schema_of_studies,
+    Origin, SettingError, Study, Trust, Units, schema as schema_of_studies,
 };
+use onset_study::zoo::is_entry;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -104,7 +106,7 @@ fn csv(entries: &[Entry]) -> String {
 pub fn check(
     files: &[PathBuf],
     assignments: &[String],
-    block: Option<Program>,
+    block: &BlockArguments,
     trust: &Trust,
 ) -> Result<ExitCode, Failure> {
     let entries: Vec<Entry> = files
@@ -134,18 +136,27 @@ pub fn check(
 fn summary(
     file: &Path,
     assignments: &[String],
-    block: Option<Program>,
+    block: &BlockArguments,
     trust: &Trust,
 ) -> Result<StudySummary, Box<Mistake>> {
     let named = file.display().to_string();
-    let (name, text) = source(file).map_err(|failure| Mistake::new(&named, failure.message))?;
-    if let Some(why) = without_axes(&name, &text, block) {
-        return Err(Mistake::new(&name, why));
-    }
-    let study = Study::parse_any(&name, &text)
-        .and_then(|study| study.override_with(assignments))
-        .map_err(|error| Mistake::of_setting(&name, error))?
-        .allowing(trust);
+    let refused = |failure: Failure| Mistake::new(&named, failure.message);
+    let (name, text) = source(file).map_err(refused)?;
+    let read = Read::of_text(name.clone(), text, block, assignments.to_vec()).map_err(refused)?;
+    let study = match read.is_deck {
+        true => {
+            let settings = read.settings(&[], trust).map_err(refused)?;
+            Problem::new(settings.clone()).map_err(|error| refused(error.into()))?;
+            Study::of_settings(settings)
+        }
+        false => Study::parse_any(&name, &read.text)
+            .and_then(|study| study.override_with(assignments))
+            .map_err(|error| match is_entry(&read.text) {
+                true => refused(read.failure(error)),
+                false => Mistake::of_setting(&name, error),
+            })?
+            .allowing(trust),
+    };
     StudySummary::new(&name, &study)
         .map_err(|error| Mistake::new(&name, format!("{name}: {error}")))
 }

@@ -75,15 +75,15 @@ fn read(
     trust: &Trust,
 ) -> Result<Comparison, Failure> {
     let mut read = Read::of(file, block, assignments)?;
-    match (file, block.from, dimension) {
-        (Some(_), None, Some(_)) => {
+    let is_study = file.is_some() && !read.is_deck;
+    match dimension {
+        Some(_) if is_study => {
             return Err(Failure::input(
                 "--dimension has no effect: the file sets the number of dimensions\n  hint: leave --dimension out",
             ));
         }
-        (Some(_), None, None) => {}
-        _ if !variations.is_empty() => {}
-        (_, _, dimension) => {
+        _ if is_study || !variations.is_empty() => {}
+        dimension => {
             let panel = PANELS[usize::from(dimension.unwrap_or(2)) - 1];
             (read.name, read.text) = (panel.0.to_owned(), panel.1.to_owned());
         }

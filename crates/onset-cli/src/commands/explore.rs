@@ -1,11 +1,11 @@
 //! `onset explore`, and `onset state --open`: the page.
 
-use super::{Failure, source};
+use super::Failure;
 use crate::arguments::{ExploreArguments, ProblemArguments, StrainArguments};
 use crate::explore::{Link, serve};
 use crate::printing;
 use onset_study::explore::{Question, Stored};
-use onset_study::settings::Value;
+use onset_study::settings::{Trust, Value};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -58,10 +58,13 @@ fn first(problem: &ProblemArguments) -> Result<Link, Failure> {
     }
     match (&problem.given.file, is_plain) {
         (None, true) => Ok(Link::Nothing),
-        (Some(file), true) => {
-            let (_, text) = source(file)?;
+        (Some(_), true) => {
+            let read = problem.read()?;
             // The page requests the library of the study, and the server refuses it unless the user allows it.
-            let question = Question::of_text(&text).map_err(Failure::input)?;
+            let question = match read.is_deck {
+                true => Question::of_settings(&read.settings(&[], &Trust::default())?),
+                false => Question::of_text(&read.text).map_err(Failure::input)?,
+            };
             Ok(Link::Question(Box::new(question)))
         }
         (_, false) => {

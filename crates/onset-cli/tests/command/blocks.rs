@@ -1,27 +1,36 @@
-//! Blocks of other programs in place of a study, in every command.
+//! Decks of other programs in place of a study, in every command.
 
 use crate::{Scratch, Written, document, onset, onset_line};
 
 const RUBBER: &str = "*MATERIAL, NAME=RUBBER\n*HYPERELASTIC, NEO HOOKE\n0.5, 0.02\n";
 
+/// Two rubbers, the first with properties that are not read.
+const TWO: &str = "*MATERIAL, NAME=RUBBER_A\n*HYPERELASTIC, NEO HOOKE\n0.5, 0.02\n*VISCOELASTIC, TIME=PRONY\n0.2, 0., 0.1\n\
+                   *MULLINS EFFECT\n1.5, 0.1, 0.1\n*DENSITY\n1.1e-9\n*MATERIAL, NAME=RUBBER_B\n*HYPERELASTIC, MOONEY-RIVLIN\n0.4, 0.1, 0.02\n";
+
 #[test]
-fn every_command_about_a_law_or_a_method_takes_a_block() {
+fn every_command_about_a_law_or_a_method_takes_a_deck() {
     let file = Written::new("rubber.inp", RUBBER);
     for line in [
+        format!("state {file} --stretch 1.1,1"),
         format!("state {file} --from abaqus --stretch 1.1,1"),
-        format!("dispersion {file} --from abaqus --stretch 1.1,1 --wave-vector 1,0.2"),
-        format!("path {file} --from abaqus --from 1,1 --to 1.1,1"),
-        format!("path {file} --mode uniaxial --to 1.1 --from abaqus"),
-        format!("criteria {file} --from abaqus --mode uniaxial"),
-        format!("card {file} --from abaqus --mode uniaxial"),
-        format!("limit {file} --from abaqus --time-step 0.01 --vary discretization.spacing"),
-        format!("tune discretization.support {file} --from abaqus --range 1.9,2.1"),
-        format!("modes {file} --from abaqus set lattice=chain"),
-        format!("audit {file} --from abaqus"),
+        format!("dispersion {file} --stretch 1.1,1 --wave-vector 1,0.2"),
+        format!("path {file} --from 1,1 --to 1.1,1"),
+        format!("path {file} --mode uniaxial --to 1.1 --read-as abaqus"),
+        format!("criteria {file} --mode uniaxial"),
+        format!("card {file} --mode uniaxial"),
+        format!("limit {file} --time-step 0.01 --vary discretization.spacing"),
+        format!("tune discretization.support {file} --range 1.9,2.1"),
+        format!("modes {file} set lattice=chain"),
+        format!("audit {file}"),
+        format!("check {file}"),
         format!(
-            "recommend {file} --from abaqus --dimension 1 --set compare.states=2 --stretches 0.9,1.1 --quiet"
+            "compare {file} --vary discretization.support=1.9,2.1 set lattice=chain set compare.states=2 --quiet"
         ),
-        format!("simulate {file} --from abaqus --stretch 1.1,1 --cells 4 --steps 32 --quiet"),
+        format!(
+            "recommend {file} --dimension 1 --set compare.states=2 --stretches 0.9,1.1 --quiet"
+        ),
+        format!("simulate {file} --stretch 1.1,1 --cells 4 --steps 32 --quiet"),
     ] {
         let answer = onset_line(&line);
         assert!(
@@ -29,50 +38,140 @@ fn every_command_about_a_law_or_a_method_takes_a_block() {
             "{line}: {}",
             answer.stderr
         );
-        // The shear modulus of the block is twice c10.
-        let law = answer.stdout.contains("c10 0.5") || answer.stdout.contains("c10 = 0.5");
-        let is_told = line.contains("--quiet") || answer.stdout.contains("material.c10=0.5");
-        assert!(law || is_told, "{line}: {}", answer.stdout);
+        let note = "read as *HYPERELASTIC, NEOHOOKE of Abaqus, material RUBBER";
+        let words = answer.stdout.split_whitespace().collect::<Vec<_>>();
+        assert!(words.join(" ").contains(note), "{line}: {}", answer.stdout);
     }
-    let read = document(&format!("state {file} --from abaqus --stretch 1.2,0.9"));
+    let read = document(&format!("state {file} --stretch 1.2,0.9"));
     let law = "--set material.model=yeoh --set material.c10=0.5 --set material.c20=0 --set material.c30=0 --set material.kappa=100";
     let set = document(&format!("state {law} --stretch 1.2,0.9"));
     assert_eq!(read["discretization"], set["discretization"]);
     assert_eq!(read["material"], set["material"]);
-    let notes = read["notes"].to_string();
-    assert!(notes.contains("read from *HYPERELASTIC"), "{notes}");
 }
 
 #[test]
-fn commands_that_need_axes_explain_why_they_refuse_a_block() {
+fn terms_with_a_zero_coefficient_are_left_out() {
+    let rubber = Written::new("neo.inp", RUBBER);
+    let ogden = Written::new(
+        "ogden.inp",
+        "*HYPERELASTIC, OGDEN, N=2\n0.4, 1.3, 0.003, 5.0, 0.02\n",
+    );
+    for (file, present, absent) in [
+        (&rubber, "c10", ["c20", "c30"]),
+        (&ogden, "mu2", ["mu3", "alpha3"]),
+    ] {
+        for line in [
+            format!("state {file} --stretch 1.1,1 --settings"),
+            format!("state {file} --stretch 1.1,1 --all"),
+            format!("criteria {file} --mode uniaxial --all"),
+            format!("card {file} --mode uniaxial"),
+        ] {
+            let text = onset_line(&line).stdout;
+            assert!(text.contains(present), "{line}: {text}");
+            assert!(
+                !absent.iter().any(|name| text.contains(name)),
+                "{line}: {text}"
+            );
+        }
+    }
+}
+
+#[test]
+fn notes_on_a_deck_are_whole_and_follow_the_answer() {
+    let file = Written::new("two.inp", TWO);
+    let text = onset_line(&format!("criteria {file} --mode uniaxial")).stdout;
+    assert!(!text.contains(" more\n"), "{text}");
+    let place = |words: &str| {
+        text.find(words)
+            .unwrap_or_else(|| panic!("{words}: {text}"))
+    };
+    assert!(
+        place("uniaxial, lateral faces free  ") < place("note: "),
+        "{text}"
+    );
+    let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    for note in [
+        "note: read as *HYPERELASTIC, NEOHOOKE of Abaqus, material RUBBER_A (1 of 2; --material chooses)",
+        "note: not read: *VISCOELASTIC (line 4), *MULLINS EFFECT (line 6), *DENSITY (line 8)",
+        "note: the constants are long-term moduli (MODULI=LONG TERM by default); the instantaneous shear modulus, for waves and time steps, is \
+         1.25 times as large, 1.25",
+    ] {
+        assert!(words.contains(note), "{note}: {text}");
+    }
+    assert!(
+        text.lines().all(|line| line.chars().count() <= 100),
+        "{text}"
+    );
+    let second = onset_line(&format!(
+        "criteria {file} --material rubber_b --mode uniaxial"
+    ));
+    assert!(
+        second.stdout.contains("material RUBBER_B (2 of 2;"),
+        "{}",
+        second.stdout
+    );
+    let none = onset_line(&format!("criteria {file} --material C"));
+    assert_eq!(none.code, Some(2));
+    assert!(
+        none.stderr.contains("RUBBER_A, RUBBER_B"),
+        "{}",
+        none.stderr
+    );
+}
+
+#[test]
+fn commands_that_need_axes_give_the_study_to_write() {
     let file = Written::new("rubber.inp", RUBBER);
     for line in [
         format!("map {file}"),
         format!("map {file} --from abaqus"),
-        format!("boundary {file} --from abaqus"),
-        format!("check {file}"),
-        format!("check {file} --from abaqus"),
+        format!("boundary {file}"),
     ] {
         let answer = onset_line(&line);
         assert_eq!(answer.code, Some(2), "{line}: {}", answer.stdout);
-        for fact in ["is an input block of abaqus", "[[axes]]", "onset criteria"] {
-            assert!(answer.stderr.contains(fact), "{line}: {}", answer.stderr);
-        }
+        assert!(
+            answer.stderr.contains("is an Abaqus deck"),
+            "{}",
+            answer.stderr
+        );
+        let study = answer
+            .stderr
+            .split("for example\n")
+            .nth(1)
+            .expect("a study");
+        let study = study.replace("\n    ", "\n");
+        let written = Written::new("deck.toml", study.trim());
+        let checked = onset_line(&format!("check {written}"));
+        assert_eq!(checked.code, Some(0), "{}: {study}", checked.stderr);
+        assert!(
+            checked.stdout.contains("yeoh: c10 0.5, kappa 100"),
+            "{}",
+            checked.stdout
+        );
     }
-    for line in [
-        "state",
-        "modes",
-        "limit --time-step 1 --vary discretization.spacing",
-        "recommend",
-    ] {
-        let answer = onset_line(&format!("{line} {file}"));
-        assert_eq!(answer.code, Some(2), "{line}: {}", answer.stdout);
-        let hint = "hint: add --from abaqus";
-        assert!(answer.stderr.contains(hint), "{line}: {}", answer.stderr);
+}
+
+#[test]
+fn the_program_of_a_deck_is_named_where_it_is_not_recognized() {
+    let plain = Written::new("plain.txt", "one line\n");
+    let refused = onset_line(&format!("state {plain} --material A --stretch 1,1"));
+    assert_eq!(refused.code, Some(2));
+    for fact in ["not recognized as a deck", "--from abaqus"] {
+        assert!(refused.stderr.contains(fact), "{}", refused.stderr);
     }
-    let started = onset_line(&format!("path {file} --from abaqus --to 1.1,1"));
-    assert_eq!(started.code, Some(2));
-    assert!(started.stderr.contains("no start"), "{}", started.stderr);
+    // CalculiX has the keywords of Abaqus, but no incompressible law.
+    let file = Written::new("zero.inp", "*HYPERELASTIC, NEO HOOKE\n0.5, 0.0\n");
+    let path = onset_line(&format!(
+        "path {file} --read-as calculix --mode uniaxial --to 1.1"
+    ));
+    assert!(path.stdout.contains("CalculiX replaces"), "{}", path.stdout);
+    let start = onset_line(&format!("path {file} --from abaqus --to 1.1,1"));
+    assert_eq!(start.code, Some(2));
+    assert!(
+        start.stderr.contains("--read-as abaqus"),
+        "{}",
+        start.stderr
+    );
 }
 
 #[test]

@@ -26,6 +26,7 @@ fn every_command_has_a_help_text() {
         "schema",
         "completions",
         "man",
+        "zoo",
         "reproduce",
     ] {
         let help = onset(&[command, "--help"]);

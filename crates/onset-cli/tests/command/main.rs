@@ -8,6 +8,8 @@ mod boundary;
 mod certify;
 mod check;
 mod compare;
+#[cfg(unix)]
+mod completion;
 mod criteria;
 #[cfg(target_os = "linux")]
 mod damaged_stores;

@@ -25,7 +25,7 @@ pub fn notes_on_law(settings: &MaterialSettings, material: &dyn Hyperelastic) ->
         note_on_path(settings.model),
     ];
     let read = settings.notes().iter().cloned();
-    notes.into_iter().flatten().chain(read).collect()
+    read.chain(notes.into_iter().flatten()).collect()
 }
 
 fn is_stressed(material: &dyn Hyperelastic) -> bool {

@@ -142,9 +142,7 @@ pub(super) fn of(
             } else {
                 format!("The {vanishes} for a wave ({which}).")
             };
-            let remedy = remedy(problem, f).map_or(String::new(), |settings| {
-                format!(" With {settings} no wave has zero energy at this state.")
-            });
+            let remedy = remedy(problem, f);
             format!(
                 "Not usable without stabilization{although}: zero-energy modes. {unseen}{undecided}{remedy}"
             )

@@ -3,7 +3,7 @@
 use super::rank::{EXCLUSIONS, Ranked, recommended};
 use super::table::{Column, MATERIAL};
 use super::{Recommendation, Table};
-use crate::brief::{Brief, Short};
+use crate::brief::{Brief, Short, WIDTH, cut};
 use crate::number::counted;
 
 /// Largest width of the name of a method.
@@ -20,7 +20,7 @@ impl Brief for Table {
                 format!("  {:>width$}", cell(column))
             });
             let cells: String = cells.collect();
-            let line = format!("{:NAME$}{cells}  {verdict}", cut(name));
+            let line = format!("{:NAME$}{cells}  {verdict}", cut(name, NAME));
             line.trim_end().to_owned()
         };
         let head = line("method, best first", "verdict", &|column| {
@@ -36,8 +36,8 @@ impl Brief for Table {
                 }),
                 None => {
                     let why = ranked.excluded.as_ref().map_or("", |(_, why)| why);
-                    let text = format!("{:NAME$}  {why}", cut(&ranked.name));
-                    text.chars().take(crate::brief::WIDTH).collect()
+                    let room = WIDTH - NAME - 2;
+                    format!("{:NAME$}  {}", cut(&ranked.name, NAME), cut(why, room))
                 }
             }
         });
@@ -82,7 +82,7 @@ impl Brief for Recommendation {
             .filter(|ranked| ranked.excluded.is_none());
         let good = good.enumerate().map(|(n, ranked)| {
             let measure = ranked.measure(4);
-            format!("{:>2}  {:NAME$}  {measure}", n + 1, cut(&ranked.name))
+            format!("{:>2}  {:NAME$}  {measure}", n + 1, cut(&ranked.name, NAME))
         });
         let mut short = Short::new(self.table.summary(&self.ranking)).table(good);
         let mut is_first = true;
@@ -110,13 +110,5 @@ impl Brief for Recommendation {
         short
             .notes(&self.table.all_notes())
             .settings("material", &self.table.material)
-    }
-}
-
-/// Name of a method, cut to the width of its column.
-fn cut(name: &str) -> String {
-    match name.chars().count() <= NAME {
-        true => name.to_owned(),
-        false => name.chars().take(NAME - 1).chain(['…']).collect(),
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{CriteriaAnswer, CriterionAnswer, LoadingAnswer, SideAnswer, told};
 use crate::number;
+use crate::settings::is_of_an_absent_term;
 use onset::criteria::{Change, Criterion, Knowledge, Witness};
 use std::fmt::{Display, Formatter, Result};
 
@@ -100,7 +101,11 @@ fn in_a_line(law: &super::LawAnswer, letters: usize) -> String {
     // A custom name replaces the energy or table.
     let told = |(name, _): &&(String, serde_json::Value)| {
         let is_named = law.name.is_some() && ["energy", "table"].contains(&name.as_str());
-        !is_named && !is_of_an_empty_term(law, name)
+        let number = |own: &str| {
+            let mut known = law.parameters.iter().filter(|(other, _)| other == own);
+            known.next()?.1.as_f64()
+        };
+        !is_named && !is_of_an_absent_term(name, number)
     };
     let parameters: Vec<String> = law
         .parameters
@@ -130,14 +135,6 @@ fn in_a_line(law: &super::LawAnswer, letters: usize) -> String {
     };
     let name = law.name.as_ref().unwrap_or(&law.model);
     format!("{name} ({}), {symmetry}", parameters.join(", "))
-}
-
-/// Returns true for parameters of a numbered term (`mu4`, `alpha4`) whose modulus is zero.
-fn is_of_an_empty_term(law: &super::LawAnswer, name: &str) -> bool {
-    let number = name.trim_start_matches(|letter: char| !letter.is_ascii_digit());
-    let modulus = format!("mu{number}");
-    let mut own = law.parameters.iter().filter(|(other, _)| *other == modulus);
-    !number.is_empty() && own.any(|(_, value)| value.as_f64() == Some(0.0))
 }
 
 /// Heading of the answer, with moduli and notes.

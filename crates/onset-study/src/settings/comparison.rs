@@ -132,8 +132,8 @@ const METHOD: &str = "discretization.method";
 const MOST_VARIANTS: usize = 200;
 
 /// Example of methods for messages.
-const EXAMPLE: &str = "for example\n\n    [[methods]]\n    name = \"SPH\"\n    frame = \"eulerian\"\n    quadrature = \"nodal\"\n\n    \
-                       [[methods]]\n    name = \"total-Lagrangian SPH\"\n    quadrature = \"nodal\"\n";
+const EXAMPLE: &str = "for example\n\n    [[methods]]\n    name = \"SPH\"\n    method = \"updated-sph\"\n\n    \
+                       [[methods]]\n    name = \"total-Lagrangian SPH\"\n    method = \"total-lagrangian-sph\"\n";
 
 impl Comparison {
     /// Replaces the limit of weakly controlled waves of the file by the limit of a command, unless that is the default.
@@ -156,7 +156,8 @@ impl Comparison {
     }
 
     /// Reads settings or a comparison, and replaces each method by its variants: `variations` such as `discretization.penalty=0,0.1,0.5` list the
-    /// values of a key of `[discretization]`, separated by commas, or lists of numbers separated by semicolons. Several variations are combined.
+    /// values of a key of `[discretization]`, separated by commas, or lists of numbers separated by semicolons. For a key without values, all its words are compared.
+    /// Several variations are combined.
     ///
     /// # Errors
     /// [`SettingError`] for a key or a value that the methods do not accept, two equal variants, and more than 200 variants.
@@ -191,18 +192,27 @@ impl Comparison {
         };
         const WRITTEN: &str =
             "write --vary KEY=VALUE,VALUE, for example --vary discretization.penalty=0,0.1,0.5";
-        let Some((key, values)) = variation.split_once('=') else {
-            return refused(format!("`{variation}` has no values"), WRITTEN);
+        let (key, values) = match variation.split_once('=') {
+            Some((key, values)) => (key.trim(), Some(values)),
+            None => (variation.trim(), None),
         };
-        let key = key.trim();
         if key.starts_with("material.") || key.starts_with("compare.") {
             return refused(
                 format!("`{key}` is the same for all methods of a comparison"),
                 "vary a key of [discretization]; `onset limit` and `onset map` vary parameters of the law",
             );
         }
-        let separator = if values.contains(';') { ';' } else { ',' };
-        let values: Vec<&str> = values.split(separator).map(str::trim).collect();
+        let words = Key::named(key).map_or(&[] as &[&str], Key::words);
+        let values: Vec<&str> = match values {
+            Some(values) => {
+                let separator = if values.contains(';') { ';' } else { ',' };
+                values.split(separator).map(str::trim).collect()
+            }
+            None if words.is_empty() && Key::named(key).is_some() => {
+                return refused(format!("`{variation}` has no values"), WRITTEN);
+            }
+            None => words.to_vec(),
+        };
         if values.iter().any(|value| value.is_empty()) {
             return refused(format!("`{variation}` has an empty value"), WRITTEN);
         }

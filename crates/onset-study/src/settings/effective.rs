@@ -161,7 +161,12 @@ impl Effective {
 
     /// Lists the settings with their names, in a line.
     pub fn told(&self) -> String {
-        let choices = self.0.iter().map(|(name, choice)| {
+        let is_absent = |name: &str| {
+            let own = name.strip_prefix("material.");
+            own.is_some_and(|own| self.is_absent(own))
+        };
+        let present = self.0.iter().filter(|(name, _)| !is_absent(name));
+        let choices = present.map(|(name, choice)| {
             let name = name.split_once('.').map_or(*name, |(_, own)| own);
             choice.told(name)
         });
@@ -192,6 +197,13 @@ impl Effective {
         }
     }
 
+    /// Returns true for a constant of a term that the law does not have.
+    fn is_absent(&self, name: &str) -> bool {
+        is_of_an_absent_term(name, |own| {
+            self.get(&format!("material.{own}"))?.value.number()
+        })
+    }
+
     /// Two lines for a section: the model or method with the settings that are not defaults, and the defaults.
     fn lines(&self, section: &str, head: &str) -> (String, String) {
         let (mut first, mut chosen, mut defaults) = (String::new(), Vec::new(), Vec::new());
@@ -200,7 +212,8 @@ impl Effective {
                 continue;
             };
             // An empty list carries no information.
-            if matches!(&choice.value, Value::Numbers(numbers) if numbers.is_empty()) {
+            let is_empty = matches!(&choice.value, Value::Numbers(numbers) if numbers.is_empty());
+            if is_empty || (section == "material" && self.is_absent(name)) {
                 continue;
             }
             match (name == head, &choice.value, choice.default) {
@@ -255,6 +268,19 @@ impl Effective {
         let text = format!("Material: {material}. Method: {method}.");
         text.replace("kg/m^3", "kg/m³")
     }
+}
+
+/// Returns true for a constant of a term whose coefficient is zero, such as `alpha4` if `mu4` is zero, or `c20` if it is zero itself. Texts leave
+/// such terms out. `value` gives the values of the law's constants.
+pub(crate) fn is_of_an_absent_term(name: &str, value: impl Fn(&str) -> Option<f64>) -> bool {
+    let number = name.trim_start_matches(|letter: char| !letter.is_ascii_digit());
+    let coefficient = match name.strip_suffix(number) {
+        _ if number.is_empty() => return false,
+        // Powers of two invariants, not the elastic constants of a crystal.
+        Some("c") if number.len() == 2 && number.contains('0') => name.to_owned(),
+        _ => format!("mu{number}"),
+    };
+    value(&coefficient) == Some(0.0)
 }
 
 impl Choice {

@@ -145,9 +145,29 @@ pub fn did_you_mean<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) -
         .map_or_else(String::new, |meant| format!("; did you mean `{meant}`?"))
 }
 
+/// Returns true if a name is the beginning or the end of another, in whole words between hyphens, in the same section.
+fn is_part(name: &str, other: &str) -> bool {
+    let [(section, own), (of_other, all)] =
+        [name, other].map(|name| name.rsplit_once('.').unwrap_or(("", name)));
+    let is_end = all
+        .strip_suffix(own)
+        .is_some_and(|rest| rest.ends_with('-'));
+    let is_beginning = all
+        .strip_prefix(own)
+        .is_some_and(|rest| rest.starts_with('-'));
+    section == of_other && (is_end || is_beginning)
+}
+
 /// The most similar name, or `None` without a similar one.
 pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let known: Vec<&str> = known.collect();
+    // A name that lacks a word at its beginning or its end, if it can be only one.
+    let mut longer = known.iter().filter(|other| is_part(name, other));
+    if let (Some(only), None) = (longer.next(), longer.next()) {
+        return Some(only);
+    }
     known
+        .into_iter()
         .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
         .filter(|(similarity, _)| *similarity > 0.8)
         .max_by(|a, b| a.0.total_cmp(&b.0))

@@ -91,6 +91,24 @@ impl Study {
         }
     }
 
+    /// Study of settings alone, without axes and title.
+    pub fn of_settings(settings: Settings) -> Self {
+        Self {
+            title: String::new(),
+            settings,
+            state: StateSettings::default(),
+            axes: Vec::new(),
+            map: MapSettings::default(),
+            text: String::new(),
+            has_methods: false,
+            origins: Origins {
+                file: Origin::Combination,
+                keys: BTreeMap::new(),
+                axes: Vec::new(),
+            },
+        }
+    }
+
     /// Reads a study and overrides some keys, like [`Study::override_with`]. The text alone need not be valid.
     ///
     /// # Errors

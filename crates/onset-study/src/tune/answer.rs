@@ -9,7 +9,7 @@ use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
 use crate::number;
 use crate::output::{Files, picture, text};
 use crate::range::middle;
-use crate::settings::{CompareSettings, Effective, Key, Settings};
+use crate::settings::{CompareSettings, Effective, Family, Key, Settings};
 use onset::cancel::Scope;
 use onset::measures::StretchOnset;
 use rayon::prelude::*;
@@ -172,15 +172,10 @@ impl TuneAnswer {
         let is_ever_sufficient = all.iter().any(|one| one.is_sufficient(&limits));
         let mut notes = notes(settings, &*material);
         if !is_ever_sufficient && DAMPING.contains(&question.key()) {
-            // Artificial stress has no stiffness in a body without stress.
-            let is_stiffness = |key: &&str| *key != "discretization.artificial-stress";
-            let stiffness = stabilization(settings, true).filter(is_stiffness);
-            let stiffness = stiffness.map_or(String::new(), |key| {
-                format!("; {key} is a stiffness that can be tuned")
-            });
             notes.push(format!(
-                "{} is a damping without stiffness: it slows the growth of waves, but changes neither zero-energy modes nor the frequencies of weakly controlled modes{stiffness}",
-                question.key()
+                "{} is a damping without stiffness: it slows the growth of waves, but changes neither zero-energy modes nor the frequencies of weakly controlled modes{}",
+                question.key(),
+                stiffness(settings)
             ));
         }
         Ok(Self {
@@ -340,6 +335,19 @@ impl TuneAnswer {
     }
 }
 
+/// Clause on a stiffness that replaces a damping, or an empty text.
+fn stiffness(settings: &Settings) -> String {
+    // Artificial stress has no stiffness in a body without stress.
+    let is_stiffness = |key: &&str| *key != "discretization.artificial-stress";
+    match stabilization(settings, true).filter(is_stiffness) {
+        Some(key) => format!("; {key} is a stiffness that can be tuned"),
+        None if settings.method.method == Family::UpdatedSph => {
+            "; the total-Lagrangian form has one: `onset tune discretization.penalty` with discretization.method=total-lagrangian-sph".to_owned()
+        }
+        None => String::new(),
+    }
+}
+
 /// The next number of six digits that is no smaller than a positive one.
 fn rounded_up(value: f64) -> f64 {
     let unit = 10.0_f64.powf(value.log10().floor() - 5.0);
@@ -357,9 +365,9 @@ impl TuneAnswer {
                 number::told(value)
             ),
             None if self.is_ever_sufficient => format!(
-                "no value of {key} removes the spurious modes without masking the material's instability"
+                "No value of {key} removes the spurious modes without masking the material's instability"
             ),
-            None => format!("no value of {key} in the range removes the spurious modes"),
+            None => format!("No value of {key} in the range removes the spurious modes"),
         }
     }
 
@@ -415,6 +423,12 @@ impl TuneAnswer {
 
 impl Brief for TuneAnswer {
     fn brief(&self) -> Short {
+        if !self.is_ever_sufficient && DAMPING.contains(&self.key) {
+            // Every value gives the same answer, so that no table is needed.
+            return Short::new(format!("{}.", self.sentence()))
+                .notes(&self.notes)
+                .settings("settings", self.settings.caption());
+        }
         let limits = &self.thresholds;
         let shown = self.decisive();
         let lines = shown.iter().map(|one| self.line(one));

@@ -47,8 +47,13 @@ impl TuneQuestion {
                     )
                 }
             };
-            return Err(SettingError::new(origin(), message)
-                .hint("give a key of [discretization] that takes a number, for example discretization.penalty"));
+            let hint = match (key.parts().0, key.words()) {
+                ("discretization", [_, ..]) => format!(
+                    "`onset compare --vary {name}` compares its values; `onset tune` takes a key with a number, for example discretization.penalty"
+                ),
+                _ => "give a key of [discretization] that takes a number, for example discretization.penalty".to_owned(),
+            };
+            return Err(SettingError::new(origin(), message).hint(hint));
         }
         if key.name == STEP_OF_RATES {
             let message =

@@ -150,7 +150,7 @@ fn a_law_inside_of_a_viscoelastic_material_is_found() {
     });
     let notes = told(Febio, text, None);
     for fact in [
-        "this is material skin; select another with --material: 3",
+        "material skin (1 of 2; --material chooses)",
         "type=\"uncoupled viscoelastic\" (line 1)",
         "1.5 times",
     ] {

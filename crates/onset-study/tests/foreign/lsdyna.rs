@@ -2,6 +2,7 @@
 
 use crate::{agrees, bulk, chains, invariants, ogden, read, told};
 use onset_study::settings::Program::LsDyna;
+use onset_study::settings::law_from;
 
 const GENERAL: &str = "*KEYWORD
 $ a seal
@@ -30,8 +31,8 @@ fn general_rubber_is_a_polynomial_of_the_isochoric_invariants() {
         });
     }
     let neo = "*MAT_077_H\n1, 1.1e-9, 0.49, 0\n0.5\n";
-    let notes = told(LsDyna, neo, None);
-    assert!(notes.contains("material.model=yeoh"), "{notes}");
+    let neo = law_from(LsDyna, "a deck", neo, &[]).expect("a law");
+    assert_eq!(neo.assignments[0], "material.model=yeoh");
 }
 
 /// `sum mu/alpha (sum lbar^alpha - 3) + K (J - 1 - ln J)` with up to eight terms.
@@ -92,11 +93,13 @@ fn mooney_rivlin_rubber_is_an_energy_of_the_whole_deformation() {
     let [lateral, shear] = [(0, 0, 1, 1), (0, 1, 0, 1)].map(|place| rest.tangent[place]);
     assert!((shear - 0.8).abs() < 1e-12, "{shear}");
     assert!((lateral / (2.0 * (lateral + shear)) - nu).abs() < 1e-12);
-    let notes = told(LsDyna, "*MAT_027\n1,1.,0.5,0.3,0.1", None);
-    assert!(
-        notes.contains("material.model=mooney-rivlin-isochoric"),
-        "{notes}"
+    let incompressible = "*MAT_027\n1,1.,0.5,0.3,0.1";
+    let read = law_from(LsDyna, "a deck", incompressible, &[]).expect("a law");
+    assert_eq!(
+        read.assignments[0],
+        "material.model=mooney-rivlin-isochoric"
     );
+    let notes = told(LsDyna, incompressible, None);
     assert!(notes.contains("--incompressible"), "{notes}");
 }
 
@@ -134,7 +137,7 @@ fn materials_are_chosen_by_number() {
     );
     let first = told(LsDyna, &two, None);
     assert!(
-        first.contains("this is material 3; select another with --material: 4"),
+        first.contains("material 3 (1 of 2; --material chooses)"),
         "{first}"
     );
     let second = told(LsDyna, &two, Some("4"));

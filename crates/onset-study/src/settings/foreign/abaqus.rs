@@ -10,7 +10,7 @@
 
 use super::law::{Energy, ForeignLaw, LOGARITHM, SQUARE, Volume, named, powers_to, van_der_waals};
 use super::marlow::{self, Test};
-use super::unread::{Relaxation, Unread};
+use super::unread::{Chosen, Relaxation, Unread};
 use super::write::{self, Form, Refusal, Sheet, list, order, ordered};
 use super::{Program, Trouble, number};
 
@@ -89,8 +89,11 @@ pub(super) fn read(
     };
     let mut law = law(own)?;
     law.unread = unread(own)?;
-    let others = names.iter().enumerate().filter(|(n, _)| *n != at);
-    law.unread.materials = Some((name.clone(), others.map(|(_, name)| name.clone()).collect()));
+    law.unread.material = Some(Chosen {
+        name: name.clone(),
+        place: at,
+        count: names.len(),
+    });
     Ok(law)
 }
 

@@ -4,7 +4,7 @@
 //! Gent with `((J^2 - 1)/2 - ln J)/d`. Ogden's moduli enter as `mu/alpha`.
 
 use super::law::{Energy, ForeignLaw, LOGARITHM, SQUARE, Volume, extended_tube, powers_to};
-use super::unread::{Relaxation, Unread};
+use super::unread::{Chosen, Relaxation, Unread};
 use super::write::{Block, Form, Refusal, Sheet, list, order, ordered};
 use super::{Trouble, number};
 
@@ -96,7 +96,9 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
     let mut found: Option<Table> = None;
     let mut unread = Unread::default();
     let mut own_material = String::new();
-    let mut others: Vec<String> = Vec::new();
+    // Numbers of the materials with a law, and the place of the chosen one among them.
+    let mut with_law: Vec<String> = Vec::new();
+    let mut at = 0;
     let mut is_open = false;
     // In a table of relaxation the shear parts have odd positions.
     let mut relaxing: Option<f64> = None;
@@ -113,8 +115,11 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
                 && found.is_none()
                 && material.is_none_or(|wanted| field(2) == wanted);
             relaxing = None;
-            if field(1) == "HYPER" && !is_open {
-                others.push(field(2).to_owned());
+            if field(1) == "HYPER" {
+                if is_open {
+                    at = with_law.len();
+                }
+                with_law.push(field(2).to_owned());
             }
             if !is_open {
                 unread
@@ -193,11 +198,15 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
             _ => {}
         }
     }
-    unread.materials = Some((own_material, others.clone()));
+    unread.material = Some(Chosen {
+        name: own_material,
+        place: at,
+        count: with_law.len(),
+    });
     found.map(|table| (table, unread)).ok_or_else(|| match material {
-        Some(wanted) if !others.is_empty() => Trouble::new(
+        Some(wanted) if !with_law.is_empty() => Trouble::new(
             1,
-            format!("no material {wanted} has a hyperelastic law; materials with a law: {}", others.join(", ")),
+            format!("no material {wanted} has a hyperelastic law; materials with a law: {}", with_law.join(", ")),
             "name one of them with --material",
         ),
         _ => Trouble::new(

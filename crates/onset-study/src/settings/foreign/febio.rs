@@ -7,7 +7,7 @@
 //! - `neo-Hookean`, `coupled Mooney-Rivlin` and `Ogden unconstrained` are energies of the whole deformation.
 
 use super::law::{Energy, ForeignLaw, HENCKY, LOGARITHM, SQUARE, Volume, named};
-use super::unread::{Relaxation, Unread};
+use super::unread::{Chosen, Relaxation, Unread};
 use super::write::{Block, Form, Refusal, Sheet, order, ordered};
 use super::{Trouble, number};
 use roxmltree::{Document, Node};
@@ -106,9 +106,11 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
     let (own, node, (law, reader)) = &with_law[at];
     let mut read = reader(law)?;
     read.unread = unread(**node, law, read.shear)?;
-    let others = with_law.iter().enumerate().filter(|(n, _)| *n != at);
-    let others = others.map(|(_, (name, _, _))| name.clone()).collect();
-    read.unread.materials = Some((own.clone(), others));
+    read.unread.material = Some(Chosen {
+        name: own.clone(),
+        place: at,
+        count: with_law.len(),
+    });
     Ok(read)
 }
 

@@ -1,6 +1,7 @@
 //! Laws with the constants of other programs, and the settings for the same energies.
 
 use super::marlow::Table;
+use super::unread::Chosen;
 use super::{Reading, Trouble, Unread};
 
 /// Law that was read from a block.
@@ -339,8 +340,6 @@ impl ForeignLaw {
         };
         let is_set = |key: &str| set.iter().any(|assignment| key_of(assignment) == key);
         let mut assignments = Vec::new();
-        let mut told = Vec::new();
-        let mut save = "";
         match &self.energy {
             Energy::Model(model) => assignments.push(format!("material.model={model}")),
             Energy::Formula(energy) => {
@@ -349,53 +348,28 @@ impl ForeignLaw {
             }
             Energy::Table(_) => {
                 assignments.push("material.model=marlow".to_owned());
-                told.clone_from(&assignments);
-                let is_file = std::path::Path::new(place).is_file();
-                let table = if is_file { place } else { text };
-                told.push(format!(
-                    "material.table={}",
-                    if is_file { place } else { "FILE" }
-                ));
-                if !is_file {
-                    save = " with the block in FILE";
-                }
                 // The final line break distinguishes a text from a file name.
-                assignments.push(format!(
-                    "material.table={table}{}",
-                    if is_file { "" } else { "\n" }
-                ));
+                assignments.push(match std::path::Path::new(place).is_file() {
+                    true => format!("material.table={place}"),
+                    false => format!("material.table={text}\n"),
+                });
             }
-        }
-        if told.is_empty() {
-            told.clone_from(&assignments);
         }
         for (name, value) in &self.constants {
             let key = format!("material.{name}");
             if !is_set(&key) {
                 assignments.push(format!("{key}={value}"));
-                told.push(format!("{key}={value}"));
             }
         }
-        told.extend(
-            set.iter()
-                .filter(|own| own.starts_with("material."))
-                .cloned(),
-        );
-        let quoted =
-            told.iter().map(
-                |assignment| match assignment.contains([' ', '*', '(', ';']) {
-                    true => format!("--set \"{assignment}\""),
-                    false => format!("--set {assignment}"),
-                },
-            );
+        let chosen = self.unread.material.as_ref();
         let mut notes = vec![format!(
-            "read from {}; the same law in other commands{save}: {}",
+            "read as {}{}",
             self.title,
-            quoted.collect::<Vec<_>>().join(" ")
+            chosen.map_or_else(String::new, Chosen::told)
         )];
         if self.incompressible && !is_set("material.kappa") {
             notes.push(format!(
-                "without a compressibility (D = 0, no bulk modulus, Poisson's ratio 0.5) the material is incompressible: a bulk modulus of {INCOMPRESSIBLE_BULK_RATIO} shear moduli is used; for the exact incompressible response add --incompressible"
+                "incompressible in its program: a bulk modulus of {INCOMPRESSIBLE_BULK_RATIO} shear moduli is used here; `onset criteria` and `onset card` take --incompressible"
             ));
         }
         notes.extend(self.unread.notes(self.shear));

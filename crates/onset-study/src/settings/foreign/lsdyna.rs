@@ -10,7 +10,7 @@
 
 use super::fields::{Card, terms};
 use super::law::{Energy, ForeignLaw, LINEAR, SQUARE, Volume, bulk_modulus, named};
-use super::unread::{Relaxation, Unread};
+use super::unread::{Chosen, Relaxation, Unread};
 use super::write::{self, Form, Refusal, Sheet, columns, ordered};
 use super::{Trouble, number};
 
@@ -65,11 +65,11 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
         return Err(no_law(&blocks));
     };
     let mut law = reader(block)?;
-    let others = numbers.iter().enumerate().filter(|(n, _)| *n != at);
-    law.unread.materials = Some((
-        block.number().to_owned(),
-        others.map(|(_, number)| (*number).to_owned()).collect(),
-    ));
+    law.unread.material = Some(Chosen {
+        name: block.number().to_owned(),
+        place: at,
+        count: numbers.len(),
+    });
     let added = blocks
         .iter()
         .filter(|other| other.keyword.starts_with("MAT_ADD") && other.number() == block.number());

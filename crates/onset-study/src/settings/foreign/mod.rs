@@ -20,7 +20,7 @@ pub(in crate::settings) use marlow::Table;
 use unread::Unread;
 pub use write::{WriteError, Writing, law_written};
 
-use super::{Origin, SettingError, did_you_mean};
+use super::{Origin, SettingError, did_you_mean, sections};
 use std::str::FromStr;
 
 /// A program whose blocks can be read.
@@ -107,9 +107,33 @@ impl Program {
         }
     }
 
-    /// Recognizes the program by the keywords of hyperelastic laws in a text; `None` without such a keyword. CalculiX has the keywords of
-    /// Abaqus.
-    pub fn of_text(text: &str) -> Option<Self> {
+    /// Program of a deck in a sentence, with its article.
+    pub fn deck(self) -> String {
+        let article = match self {
+            Self::Abaqus | Self::Ansys | Self::LsDyna => "an",
+            _ => "a",
+        };
+        format!("{article} {} deck", self.title())
+    }
+
+    /// Recognizes the program of a deck by its keywords of hyperelastic laws; `None` for a study, and for a text without such a keyword. CalculiX has
+    /// the keywords of Abaqus, and is recognized as Abaqus.
+    pub fn of_deck(text: &str) -> Option<Self> {
+        // A comment of a study may mention a program. A study with an error is recognized by its sections.
+        let is_section = |line: &str| {
+            let sections = [
+                "[material",
+                "[discretization",
+                "[[axes",
+                "[body",
+                "[[methods",
+            ];
+            let own = line.trim_start();
+            sections.iter().any(|section| own.starts_with(section))
+        };
+        if text.lines().any(is_section) || toml::from_str::<toml::Table>(text).is_ok() {
+            return None;
+        }
         let plain: String = text
             .chars()
             .filter(|letter| !letter.is_whitespace())
@@ -160,6 +184,13 @@ pub struct Reading {
     pub notes: Vec<String>,
     /// Name of a law whose energy is a table, too long to print; `None` for other laws.
     pub name: Option<String>,
+}
+
+impl Reading {
+    /// Section `[material]` of a study with the law.
+    pub fn section(&self) -> String {
+        sections(&self.assignments)
+    }
 }
 
 /// Reads the first block of a hyperelastic law in a text. The user's assignments `set` override the block.

@@ -12,7 +12,7 @@
 
 use super::fields::{Card, terms};
 use super::law::{ForeignLaw, LINEAR, LOGARITHM, SQUARE, Volume, bulk_modulus};
-use super::unread::Relaxation;
+use super::unread::{Chosen, Relaxation};
 use super::write::{self, Form, Refusal, Sheet, columns, order, ordered, ratio};
 use super::{Trouble, number};
 
@@ -64,9 +64,9 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
         .filter_map(|block| Some((block, block.reader()?)))
         .collect();
     let wanted =
-        |(block, _): &&(&Block<'_>, Reader)| material.is_none_or(|wanted| block.number == wanted);
+        |(block, _): &(&Block<'_>, Reader)| material.is_none_or(|wanted| block.number == wanted);
     let numbers = || with_law.iter().map(|(block, _)| block.number.clone());
-    let Some((block, reader)) = with_law.iter().find(wanted) else {
+    let Some(at) = with_law.iter().position(wanted) else {
         return Err(match (material, blocks.first()) {
             (Some(wanted), _) if !with_law.is_empty() => Trouble::new(
                 1,
@@ -88,9 +88,13 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
             ),
         });
     };
+    let (block, reader) = with_law[at];
     let mut law = reader(block)?;
-    let others = numbers().filter(|number| *number != block.number);
-    law.unread.materials = Some((block.number.clone(), others.collect()));
+    law.unread.material = Some(Chosen {
+        name: block.number.clone(),
+        place: at,
+        count: with_law.len(),
+    });
     Ok(law)
 }
 

@@ -7,10 +7,35 @@ use crate::number::told;
 pub(super) struct Unread {
     /// Keywords and parameters with their lines.
     pub parts: Vec<(String, usize)>,
-    /// Material that is read, and the names of the other materials with a law; `None` if there are no others.
-    pub materials: Option<(String, Vec<String>)>,
+    /// Material that is read; `None` for a program without materials.
+    pub material: Option<Chosen>,
     /// Viscoelasticity of the law; `None` for an elastic law.
     pub relaxation: Option<Relaxation>,
+}
+
+/// Material that is read, of the materials with a law in a deck.
+#[derive(Debug)]
+pub(super) struct Chosen {
+    /// Name or number; empty without one.
+    pub name: String,
+    /// Place among the materials with a law, from 0.
+    pub place: usize,
+    /// Number of materials with a law.
+    pub count: usize,
+}
+
+impl Chosen {
+    /// Material in words, behind the title of its law.
+    pub fn told(&self) -> String {
+        let name = match self.name.as_str() {
+            "" => String::new(),
+            name => format!(", material {name}"),
+        };
+        match self.count {
+            0 | 1 => name,
+            count => format!("{name} ({} of {count}; --material chooses)", self.place + 1),
+        }
+    }
 }
 
 /// Viscoelasticity that belongs to a law.
@@ -28,16 +53,6 @@ impl Unread {
     /// Notes on the parts that are not read; `shear` is the shear modulus of the law.
     pub fn notes(&self, shear: Option<f64>) -> Vec<String> {
         let mut notes = Vec::new();
-        if let Some((own, others)) = self
-            .materials
-            .as_ref()
-            .filter(|(_, others)| !others.is_empty())
-        {
-            notes.push(format!(
-                "this is material {own}; select another with --material: {}",
-                others.join(", ")
-            ));
-        }
         if !self.parts.is_empty() {
             let parts = self
                 .parts
@@ -54,30 +69,25 @@ impl Unread {
             by,
         }) = &self.relaxation
         {
-            let (own, other, when) = match is_long_term {
-                true => (
-                    "long-term",
-                    "instantaneous",
-                    "which governs waves and time steps",
-                ),
-                false => ("instantaneous", "long-term", "which governs slow loading"),
+            let (own, other, meant) = match is_long_term {
+                true => ("long-term", "instantaneous", "waves and time steps"),
+                false => ("instantaneous", "long-term", "slow loading"),
             };
-            let value =
-                part.filter(|part| (0.0..1.0).contains(part))
-                    .map_or_else(String::new, |part| {
-                        let factor = if *is_long_term {
-                            1.0 / (1.0 - part)
-                        } else {
-                            1.0 - part
-                        };
-                        let modulus = shear.map_or_else(String::new, |shear| {
-                            format!(", {}", told(factor * shear))
-                        });
-                        format!(" is {} times that of the law{modulus}", told(factor))
-                    });
+            let part = part.filter(|part| (0.0..1.0).contains(part));
+            let value = part.map_or_else(
+                || "another one".to_owned(),
+                |part| {
+                    let factor = match is_long_term {
+                        true => 1.0 / (1.0 - part),
+                        false => 1.0 - part,
+                    };
+                    let modulus = shear
+                        .map_or_else(String::new, |shear| format!(", {}", told(factor * shear)));
+                    format!("{} times as large{modulus}", told(factor))
+                },
+            );
             notes.push(format!(
-                "the constants are {own} moduli ({by}), and viscoelasticity is ignored: the {other} shear modulus, {when},{}",
-                if value.is_empty() { " differs" } else { &value }
+                "the constants are {own} moduli ({by}), and viscoelasticity is ignored; the {other} shear modulus, for {meant}, is {value}"
             ));
         }
         notes
