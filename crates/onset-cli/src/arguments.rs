@@ -377,7 +377,7 @@ pub enum Command {
         /// Folder for the figure of all kernels (kernels.svg, .png, .pdf), or NAME.svg, NAME.png or NAME.pdf; for the topic kernels only.
         #[arg(long, value_name = "PATH", requires = "topic")]
         out: Option<PathBuf>,
-        /// How the figure is drawn.
+        /// Options of the figure.
         #[command(flatten)]
         drawing: DrawingArguments,
     },

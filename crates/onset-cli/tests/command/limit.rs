@@ -49,7 +49,7 @@ fn the_smallest_spacing_and_density_follow_from_the_wave_speed() {
 }
 
 #[test]
-fn the_largest_lame_constant_that_keeps_a_range_of_stretches_stable_is_that_of_its_end() {
+fn the_end_of_a_range_of_stretches_limits_the_lame_constant_that_keeps_it_stable() {
     // Uniaxial strain: A = mu (1 + 1/l^2) + lambda (1 - ln l)/l^2 stays positive up to l = 4 if lambda < mu (l^2 + 1)/(ln l - 1).
     let line = format!("limit --vary material.lambda --keeps stable --stretches 1,4 {LAW} {BARS}");
     let answer = document(&line);

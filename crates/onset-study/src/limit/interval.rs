@@ -24,7 +24,7 @@ pub enum EndKind {
 /// End of an interval of admitted values.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct End {
-    /// Last admitted value.
+    /// Outermost value of the interval, which is still admitted.
     pub value: f64,
     /// Reason why the interval ends.
     pub kind: EndKind,
@@ -47,7 +47,7 @@ pub struct Admitted {
 
 /// Result for a value of the setting.
 pub(super) trait Trial: Clone {
-    /// Width to which the end of an interval is refined, relative to its value or to the cell of the grid if that is larger, and margin that counts as
+    /// Relative accuracy of the ends of intervals: their width as a fraction of the larger of the value and the cell of the grid. Smaller margins count as
     /// zero.
     const TOLERANCE: f64;
 

@@ -71,11 +71,11 @@ pub struct KeepsAnswer {
     pub unit: Option<&'static str>,
     /// Smallest and largest principal stretch of the states, along the axes.
     pub window: [f64; 2],
-    /// Number of states.
+    /// Number of states in the window.
     pub states: usize,
     /// Present value of the setting; `null` if the setting has no value.
     pub present: Option<Kept>,
-    /// Intervals of values with which all states are stable.
+    /// Intervals of values that keep all states stable.
     pub admitted: Vec<Admitted>,
     /// All values that were evaluated, in increasing order.
     pub tried: Vec<Kept>,
