@@ -185,8 +185,7 @@ class Answer(Record):
         >>> onset.state("neo-hooke", stretch=(1.1, 1)).to_frame().loc[0, "verdict"]
         'stable'
         """
-        pandas = _frames()
-        frame = pandas.read_csv(io.StringIO(self.csv), float_precision="round_trip", keep_default_na=False, na_values=[""])
+        frame = _frames().read_csv(io.StringIO(self.csv), float_precision="round_trip", keep_default_na=False, na_values=[""])
         frame.attrs["text"] = self._answer.text
         return cast("pandas.DataFrame", frame)
 
@@ -1001,7 +1000,7 @@ class Dispersion:
         Returns
         -------
         pandas.DataFrame
-            Columns ``k_1``, ``k_2``, ...; ``omega_squared_re_1``, ...; ``omega_squared_im_1``, ...; ``continuum_omega_squared_1``, ...
+            Columns ``k_1``, ``omega_squared_re_1``, ``omega_squared_im_1``, ``continuum_omega_squared_1``, and so on for all components.
 
         Raises
         ------

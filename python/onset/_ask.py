@@ -1292,7 +1292,7 @@ def compare(
     material
         Material law; the default of the command if omitted.
     vary
-        Keys of ``[discretization]`` with lists of values, all of which are combined: each method is replaced by its variants, as by ``--vary``.
+        Keys of ``[discretization]`` with lists of values. Each method is replaced by its variants, one for each combination, as by ``--vary``.
     set
         Assignments as after ``--set``.
     allow_library

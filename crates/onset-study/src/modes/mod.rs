@@ -161,7 +161,7 @@ impl ModesAnswer {
     }
 }
 
-/// Spacing of the settings, which a lattice reproduces to rounding; that of the cell if it has another.
+/// Particle spacing as it was set, unless the spacing of the cell differs by more than rounding.
 fn spacing(analysis: &dyn Analysis, settings: &Settings) -> f64 {
     let (own, given) = (analysis.spacing(), settings.discretization.spacing);
     match (own - given).abs() <= SPACING_ROUNDING * given {
