@@ -11,7 +11,7 @@ use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
 use onset_study::answers::Strain;
 use onset_study::audit::{Audit, Convention, states};
-use onset_study::criteria::{DRAWN, Question, Range};
+use onset_study::criteria::{DEFAULT_CRITERIA, Question, Range};
 use onset_study::output::picture;
 use onset_study::settings::{MaterialSettings, Program, law_of};
 use pyo3::buffer::PyBuffer;
@@ -87,7 +87,12 @@ impl Law {
         interrupt::answer(py, move || {
             let criteria = question.answer().map_err(Failure::input)?;
             let answer = Answer::of(&criteria, &criteria, criteria.csv())?;
-            Ok(answer.with_files(move || Ok(vec![picture("criteria", criteria.figure(&DRAWN))])))
+            Ok(answer.with_files(move || {
+                Ok(vec![picture(
+                    "criteria",
+                    criteria.figure(&DEFAULT_CRITERIA),
+                )])
+            }))
         })
     }
 

@@ -6,7 +6,7 @@ use onset::kernel::Kernel;
 /// Number of points of a curve.
 const POINTS: usize = 240;
 /// Largest distance in smoothing lengths that is drawn.
-const REACH: f64 = 3.0;
+const LARGEST_DISTANCE: f64 = 3.0;
 
 /// Draws the weight and its slope for every named kernel.
 ///
@@ -16,7 +16,7 @@ const REACH: f64 = 3.0;
 /// ```
 pub fn gallery() -> Figure {
     let label = "distance r/h (−)";
-    let axis = || Axis::linear(label, (0.0, REACH));
+    let axis = || Axis::linear(label, (0.0, LARGEST_DISTANCE));
     let mut weights = Panel::new("", axis(), Axis::linear("weight W/W(0) (−)", (0.0, 1.05)));
     let steepest = Kernel::ALL.into_iter().flat_map(|kernel| curves(kernel).1);
     let vertical = Axis::linear("slope h W′/W(0) (−)", (-1.0, 0.0))
@@ -42,7 +42,7 @@ pub fn gallery() -> Figure {
         .with(weights)
         .with(slopes)
         .caption(
-            "h: smoothing length as papers and codes define it for each kernel. Wendland's functions: those of two and three dimensions.",
+            "h: smoothing length as papers and codes define it for each kernel. Wendland's functions of two and three dimensions.",
         )
 }
 

@@ -181,7 +181,7 @@ fn growing_and_weakly_controlled_waves_are_marked() {
         "1.2,1.2",
     );
     assert!(has(&sph, growing) && !has(&sph, physical), "{sph:?}");
-    // Nodal strains do not see the shortest waves.
+    // Nodal strains vanish for the shortest waves.
     let nodal = names(
         &[
             "discretization.method=total-lagrangian-sph",

@@ -2,7 +2,7 @@
 
 use super::{Failure, print_with_files};
 use crate::arguments::{CardArguments, CriteriaArguments, LawArguments};
-use onset_study::criteria::{DRAWN, Question};
+use onset_study::criteria::{DEFAULT_CRITERIA, Question};
 use onset_study::output::picture;
 use std::process::ExitCode;
 
@@ -10,7 +10,7 @@ use std::process::ExitCode;
 pub fn criteria(arguments: &CriteriaArguments) -> Result<ExitCode, Failure> {
     let question = question(&arguments.law)?;
     let drawn = match &arguments.drawn[..] {
-        [] => &DRAWN[..],
+        [] => &DEFAULT_CRITERIA[..],
         named => named,
     };
     question.check_drawn(drawn).map_err(Failure::input)?;

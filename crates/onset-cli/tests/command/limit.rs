@@ -425,7 +425,7 @@ fn the_figure_shows_the_neighborhood_of_the_limit_over_a_named_quantity() {
     let folder = Scratch::new("limit-window");
     let drawn = |more: &str| {
         let line = format!(
-            "limit studies/rubber.toml --vary material.young --time-step 1us --quiet {more}"
+            "limit ../../studies/rubber.toml --vary material.young --time-step 1us --quiet {more}"
         );
         let mut words = super::words(&line);
         words.extend([

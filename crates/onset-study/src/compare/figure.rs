@@ -11,7 +11,7 @@ const SMALLEST_ERROR_SHOWN: f64 = 1e-4;
 
 /// Height of a row in lines of text, and distance of the markers of a row, in rows.
 ///
-/// Markers are 6 pixels wide and a row has 34: those of a row never touch.
+/// Markers are 6 pixels wide and a row has 34: the markers of a row never touch.
 const ROW_LINES: f64 = 2.0;
 const SHIFT: f64 = 0.2;
 

@@ -1,6 +1,6 @@
 //! Safe range card of a law: the stretches at which it is strongly elliptic, on one page.
 
-use super::figure::{Bar, DRAWN, MEANING, Row, charts, held};
+use super::figure::{Bar, DEFAULT_CRITERIA, MEANING, Row, charts, held};
 use super::sentence::{opening, title, witness};
 use super::{
     CriteriaError, CriterionAnswer, EndAnswer, KinkAnswer, Lateral, LawAnswer, LoadingAnswer, Mode,
@@ -253,10 +253,13 @@ impl Limits {
     /// Row of the figure.
     fn row(&self) -> Row<'_> {
         let drawn = self.criteria.iter().filter(|own| own.defined);
-        let bars = DRAWN.into_iter().enumerate().filter_map(|(n, criterion)| {
-            let own = drawn.clone().find(|own| own.criterion == criterion)?;
-            Some(Bar::of(n, criterion, own.holds.clone()))
-        });
+        let bars = DEFAULT_CRITERIA
+            .into_iter()
+            .enumerate()
+            .filter_map(|(n, criterion)| {
+                let own = drawn.clone().find(|own| own.criterion == criterion)?;
+                Some(Bar::of(n, criterion, own.holds.clone()))
+            });
         Row {
             name: self.title,
             ends: Some([self.compression_end.imposed, self.tension_end.imposed]),

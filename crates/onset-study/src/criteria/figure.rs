@@ -5,9 +5,10 @@ use crate::figure::{Axis, Color, Figure, Line, Panel, Rule, palette};
 use onset::criteria::{Change, Criterion, Discontinuity};
 
 /// Criteria that figures show by default: the loss of ellipticity, and the check of programs that fit laws to tests.
-pub const DRAWN: [Criterion; 2] = [Criterion::StrongEllipticity, Criterion::DruckerAbaqus];
+pub const DEFAULT_CRITERIA: [Criterion; 2] =
+    [Criterion::StrongEllipticity, Criterion::DruckerAbaqus];
 /// Largest number of criteria in a figure, which have different colors.
-pub const MOST_DRAWN: usize = palette::SERIES.len();
+pub const MAX_CRITERIA: usize = palette::SERIES.len();
 
 /// Width of a bar, distance of neighboring bars, and space around the bars of a row, in pixels.
 const BAR: f64 = 7.0;
@@ -298,7 +299,7 @@ mod tests {
                 for criterion in &loading.criteria {
                     let bars = bars(&answer.figure(&[criterion.criterion]), criterion.criterion);
                     let is_covered = |x: f64| bars.iter().any(|ends| ends[0] <= x && x <= ends[1]);
-                    if DRAWN.contains(&criterion.criterion) {
+                    if DEFAULT_CRITERIA.contains(&criterion.criterion) {
                         let of_card = self::bars(&of_card, criterion.criterion);
                         assert_eq!(of_card, bars, "{law:?} {}", loading.title);
                     }
@@ -343,7 +344,7 @@ mod tests {
         let range = Range::new(0.1, 10.0).expect("a range");
         let question = Question::new(&settings.expect("a law").material, range, &[]);
         let answer = question.expect("a question").answer().expect("an answer");
-        let figure = answer.figure(&DRAWN);
+        let figure = answer.figure(&DEFAULT_CRITERIA);
         let rows = |n: usize| figure.panels[n].y.ticks.as_ref().expect("rows").len();
         assert_eq!(figure.panels.len(), 2);
         assert_eq!(rows(0) + rows(1), answer.loadings.len());
@@ -357,7 +358,7 @@ mod tests {
             .into_iter()
             .map(|own| own.name)
             .collect();
-        assert_eq!(names, DRAWN.map(Criterion::title));
+        assert_eq!(names, DEFAULT_CRITERIA.map(Criterion::title));
         // Plane strain: ellipticity is lost where gamma^2 = 2, that is at the stretches of the isochoric loading.
         let plane = answer
             .loadings
@@ -378,7 +379,7 @@ mod tests {
     fn bars_of_a_row_do_not_touch() {
         let question = question(&["model=blatz-ko"], Mode::SimpleShear);
         let answer = question.answer().expect("an answer");
-        let panel = &answer.figure(&Criterion::ALL[..MOST_DRAWN]).panels[0];
+        let panel = &answer.figure(&Criterion::ALL[..MAX_CRITERIA]).panels[0];
         let mut heights: Vec<f64> = Vec::new();
         for layer in &panel.layers {
             if let Layer::Line(Line { points, width, .. }) = layer

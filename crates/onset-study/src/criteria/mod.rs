@@ -9,7 +9,7 @@ mod sentence;
 mod short;
 
 pub use card::{BoxAnswer, CardAnswer, Limits};
-pub use figure::{DRAWN, MOST_DRAWN};
+pub use figure::{DEFAULT_CRITERIA, MAX_CRITERIA};
 pub use onset::criteria::{Criterion, Lateral, Mode, Range};
 
 use crate::answers::{Evidence, moduli, notes_on_law};
@@ -72,19 +72,19 @@ pub enum CriteriaError {
         "`{}` does not apply to {law}; expected one of {}\n  hint: surface applies with --incompressible only", asked.name(), names(known)
     )]
     NotApplicable {
-        /// The criterion that was asked for.
+        /// Criterion without a meaning for the law.
         asked: Criterion,
         /// Name of the law.
         law: String,
-        /// Criteria that apply.
+        /// Criteria of this law.
         known: Vec<Criterion>,
     },
     /// A figure cannot show these criteria in different colors.
     #[error(
-        "{given} criteria are asked for, expected at most {MOST_DRAWN}, each once\n  hint: draw several figures"
+        "{given} criteria are given, expected at most {MAX_CRITERIA}, each once\n  hint: draw several figures"
     )]
     TooMany {
-        /// Number of criteria that were asked for.
+        /// Number of requested criteria.
         given: usize,
     },
     /// The path of a loading failed.
@@ -532,7 +532,7 @@ impl Question {
         }
     }
 
-    /// Criteria that apply. True and Kirchhoff stress coincide in incompressible response, so only one of the two monotonicity criteria remains.
+    /// Criteria of this law. True and Kirchhoff stress coincide in incompressible response, so only one of the two monotonicity criteria remains.
     fn criteria(&self) -> Vec<Criterion> {
         let left_out: &[Criterion] = match self.law.incompressible {
             true => &[Criterion::TrueStressMonotonicity],
@@ -556,7 +556,7 @@ impl Question {
     /// colors, or for repeated ones.
     pub fn check_drawn(&self, drawn: &[Criterion]) -> Result<(), CriteriaError> {
         let is_repeated = (1..drawn.len()).any(|n| drawn[..n].contains(&drawn[n]));
-        if is_repeated || drawn.len() > MOST_DRAWN {
+        if is_repeated || drawn.len() > MAX_CRITERIA {
             return Err(CriteriaError::TooMany { given: drawn.len() });
         }
         let known = self.criteria();

@@ -174,7 +174,7 @@ pub(super) fn polyconvexity(known: &super::PolyconvexityAnswer) -> String {
 pub(super) enum Side {
     /// Smaller imposed values: compression, or negative shear.
     Below,
-    /// Larger imposed values.
+    /// Larger imposed values: tension, or positive shear.
     Above,
 }
 

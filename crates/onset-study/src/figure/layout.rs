@@ -29,12 +29,11 @@ const BAR: f64 = 13.0;
 
 /// Size of letters in a picture with a width in print, relative to the usual one: numbers have 8 pt instead of 9.
 const PRINTED: f64 = 8.0 / 9.0;
-/// Smallest width of a panel in a picture with a width in print, before panels are put below each other; for panels that share their rows, smallest
-/// width beside each other.
+/// Smallest width of panels in one row of a printed picture, and the same for panels with equal rows. Narrower panels are arranged in fewer columns.
 const NARROWEST: f64 = 150.0;
-const NARROWEST_OF_ROWS: f64 = 90.0;
+const NARROWEST_OF_ROWS: f64 = 120.0;
 /// Smallest width of a panel, and smallest usual height, in which the label of the vertical axis has few lines.
-const SMALLEST: f64 = 40.0;
+const SMALLEST_PANEL: f64 = 40.0;
 const LOWEST: f64 = 120.0;
 
 /// Draws the figure on a sheet.
@@ -49,10 +48,10 @@ pub(super) fn scene(figure: &Figure, sheet: &Sheet) -> Scene {
             };
         }
     };
-    // The panels fill the width that the other parts of the picture leave.
+    // The panels take the room that margins and gaps leave.
     let available = width / PRINTED;
     let count = figure.panels.len();
-    // Panels that share their rows need the names of the rows once if they are beside each other.
+    // Panels with equal rows need the names of the rows only once if they are in one row.
     let mut pairs = figure.panels.windows(2);
     let has_one_set = count > 1 && pairs.all(|pair| shares_rows(&pair[1], &pair[0]));
     let (columns, narrowest) = match has_one_set {
@@ -61,8 +60,11 @@ pub(super) fn scene(figure: &Figure, sheet: &Sheet) -> Scene {
     };
     figure.columns = columns.clamp(1, count.max(1));
     let scene = loop {
-        let panel = widest_panel(&figure, available);
-        if panel >= narrowest || figure.columns == 1 {
+        if widest_panel(&figure, available) >= narrowest || figure.columns == 1 {
+            // As many panels in the last row as in the others, if possible.
+            let rows = count.div_ceil(figure.columns).max(1);
+            figure.columns = count.div_ceil(rows).max(1);
+            let panel = widest_panel(&figure, available);
             break drawn(&figure, Some(panel), available);
         }
         figure.columns -= 1;
@@ -75,9 +77,12 @@ pub(super) fn scene(figure: &Figure, sheet: &Sheet) -> Scene {
     }
 }
 
-/// Largest usual width of the panels with which the picture is at most as wide as available.
+/// Largest usual width of the panels in a picture that is not wider than available.
 fn widest_panel(figure: &Figure, available: f64) -> f64 {
-    let (mut low, mut high) = (SMALLEST, (available / figure.columns as f64).max(SMALLEST));
+    let (mut low, mut high) = (
+        SMALLEST_PANEL,
+        (available / figure.columns as f64).max(SMALLEST_PANEL),
+    );
     for _ in 0..12 {
         let middle = 0.5 * (low + high);
         match Grid::of(figure, Some(middle)).width() <= available {
@@ -88,7 +93,7 @@ fn widest_panel(figure: &Figure, available: f64) -> f64 {
     low
 }
 
-/// Returns true if a panel has the rows of the panel before it, whose names then stand for both.
+/// Returns true if a panel has the same named rows as the panel before it.
 fn shares_rows(panel: &Panel, before: &Panel) -> bool {
     panel.y.ticks.is_some() && panel.y == before.y
 }
@@ -102,7 +107,7 @@ struct Grid<'a> {
 }
 
 impl<'a> Grid<'a> {
-    /// Measures the panels. Their boxes are `usual` wide unless the figure sets a size.
+    /// Measures the panels with boxes of the `usual` width, or of a default width.
     fn of(figure: &'a Figure, usual: Option<f64>) -> Self {
         let columns = figure.columns.clamp(1, figure.panels.len().max(1));
         let usual = usual.unwrap_or(if columns == 1 { 420.0 } else { 300.0 });
@@ -147,7 +152,7 @@ impl<'a> Grid<'a> {
     }
 }
 
-/// Draws the whole figure at least `least` wide.
+/// Draws the whole figure with at least the given width.
 fn drawn(figure: &Figure, usual: Option<f64>, least: f64) -> Scene {
     let grid = Grid::of(figure, usual);
     let content = grid.content();
@@ -580,7 +585,7 @@ mod tests {
     }
 
     #[test]
-    fn panels_beside_each_other_share_the_names_of_their_rows() {
+    fn neighboring_panels_share_the_names_of_their_rows() {
         let rows = || Axis::linear("", (0.5, 2.5)).ticks([(1.0, "a long name"), (2.0, "another")]);
         let panel = || Panel::new("", Axis::linear("x (m)", (0.0, 1.0)), rows()).lines(4.0);
         let figure = Figure::new("").columns(2).with(panel()).with(panel());

@@ -19,7 +19,7 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// Factor by which the figure extends beyond the limits and the present value.
+/// Ratio of the ends of the figure to the outermost limits and the present value.
 const NEIGHBORHOOD: f64 = 10.0;
 /// Tolerance of the logarithmic step ratio at a limit, and of the relative width of the bracket.
 const LIMIT_TOLERANCE: f64 = 1e-10;
@@ -111,9 +111,9 @@ pub struct LimitAnswer {
     pub notes: Vec<String>,
     /// All settings in effect except the varied one.
     pub settings: Effective,
-    /// Whether the range of values was asked for.
+    /// Whether the user gave the range of values.
     #[serde(skip)]
-    is_range_asked: bool,
+    is_range_given: bool,
 }
 
 /// Smallest critical step for which the step, a fraction of it, is safe.
@@ -262,7 +262,7 @@ impl LimitAnswer {
             evidence: Evidence::Searched,
             notes: notes_on_problem,
             settings: settings.effective_beside(question.key()),
-            is_range_asked: question.range.is_some(),
+            is_range_given: question.range.is_some(),
         };
         let alone = answer.isolated_point();
         answer.notes.extend(alone);
@@ -369,8 +369,7 @@ impl LimitAnswer {
             .caption(self.settings.caption())
     }
 
-    /// Values that the figure shows: a range that was asked for; otherwise the neighborhood of the limits and of the present value, or all values without
-    /// them.
+    /// Range of the figure: the given range, or the neighborhood of the limits and of the present value. All values if there are neither.
     fn window(&self) -> [f64; 2] {
         let all = [self.tried.first(), self.tried.last()]
             .map(|one| one.map_or(f64::NAN, |one| one.value));
@@ -382,7 +381,7 @@ impl LimitAnswer {
         let (low, high) = places.fold((f64::INFINITY, 0.0_f64), |(low, high), value| {
             (low.min(value), high.max(value))
         });
-        match self.is_range_asked || low <= 0.0 || low > high {
+        match self.is_range_given || low <= 0.0 || low > high {
             true => all,
             false => [
                 (low / NEIGHBORHOOD).max(all[0]),

@@ -423,7 +423,7 @@ fn domains<const N: usize>(
 }
 
 /// Cells of a drawn field for each computed state along an axis.
-const FINER: usize = 6;
+const CELLS_PER_STATE: usize = 6;
 
 /// Values on a grid that is finer by a factor, linear between the middles of the cells of the given grid and constant beyond.
 fn interpolated(values: &[f64], (columns, rows): (usize, usize), factor: usize) -> Vec<f64> {
@@ -471,8 +471,11 @@ fn figure_07() -> Result<Plate, ReproduceError> {
     let column = |c: usize| rows.iter().map(|row| row[c]).collect::<Vec<f64>>();
     let field = |c: usize, label: &str| {
         let size = (first.count, second.count);
-        let finer = (FINER * first.count, FINER * second.count);
-        let values = interpolated(&column(c), size, FINER);
+        let finer = (
+            CELLS_PER_STATE * first.count,
+            CELLS_PER_STATE * second.count,
+        );
+        let values = interpolated(&column(c), size, CELLS_PER_STATE);
         Field::new(first.range, second.range, finer, values, label)
     };
     let lowest = column(2).into_iter().fold(0.0, f64::min);
