@@ -356,3 +356,18 @@ def test_the_installed_package_has_the_licenses_of_all_linked_libraries() -> Non
     assert {"LICENSE-MIT", "LICENSE-APACHE"} <= set(files)
     for crate in ("nalgebra", "pyo3", "rayon", "serde", "tiny-skia"):
         assert f"\n{crate} " in texts, crate
+
+
+def test_the_program_of_a_deck_is_recognized() -> None:
+    assert onset.Material.read(BLOCK) == onset.Material.read(BLOCK, "abaqus")
+    with pytest.raises(onset.InputError, match="not recognized as a deck"):
+        onset.Material.read("one line\nand another")
+
+
+def test_the_zoo_lists_reports_and_answers_one() -> None:
+    names = [report["name"] for report in onset.zoo().to_dict()["reports"]]
+    assert len(names) == 18
+    report = onset.zoo("trixi-371-cubic")
+    assert (report.answer.verdict, report.remedy_answer.verdict) == ("zero-energy", "stable")
+    with pytest.raises(onset.InputError, match="did you mean"):
+        onset.zoo("trixi-371-cubik")

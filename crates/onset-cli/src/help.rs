@@ -30,7 +30,7 @@ const GROUPS: [(&str, &[&str]); 5] = [
     ),
     (
         "A method",
-        &["recommend", "compare", "tune", "limit", "verify", "zoo"],
+        &["recommend", "compare", "tune", "limit", "verify"],
     ),
     ("A law", &["fit", "criteria", "card", "audit", "localize"]),
     ("A study", &["check", "map", "plot", "boundary"]),
@@ -38,6 +38,7 @@ const GROUPS: [(&str, &[&str]); 5] = [
         "Help and more",
         &[
             "list",
+            "zoo",
             "schema",
             "umat-utilities",
             "completions",

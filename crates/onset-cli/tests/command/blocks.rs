@@ -40,7 +40,8 @@ fn every_command_about_a_law_or_a_method_takes_a_deck() {
         );
         let note = "read as *HYPERELASTIC, NEOHOOKE of Abaqus, material RUBBER";
         let words = answer.stdout.split_whitespace().collect::<Vec<_>>();
-        assert!(words.join(" ").contains(note), "{line}: {}", answer.stdout);
+        let is_noted = line.contains("--quiet") || words.join(" ").contains(note);
+        assert!(is_noted, "{line}: {}", answer.stdout);
     }
     let read = document(&format!("state {file} --stretch 1.2,0.9"));
     let law = "--set material.model=yeoh --set material.c10=0.5 --set material.c20=0 --set material.c30=0 --set material.kappa=100";
@@ -79,7 +80,7 @@ fn terms_with_a_zero_coefficient_are_left_out() {
 #[test]
 fn notes_on_a_deck_are_whole_and_follow_the_answer() {
     let file = Written::new("two.inp", TWO);
-    let text = onset_line(&format!("criteria {file} --mode uniaxial")).stdout;
+    let text = onset(&["criteria", &file, "--mode", "uniaxial"]).stdout;
     assert!(!text.contains(" more\n"), "{text}");
     let place = |words: &str| {
         text.find(words)
@@ -144,7 +145,7 @@ fn commands_that_need_axes_give_the_study_to_write() {
         let checked = onset_line(&format!("check {written}"));
         assert_eq!(checked.code, Some(0), "{}: {study}", checked.stderr);
         assert!(
-            checked.stdout.contains("yeoh: c10 0.5, kappa 100"),
+            checked.stdout.contains("c10 0.5, kappa 100"),
             "{}",
             checked.stdout
         );

@@ -1,6 +1,6 @@
 //! `onset compare` and `onset recommend`.
 
-use super::{Scratch, Written, number, onset};
+use super::{Scratch, Written, document, number, onset};
 use serde_json::Value;
 
 /// Built-in comparison of methods in 2D, on a few states.
@@ -33,6 +33,21 @@ fn assert_refused(text: &str, facts: &[&str]) {
         assert!(told.contains(fact), "{text}: no `{fact}` in: {told}");
     }
     assert!(!folder.join("compare.csv").exists(), "nothing is written");
+}
+
+#[test]
+fn a_key_without_values_varies_all_its_words() {
+    let table = document(
+        "compare set method=updated-sph set lattice=chain --set compare.states=2 --vary discretization.kernel",
+    );
+    let rows = table["rows"].as_array().expect("rows");
+    for kernel in ["cubic-spline", "wendland-c2", "gaussian", "quintic-spline"] {
+        let name = format!("kernel {kernel}");
+        assert!(
+            rows.iter().any(|row| row["name"] == name.as_str()),
+            "{name}"
+        );
+    }
 }
 
 #[test]
@@ -226,7 +241,15 @@ fn a_comparison_without_any_method_that_can_be_evaluated_is_refused() {
 fn invalid_comparisons_are_refused_with_the_position_of_the_error() {
     let one = |more: &str| format!("[[methods]]\nname = 'a'\n{more}\n");
     for (text, facts) in [
-        (String::new(), vec!["1:1", "no methods", "[[methods]]"]),
+        (
+            String::new(),
+            vec![
+                "1:1",
+                "no methods",
+                "[[methods]]",
+                "method = \"updated-sph\"",
+            ],
+        ),
         (
             "[[methods]]\n[[methods]]\n".to_owned(),
             vec!["2:1", "two methods are called \"kernel\""],

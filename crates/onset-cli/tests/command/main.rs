@@ -54,6 +54,7 @@ mod tune;
 #[cfg(unix)]
 mod umat;
 mod units;
+mod zoo;
 
 #[cfg(unix)]
 #[path = "../../../onset-umat/tests/routines/fortran.rs"]

@@ -39,6 +39,10 @@ fn unknown_keys_get_the_nearest_known_key_as_a_hint() {
         ("discretization.frme=eulerian", "`discretization.frame`"),
         ("material.modell=blatz-ko", "`material.model`"),
         ("material.c3=1", "`material.c2`"),
+        (
+            "discretization.per-side=5",
+            "`discretization.points-per-side`",
+        ),
     ] {
         assert_assignment_refused(&[assignment], &["unknown key", "did you mean", nearest]);
     }

@@ -20,7 +20,7 @@ pub use subject::{Sample, Subject};
 pub use tangent::{Misfit, Partial, TangentFinding};
 
 use crate::csv::Table;
-use crate::settings::{MaterialSettings, Units, Value};
+use crate::settings::{MaterialSettings, Units, Value, is_of_an_absent_term};
 use checks::Measured;
 use onset::kinematics::{DeformationGradient, KinematicsError};
 use onset::material::MaterialError;
@@ -84,6 +84,8 @@ pub struct Audit {
     pub checks: Vec<Check>,
     /// Identification of the tangent.
     pub tangent: TangentFinding,
+    /// Notes on the deck of another program that defines the law.
+    pub notes: Vec<String>,
 }
 
 impl Audit {
@@ -109,7 +111,7 @@ impl Audit {
         let name = description(settings);
         // The checks include rotations and strains out of the plane.
         let settings = &settings.clone().in_space();
-        match (settings.umat_permitted()?, convention) {
+        let audit = match (settings.umat_permitted()?, convention) {
             (Some(_), Some(_)) => Err(AuditError::Convention),
             (Some(umat), None) => {
                 let umat = Umat::new(umat).map_err(MaterialError::from)?;
@@ -123,7 +125,11 @@ impl Audit {
                 let convention = convention.unwrap_or(Convention::FirstPiola);
                 Self::new(&name, &Subject::Law(law.as_ref(), convention), states)
             }
-        }
+        };
+        audit.map(|audit| Self {
+            notes: settings.notes().to_vec(),
+            ..audit
+        })
     }
 
     /// Audits a material in the reference configuration and at the given states.
@@ -156,14 +162,22 @@ impl Audit {
             states: measured.len(),
             checks,
             tangent,
+            notes: Vec::new(),
         })
     }
 }
 
 fn description(settings: &MaterialSettings) -> String {
     let entries = settings.entries();
+    let number = |name: &str| {
+        let mut known = entries.iter().filter(|(other, _)| *other == name);
+        known.next()?.1.number()
+    };
+    let present = entries
+        .iter()
+        .filter(|(name, _)| !is_of_an_absent_term(name, number));
     let entry = |(name, value): &(&str, Value)| format!("{name} = {value}");
-    let list: Vec<String> = entries.iter().map(entry).collect();
+    let list: Vec<String> = present.map(entry).collect();
     match list.is_empty() {
         true => settings.model.name().to_owned(),
         false => format!("{} ({})", settings.model.name(), list.join(", ")),

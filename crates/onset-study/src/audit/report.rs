@@ -55,7 +55,11 @@ impl Display for Audit {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}\n", self.verdict)?;
         writeln!(f, "material   {}", self.material)?;
-        writeln!(f, "states     {}\n", self.states)?;
+        writeln!(f, "states     {}", self.states)?;
+        for note in &self.notes {
+            writeln!(f, "note       {note}")?;
+        }
+        writeln!(f)?;
         for check in &self.checks {
             let mark = match check.outcome {
                 Outcome::Passed => "passed",
