@@ -386,10 +386,10 @@ impl Comparison {
             .collect();
         for candidate in self.candidates.iter_mut().filter(|own| own.name.is_empty()) {
             let own = &candidate.settings;
-            let family = own.value(METHOD).map(|family| family.to_string());
+            let family = own.value(METHOD).map(bare);
             let differences = differing.iter().filter_map(|key| {
                 own.origin(key.name)?;
-                Some(format!("{} {}", key.parts().1, value(own, key)?))
+                Some(format!("{} {}", key.parts().1, bare(value(own, key)?)))
             });
             let parts: Vec<String> = family.into_iter().chain(differences).collect();
             candidate.name = parts.join(", ");
@@ -581,6 +581,14 @@ impl Comparison {
             }
         }
         Ok(())
+    }
+}
+
+/// A value as text; a word without quotes.
+fn bare(value: Value) -> String {
+    match value {
+        Value::Word(word) => word,
+        other => other.to_string(),
     }
 }
 
