@@ -46,8 +46,11 @@ pub fn gallery() -> Figure {
         )
 }
 
+/// Vertices of a curve.
+type Curve = Vec<(f64, f64)>;
+
 /// Weight and slope of a kernel over the distance in smoothing lengths.
-fn curves(kernel: Kernel) -> (Vec<(f64, f64)>, Vec<(f64, f64)>) {
+fn curves(kernel: Kernel) -> (Curve, Curve) {
     let rim = 1.0 / kernel.nominal_smoothing_length(1.0);
     let origin = kernel.profile::<3, f64>(0.0).value;
     let at = |n: usize| {

@@ -61,7 +61,7 @@ pub(super) fn scene(figure: &Figure, sheet: &Sheet) -> Scene {
     figure.columns = columns.clamp(1, count.max(1));
     let scene = loop {
         if widest_panel(&figure, available) >= narrowest || figure.columns == 1 {
-            // As many panels in the last row as in the others, if possible.
+            // Rows have equal numbers of panels, if possible.
             let rows = count.div_ceil(figure.columns).max(1);
             figure.columns = count.div_ceil(rows).max(1);
             let panel = widest_panel(&figure, available);
