@@ -33,7 +33,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum MaterialError {
     /// A parameter is outside its admissible range.
-    #[error("material parameter {name} is {value:?}; expected {expected}")]
+    #[error("material parameter {name} is {:?}; expected {expected}", format!("{value:.14e}").parse().unwrap_or(*value))]
     Parameter {
         /// Name of the parameter, as in a study file.
         name: &'static str,
