@@ -55,16 +55,15 @@ pub enum Content {
     Figure(Box<Figure>),
 }
 
+/// Names and contents of the files of one [`Content`].
+pub type Drawn<'a> = Vec<(OsString, Cow<'a, [u8]>)>;
+
 impl Content {
     /// Returns the files of a content with a name: one file, or all files of a figure on a sheet.
     ///
     /// # Errors
     /// [`FigureError`] if the figure cannot be drawn.
-    pub fn drawn(
-        &self,
-        name: &OsStr,
-        sheet: &Sheet,
-    ) -> Result<Vec<(OsString, Cow<'_, [u8]>)>, FigureError> {
+    pub fn drawn(&self, name: &OsStr, sheet: &Sheet) -> Result<Drawn<'_>, FigureError> {
         match self {
             Self::Bytes(bytes) => Ok(vec![(name.to_owned(), bytes.into())]),
             Self::Figure(figure) => {

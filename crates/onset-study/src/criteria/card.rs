@@ -340,7 +340,8 @@ impl CardAnswer {
             .with("mode", "1", |own| own.mode.name())
             .with("lateral", "1", |own| own.lateral.name())
             .with("loading", "1", |own| own.title);
-        let sides: [(&str, fn(&CriterionLimits) -> Option<LimitPoint>); 2] = [
+        type Side = (&'static str, fn(&CriterionLimits) -> Option<LimitPoint>);
+        let sides: [Side; 2] = [
             ("compression", |own| own.compression),
             ("tension", |own| own.tension),
         ];

@@ -402,7 +402,7 @@ impl LimitAnswer {
 
     /// All evaluated values as CSV.
     pub fn csv(&self) -> String {
-        let dimension = Key::named(&self.key).and_then(|key| key.unit());
+        let dimension = Key::named(self.key).and_then(|key| key.unit());
         Table::new(&self.tried, self.units())
             .with("value", dimension.unwrap_or("1"), |own| own.value)
             .with("critical_time_step", "time", |own| own.critical_time_step)

@@ -296,7 +296,7 @@ impl TuneAnswer {
 
     /// All values as CSV.
     pub fn csv(&self) -> String {
-        let dimension = Key::named(&self.key).and_then(|key| key.unit());
+        let dimension = Key::named(self.key).and_then(|key| key.unit());
         let measured =
             |own: &Tried, value: &dyn Fn(&Measured) -> f64| own.measured.as_ref().ok().map(value);
         let limits = &self.thresholds;
