@@ -255,7 +255,7 @@ fn written_blocks_read_back_with_equal_limits() {
         let loadings = card.expect("a card").loadings.into_iter();
         let criteria = loadings.flat_map(|loading| loading.criteria);
         let limits = criteria.flat_map(|own| [own.compression, own.tension]);
-        let limits = limits.map(|limit| limit.map(|limit| limit.stretch));
+        let limits = limits.map(|limit| limit.map(|limit| limit.imposed));
         limits.collect::<Vec<Option<f64>>>()
     };
     let mut count = 0;
