@@ -99,8 +99,11 @@ fn notes_on_a_deck_are_whole_and_follow_the_answer() {
     ] {
         assert!(words.contains(note), "{note}: {text}");
     }
+    // A command stays on one line.
+    let mut texts = text.lines().filter(|line| !line.contains("--set "));
+    assert!(texts.all(|line| line.chars().count() <= 100), "{text}");
     assert!(
-        text.lines().all(|line| line.chars().count() <= 100),
+        words.contains("note: the same law in other commands: --set material.model="),
         "{text}"
     );
     let second = onset_line(&format!(

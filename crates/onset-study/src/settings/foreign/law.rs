@@ -3,6 +3,7 @@
 use super::marlow::Table;
 use super::unread::Chosen;
 use super::{Reading, Trouble, Unread};
+use crate::shell::quoted;
 
 /// Law that was read from a block.
 #[derive(Debug)]
@@ -374,6 +375,17 @@ impl ForeignLaw {
         }
         notes.extend(self.unread.notes(self.shear));
         notes.extend(self.notes);
+        if !matches!(self.energy, Energy::Table(_)) {
+            let own = set.iter().filter(|own| own.starts_with("material."));
+            let sets = assignments.iter().chain(own);
+            let sets: Vec<String> = sets
+                .map(|own| format!("--set {}", quoted(own.as_ref())))
+                .collect();
+            notes.push(format!(
+                "the same law in other commands: {}",
+                sets.join(" ")
+            ));
+        }
         Reading {
             assignments,
             notes,
