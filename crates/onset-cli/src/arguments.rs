@@ -1230,7 +1230,7 @@ pub struct LimitArguments {
     #[arg(long, value_name = "WORD", value_parser = ["stable"], conflicts_with_all = ["time_step", "stretch", "deformation_gradient", "safety", "integrator"])]
     pub keeps: Option<String>,
     /// With --keeps: smallest and largest stretch along the axes [default: 0.7,1.5].
-    #[arg(long, value_name = "LOW,HIGH", value_parser = window, allow_hyphen_values = true, requires = "keeps")]
+    #[arg(long, value_name = "LOW,HIGH", value_parser = window, allow_hyphen_values = true, requires = "keeps", conflicts_with = "time_step")]
     pub stretches: Option<(f64, f64)>,
     /// Setting to vary: a key with a numerical value, for example material.young or discretization.spacing.
     #[arg(long, value_name = "KEY")]
