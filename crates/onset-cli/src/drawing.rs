@@ -4,6 +4,7 @@ use crate::commands::Failure;
 use clap::Args;
 use onset_study::figure::{Figure, Sheet, Size, Theme};
 use onset_study::output::Output;
+use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
 /// Options of commands that draw a figure.
@@ -71,12 +72,18 @@ impl DrawingArguments {
             };
         };
         let sheet = self.sheet();
-        let names = |name: &str| Figure::ENDINGS.map(|ending| format!("{name}{ending}"));
-        let extension = out.extension().and_then(|extension| extension.to_str());
-        let output = match (extension, out.file_stem().and_then(|stem| stem.to_str())) {
+        let names = |name: &OsStr| {
+            Figure::ENDINGS.map(|ending| {
+                let mut name = name.to_owned();
+                name.push(ending);
+                name
+            })
+        };
+        let extension = out.extension().and_then(OsStr::to_str);
+        let output = match (extension, out.file_stem()) {
             (Some("svg" | "png" | "pdf"), Some(stem)) => {
                 let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
-                Output::at(folder.unwrap_or(Path::new(".")), &names(stem))?.only(stem.as_ref())
+                Output::at(folder.unwrap_or(Path::new(".")), &names(stem))?.only(stem)
             }
             (Some("eps" | "ps" | "jpg" | "jpeg" | "tif" | "tiff" | "gif" | "webp"), _) => {
                 return Err(Failure::input(format!(
@@ -85,8 +92,8 @@ impl DrawingArguments {
                 )));
             }
             _ => {
-                let mut all = names(figure).to_vec();
-                all.extend(others.iter().map(|name| (*name).to_owned()));
+                let mut all = names(figure.as_ref()).to_vec();
+                all.extend(others.iter().map(OsString::from));
                 Output::at(out, &all)?
             }
         };

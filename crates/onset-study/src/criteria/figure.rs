@@ -215,7 +215,8 @@ pub(super) fn held(loading: &LoadingAnswer, answer: &CriterionAnswer) -> Vec<(f6
         intervals.extend(from.map(|from| (from, end.imposed)));
     }
     intervals.retain(|(from, to)| from != to);
-    intervals
+    let ascending = |(from, to): (f64, f64)| (from.min(to), from.max(to));
+    intervals.into_iter().map(ascending).collect()
 }
 
 #[cfg(test)]
