@@ -51,7 +51,7 @@ fn modes_are_exported_to_seed_a_simulation() {
     let answer = onset(&arguments);
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     assert!(
-        answer.stdout.contains("wrote 37 files"),
+        answer.stdout.contains("wrote 38 files"),
         "{}",
         answer.stdout
     );
