@@ -25,7 +25,7 @@ fn every_command_about_a_law_or_a_method_takes_a_deck() {
         format!("audit {file}"),
         format!("check {file}"),
         format!(
-            "compare {file} --vary discretization.support=1.9,2.1 set lattice=chain set compare.states=2 --quiet"
+            "compare {file} --vary discretization.support=1.9,2.1 set lattice=chain --set compare.states=2 --quiet"
         ),
         format!(
             "recommend {file} --dimension 1 --set compare.states=2 --stretches 0.9,1.1 --quiet"
