@@ -223,7 +223,7 @@ class Answer(Record):
         title
             Title of the figure.
         bare
-            Leave title and caption out of the figure; they are written into a text file beside it.
+            Leave title and caption out of the figure; they are written into a separate text file.
         theme
             Colors of background, axes and words.
 
