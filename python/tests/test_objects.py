@@ -23,7 +23,10 @@ SPH = onset.Method("updated-sph", lattice="square", kernel="cubic-spline", suppo
 STUDY = onset.Study.of(RUBBER, onset.Method(frame="eulerian"), {"stretch-1": (0.8, 1.3, 6), "stretch-2": (0.8, 1.3, 6)})
 
 
-def answers(folder: Path) -> list[onset.Answer | onset.Verdicts | onset.Dispersion]:
+Kind = onset.Answer | onset.Verdicts | onset.Dispersion
+
+
+def answers(folder: Path) -> list[Kind]:
     """One answer of each type."""
     return [
         onset.state(RUBBER, SPH, stretch=(1.1, 1.0)),
@@ -45,10 +48,15 @@ def answers(folder: Path) -> list[onset.Answer | onset.Verdicts | onset.Dispersi
     ]
 
 
-def test_answers_have_text_html_and_a_plot(tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def of_every_kind(tmp_path_factory: pytest.TempPathFactory) -> list[Kind]:
+    return answers(tmp_path_factory.mktemp("answers"))
+
+
+def test_answers_have_text_html_and_a_plot(of_every_kind: list[Kind], tmp_path: Path) -> None:
     from matplotlib import pyplot
 
-    for answer in answers(tmp_path):
+    for answer in of_every_kind:
         page = answer._repr_html_()
         assert page.startswith("<") and "nan" not in page.lower().split("<svg")[0]
         assert repr(answer).startswith("<onset.")
@@ -64,10 +72,10 @@ def test_answers_have_text_html_and_a_plot(tmp_path: Path) -> None:
             assert [Path(path).read_bytes() for path in written] == list(answer.files().values())
 
 
-def test_figures_are_drawn_with_native_axes(tmp_path: Path) -> None:
+def test_figures_are_drawn_with_native_axes(of_every_kind: list[Kind]) -> None:
     from matplotlib import pyplot
 
-    for answer in answers(tmp_path):
+    for answer in of_every_kind:
         if not isinstance(answer, onset.Answer):
             continue
         try:
@@ -98,8 +106,8 @@ def test_figures_are_drawn_with_native_axes(tmp_path: Path) -> None:
         with pytest.raises(onset.InputError, match="panels, and 5 axes"):
             answer.plot(pyplot.figure().subplots(1, 5))
         pyplot.close("all")
-def test_every_answer_is_a_data_frame(tmp_path: Path) -> None:
-    for answer in answers(tmp_path):
+def test_every_answer_is_a_data_frame(of_every_kind: list[Kind]) -> None:
+    for answer in of_every_kind:
         frame = answer.to_frame()
         assert len(frame.columns) > 1 and all(frame.columns), answer
         assert len(frame) > 0 or not answer.modes, answer

@@ -14,8 +14,30 @@ use std::fmt::Display;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
-/// Function that computes a part of an answer on demand.
-type OnDemand<T> = Arc<dyn Fn() -> Result<T, Failure> + Send + Sync>;
+/// Part of an answer, which is computed when it is first requested.
+struct OnDemand<T> {
+    compute: Box<dyn Fn() -> Result<T, Failure> + Send + Sync>,
+    computed: OnceLock<T>,
+}
+
+impl<T> OnDemand<T> {
+    fn new(compute: impl Fn() -> Result<T, Failure> + Send + Sync + 'static) -> Arc<Self> {
+        Arc::new(Self {
+            compute: Box::new(compute),
+            computed: OnceLock::new(),
+        })
+    }
+
+    fn get(&self) -> Result<&T, Failure> {
+        match self.computed.get() {
+            Some(computed) => Ok(computed),
+            None => {
+                let computed = (self.compute)()?;
+                Ok(self.computed.get_or_init(|| computed))
+            }
+        }
+    }
+}
 
 /// Answer of a command: the printed documents, and the files.
 #[pyclass(frozen, module = "onset._onset")]
@@ -26,26 +48,8 @@ pub struct Answer {
     /// Text printed by the command.
     #[pyo3(get)]
     text: String,
-    table: OnDemand<String>,
-    files: Option<Arc<Drawn>>,
-}
-
-/// Files of an answer, which are computed when they are first requested.
-struct Drawn {
-    draw: OnDemand<Files>,
-    made: OnceLock<Files>,
-}
-
-impl Drawn {
-    fn made(&self) -> Result<&Files, Failure> {
-        match self.made.get() {
-            Some(made) => Ok(made),
-            None => {
-                let made = (self.draw)()?;
-                Ok(self.made.get_or_init(|| made))
-            }
-        }
-    }
+    table: Arc<OnDemand<String>>,
+    files: Option<Arc<OnDemand<Files>>>,
 }
 
 impl Answer {
@@ -69,7 +73,7 @@ impl Answer {
         Ok(Self {
             json: json::document(answer).map_err(Failure::machine)?,
             text: readable(text.to_string().trim_end()),
-            table: Arc::new(csv),
+            table: OnDemand::new(csv),
             files: None,
         })
     }
@@ -79,10 +83,7 @@ impl Answer {
         mut self,
         draw: impl Fn() -> Result<Files, Failure> + Send + Sync + 'static,
     ) -> Self {
-        self.files = Some(Arc::new(Drawn {
-            draw: Arc::new(draw),
-            made: OnceLock::new(),
-        }));
+        self.files = Some(OnDemand::new(draw));
         self
     }
 }
@@ -112,7 +113,7 @@ impl Answer {
     #[getter]
     fn csv(&self, py: Python<'_>) -> PyResult<String> {
         let table = Arc::clone(&self.table);
-        interrupt::answer(py, move || Ok(table()?.trim_end().to_owned()))
+        interrupt::answer(py, move || Ok(table.get()?.trim_end().to_owned()))
     }
 
     /// Writes the files into a folder, all or none, and returns their paths.
@@ -131,7 +132,7 @@ impl Answer {
         interrupt::answer(py, move || {
             let sheet = sheet(size.as_deref(), title, bare, &theme)?;
             let output = Output::at::<&str>(&folder, &[])?.on(sheet);
-            Ok(output.write(files.made()?)?)
+            Ok(output.write(files.get()?)?)
         })
     }
 
@@ -142,7 +143,7 @@ impl Answer {
             let all = interrupt::answer(py, move || {
                 let sheet = Sheet::default();
                 let mut all = Vec::new();
-                for (name, content) in files.made()? {
+                for (name, content) in files.get()? {
                     let drawn = content.drawn(name, &sheet).map_err(Failure::machine)?;
                     all.extend(
                         drawn
@@ -165,7 +166,7 @@ impl Answer {
             return Ok(None);
         };
         interrupt::answer(py, move || {
-            let figure = files.made()?.iter().find_map(|(_, content)| match content {
+            let figure = files.get()?.iter().find_map(|(_, content)| match content {
                 Content::Figure(figure) => Some(figure),
                 Content::Bytes(_) => None,
             });
