@@ -469,7 +469,7 @@ fn broken_cells_and_headers_are_refused() {
         ),
         (
             table("stretch,force [N]", |own| own),
-            ["line 1", "without the area", "--area"],
+            ["line 1", "without the area", "undeformed area"],
         ),
         (
             table("stretch,force [MPa]", |own| own),
@@ -517,7 +517,7 @@ fn broken_cells_and_headers_are_refused() {
         name,
         &good,
         "--range 5,6",
-        &["0 strains in the range", "widen --range"],
+        &["0 strains in the range", "widen the range"],
     );
     assert_refused(
         name,

@@ -191,7 +191,7 @@ impl Tests {
                             },
                         ),
                         match reading.range {
-                            Some(_) => "widen --range, or add points",
+                            Some(_) => "widen the range, or add points",
                             None => "add points of the test",
                         },
                     ));
@@ -247,7 +247,7 @@ impl Tests {
                 }
                 return Err(TableError::Tests {
                     message: format!("one of the tests {first} and {name} names a unit of stress, and the other does not"),
-                    hint: "write the unit into each header, for example nominal_stress [MPa], or give --unit".to_owned(),
+                    hint: "write the unit into each header, for example nominal_stress [MPa], or name the unit of all tests".to_owned(),
                 });
             };
             let factor = stress_unit(own)
@@ -700,7 +700,7 @@ impl Table<'_> {
             return Err(self.line(
                 at,
                 "forces are given without the area of the cross-section",
-                "give the undeformed area with --area",
+                "give the undeformed area of the specimen",
             ));
         }
         if let (false, Some(unit)) = (stress.0 == Column::Force, &stress.2)
