@@ -876,7 +876,7 @@ fn cause(text: &str) -> Result<Cause, String> {
 /// Command-line arguments of `onset simulate`.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("length").args(["steps", "time"])))]
-#[command(group(ArgGroup::new("size").args(["fraction", "time_step"])))]
+#[command(group(ArgGroup::new("step-size").args(["fraction", "time_step"])))]
 pub struct SimulateArguments {
     /// Material and discretization of the problem.
     #[command(flatten)]

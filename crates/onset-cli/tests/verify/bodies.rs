@@ -67,6 +67,7 @@ fn a_pulled_bar_writes_all_its_files() {
         .map(|(name, _)| name)
         .collect();
     let expected = [
+        "body.pdf",
         "body.png",
         "body.svg",
         "checkpoint.onset",
@@ -160,6 +161,7 @@ fn a_body_with_updated_neighbors_writes_all_its_files_and_the_same_bytes_after_r
     let files = tree(&whole.out());
     let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
     for name in [
+        "body.pdf",
         "body.png",
         "checkpoint.onset",
         "field-0002.vtu",
