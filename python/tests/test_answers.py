@@ -36,8 +36,6 @@ METHODS: list[tuple[dict[str, object], int]] = [
     ({"method": "updated-sph", "lattice": "square", "artificial_stress": 0.3}, 2),
     ({"method": "updated-sph", "support": -1.0}, 2),
     ({"method": "finite-elements", "integration": "one-point"}, 2),
-    ({"method": "bond-based", "lattice": "square"}, 2),
-    ({"method": "correspondence", "lattice": "square"}, 2),
     ({"method": "material-points"}, 2),
     ({"spacing": "1 mm"}, 2),
 ]
