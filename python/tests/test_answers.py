@@ -34,7 +34,6 @@ METHODS: list[tuple[dict[str, object], int]] = [
     ({"lattice": "chain", "kernel": "cubic-spline"}, 1),
     ({"method": "total-lagrangian-sph", "lattice": "square", "penalty": 0.25}, 2),
     ({"method": "updated-sph", "lattice": "square", "artificial_stress": 0.3}, 2),
-    ({"method": "updated-sph", "support": -1.0}, 2),
     ({"method": "finite-elements", "integration": "one-point"}, 2),
     ({"method": "material-points"}, 2),
     ({"spacing": "1 mm"}, 2),
