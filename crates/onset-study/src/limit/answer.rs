@@ -1,16 +1,17 @@
 //! Critical time steps over the values of a setting, and the intervals of values for which a step is stable.
 
-use super::interval::{Admitted, End, EndKind, Trial, admitted, ends_of_domain, ranges};
+use super::interval::{Admitted, Trial, admitted, refuse_undefined};
+use super::varied::Varied;
 use super::{LimitQuestion, VALUES};
 use crate::answers::{
     BodyStepAnswer, Evidence, FiniteBodyAnswer, LATTICE_NOTE, Problem, ProblemError, Strain, notes,
 };
 use crate::csv::Table;
-use crate::figure::{Axis, Figure, Line, Panel, Points, Rule, palette};
+use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
 use crate::number::told;
 use crate::output::{Files, picture, text};
 use crate::range::spread;
-use crate::settings::{Effective, Key, Settings, Units};
+use crate::settings::{Effective, Settings, Units};
 use onset::cancel::Scope;
 use onset::time_step::{Integrator, undamped_time_step};
 use onset::verdict::Verdict;
@@ -19,8 +20,6 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// Ratio of the ends of the figure to the outermost limits and the present value.
-const NEIGHBORHOOD: f64 = 10.0;
 /// Tolerance of the logarithmic step ratio at a limit, and of the relative width of the bracket.
 const LIMIT_TOLERANCE: f64 = 1e-10;
 
@@ -77,6 +76,10 @@ impl Trial for Tried {
     fn refined(mut self) -> Self {
         self.is_refined = true;
         self
+    }
+
+    fn is_refined(&self) -> bool {
+        self.is_refined
     }
 }
 
@@ -189,15 +192,7 @@ impl LimitAnswer {
         step: &str,
         is_told: &(dyn Fn(f64) + Sync),
     ) -> Result<Self, ProblemError> {
-        question.check(settings)?;
-        let present = settings
-            .value(question.key())
-            .and_then(|value| value.number());
-        let [low, high] = question.range(present)?;
-        // Fails with the present value if the key itself is invalid.
-        if let Some(present) = present {
-            question.settings(settings, present)?;
-        }
+        let (present, [low, high]) = question.values_of(settings)?;
         let time_step = LimitQuestion::time_step(step, settings)?;
         let search = Search {
             question,
@@ -210,18 +205,8 @@ impl LimitAnswer {
         let scope = Scope::current();
         let tried = |x| scope.run(|| search.tried(x));
         let grid: Vec<Tried> = values.into_par_iter().map(tried).collect();
-        if grid.iter().all(|one| one.note.is_some()) {
-            // If the present value fails too, the reason is another setting and not the range.
-            if let Some(present) = present {
-                search.measured(present)?;
-            }
-            search.measured(low).map_err(|source| ProblemError::Range {
-                key: question.key(),
-                low,
-                high,
-                source: Box::new(source),
-            })?;
-        }
+        let measured = |value| search.measured(value);
+        refuse_undefined(&grid, question.key(), present, &measured)?;
         let (admitted, all) = admitted(grid, &|value| search.tried(value));
         let problem = question.settings(settings, present.unwrap_or(high));
         let problem = problem.and_then(Problem::new).ok();
@@ -313,98 +298,52 @@ impl LimitAnswer {
         })
     }
 
-    /// Figure of the critical step over the values, with the step that must be stable.
-    pub fn figure(&self) -> Figure {
-        let units = self.units();
-        let has_step =
-            |one: &Tried| one.critical_time_step.is_finite() && one.critical_time_step > 0.0;
-        let points: Vec<(f64, f64)> = self
-            .tried
-            .iter()
-            .filter(|one| has_step(one))
-            .map(|one| (one.value, one.critical_time_step))
-            .collect();
-        let key = Key::named(self.key);
-        let title = key.map_or(self.key, Key::title);
-        let label = key.map_or_else(String::new, |key| key.label(units));
-        let is_positive = self.tried.first().is_some_and(|one| one.value > 0.0);
-        let [low, high] = self.window();
-        let shown: Vec<(f64, f64)> = points
-            .iter()
-            .filter(|point| (low..=high).contains(&point.0))
-            .copied()
-            .collect();
-        let values = shown.iter().map(|point| point.0);
-        let x = match is_positive {
-            true => Axis::log(label, (1e-4, 1.0)).covering(values),
-            false => Axis::linear(label, (0.0, 1.0)).covering(values),
-        };
-        let steps = shown.iter().map(|point| point.1).chain([self.needed()]);
-        let y = Axis::log(units.label("critical time step", "time"), (1e-4, 1.0)).covering(steps);
-        let mut panel = Panel::new("", x, y)
-            .with(
-                Line::new(points)
-                    .color(palette::BLUE)
-                    .named("critical step"),
-            )
-            .with(
-                Rule::horizontal(self.needed())
-                    .dashed()
-                    .named("required critical step"),
-            );
-        if let Some(present) = self.present.as_ref().filter(|own| has_step(own)) {
-            let at = vec![(present.value, present.critical_time_step)];
-            panel = panel.with(Points::new(at).color(palette::BLACK).named("present value"));
+    /// The varied setting with its results.
+    fn varied(&self) -> Varied<'_, Tried> {
+        Varied {
+            key: self.key,
+            unit: self.unit,
+            units: self.units(),
+            admitted: &self.admitted,
+            tried: &self.tried,
+            present: self.present.as_ref(),
+            is_range_given: self.is_range_given,
         }
-        for (n, end) in self.limits().enumerate() {
-            let rule = Rule::vertical(end.value).dotted();
-            // One entry of the legend for all limits.
-            panel = panel.with(match n {
-                0 => rule.named("limit"),
-                _ => rule,
-            });
-        }
-        Figure::new(format!("Critical time step over {title}"))
-            .with(panel)
-            .caption(self.settings.caption())
     }
 
-    /// Range of the figure: the given range, or the neighborhood of the limits and of the present value. All values if there are neither.
-    fn window(&self) -> [f64; 2] {
-        let all = [self.tried.first(), self.tried.last()]
-            .map(|one| one.map_or(f64::NAN, |one| one.value));
-        let ends = self.admitted.iter().flat_map(|own| [&own.from, &own.to]);
-        let places = ends
-            .filter(|end| end.kind != EndKind::Range)
-            .map(|end| end.value)
-            .chain(self.present.iter().map(|own| own.value));
-        let (low, high) = places.fold((f64::INFINITY, 0.0_f64), |(low, high), value| {
-            (low.min(value), high.max(value))
-        });
-        match self.is_range_given || low <= 0.0 || low > high {
-            true => all,
-            false => [
-                (low / NEIGHBORHOOD).max(all[0]),
-                (high * NEIGHBORHOOD).min(all[1]),
-            ],
-        }
+    /// Figure of the critical step over the values, with the step that must be stable.
+    pub fn figure(&self) -> Figure {
+        let varied = self.varied();
+        let step = |one: &Tried| {
+            let step = one.critical_time_step;
+            (step.is_finite() && step > 0.0).then_some(step)
+        };
+        let tried = self.tried.iter();
+        let points: Vec<(f64, f64)> = tried
+            .filter_map(|one| Some((one.value, step(one)?)))
+            .collect();
+        let (x, shown) = varied.axis(&points);
+        let steps = shown.iter().map(|point| point.1).chain([self.needed()]);
+        let label = self.units().label("critical time step", "time");
+        let y = Axis::log(label, (1e-4, 1.0)).covering(steps);
+        let line = Line::new(points).color(palette::BLUE);
+        let needed = Rule::horizontal(self.needed()).dashed();
+        let panel = Panel::new("", x, y)
+            .with(line.named("critical step"))
+            .with(needed.named("required critical step"));
+        Figure::new(format!("Critical time step over {}", varied.title()))
+            .with(varied.marked(panel, step))
+            .caption(self.settings.caption())
     }
 
     fn units(&self) -> Units {
         self.settings.units()
     }
 
-    /// Ends at which the step becomes too large.
-    fn limits(&self) -> impl Iterator<Item = &End> {
-        let ends = self.admitted.iter().flat_map(|own| [&own.from, &own.to]);
-        ends.filter(|end| end.kind == EndKind::Limit)
-    }
-
     /// All evaluated values as CSV.
     pub fn csv(&self) -> String {
-        let dimension = Key::named(self.key).and_then(|key| key.unit());
         Table::new(&self.tried, self.units())
-            .with("value", dimension.unwrap_or("1"), |own| own.value)
+            .with("value", self.varied().dimension(), |own| own.value)
             .with("critical_time_step", "time", |own| own.critical_time_step)
             .with("verdict", "1", |own| own.verdict.map(Verdict::name))
             .with("note", "1", |own| own.note.clone())
@@ -420,10 +359,7 @@ impl LimitAnswer {
     }
 
     fn value(&self, told: String) -> String {
-        self.units()
-            .of(told, self.unit.unwrap_or_default())
-            .trim_end()
-            .to_owned()
+        self.varied().value(told)
     }
 
     fn step(&self, step: f64) -> String {
@@ -442,8 +378,7 @@ impl LimitAnswer {
             safety => format!("{} of the critical one", told(safety)),
         };
         let below = format!("A time step of {step} is below {critical} with");
-        let [first, last] = [self.tried.first(), self.tried.last()]
-            .map(|one| self.value(told(one.map_or(f64::NAN, |one| one.value))));
+        let [first, last] = self.varied().ends_told();
         match self.admitted.is_empty() {
             true if self.is_unstable_for_every_step() => format!(
                 "Waves without damping are unstable for every time step of {} with every {} from {first} to {last}.",
@@ -463,10 +398,7 @@ impl LimitAnswer {
                 });
                 format!("{below} no {} from {first} to {last}{best}.", self.key)
             }
-            false => {
-                let values = ranges(&self.admitted, self.key, &last, &|own| self.value(own));
-                format!("{below} {values}.")
-            }
+            false => format!("{below} {}.", self.varied().ranges()),
         }
     }
 
@@ -502,17 +434,6 @@ impl LimitAnswer {
             told(self.time_step / step)
         ))
     }
-
-    /// Values of the grid, and the limits.
-    fn rows(&self) -> impl Iterator<Item = &Tried> {
-        let ends = self
-            .admitted
-            .iter()
-            .flat_map(|own| [own.from.value, own.to.value]);
-        let ends: Vec<f64> = ends.collect();
-        let tried = self.tried.iter();
-        tried.filter(move |one| !one.is_refined || ends.contains(&one.value))
-    }
 }
 
 impl fmt::Display for LimitAnswer {
@@ -521,20 +442,17 @@ impl fmt::Display for LimitAnswer {
         if let Some(present) = self.present_sentence() {
             write!(formatter, " {present}")?;
         }
-        let ends = ends_of_domain(&self.admitted, &|own| self.value(own));
-        for sentence in ends.into_iter().chain(self.verdicts()) {
+        let varied = self.varied();
+        for sentence in varied.ends_of_domain().chain(self.verdicts()) {
             write!(formatter, " {sentence}")?;
         }
-        let heading = match self.unit {
-            Some(unit) => format!("value ({unit})"),
-            None => "value".to_owned(),
-        };
+        let heading = varied.heading();
         writeln!(
             formatter,
             "\n\n  {heading:>14}  {:>14}  verdict",
             "critical step"
         )?;
-        for one in self.rows() {
+        for one in varied.rows() {
             match (&one.note, one.verdict) {
                 (None, Some(verdict)) => writeln!(
                     formatter,

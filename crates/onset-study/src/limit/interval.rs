@@ -1,6 +1,6 @@
 //! Intervals of values of a setting for which something holds: runs of a grid of values, whose ends are refined.
 
-use crate::number::{told, told_above, told_below};
+use crate::answers::ProblemError;
 use crate::range::middle;
 use serde::Serialize;
 
@@ -62,9 +62,39 @@ pub(super) trait Trial: Clone {
     /// Marks a value between values of the grid.
     fn refined(self) -> Self;
 
+    fn is_refined(&self) -> bool;
+
     fn is_admitted(&self) -> bool {
         self.margin() >= 0.0
     }
+}
+
+/// Refuses a grid without a value that can be evaluated, with the reason at the present value or at the beginning of the range.
+pub(super) fn refuse_undefined<T: Trial>(
+    grid: &[T],
+    key: &'static str,
+    present: Option<f64>,
+    measured: &dyn Fn(f64) -> Result<T, ProblemError>,
+) -> Result<(), ProblemError> {
+    let (Some(first), Some(last)) = (grid.first(), grid.last()) else {
+        return Ok(());
+    };
+    if grid.iter().any(|one| one.note().is_none()) {
+        return Ok(());
+    }
+    // If the present value fails too, the reason is another setting and not the range.
+    if let Some(present) = present {
+        measured(present)?;
+    }
+    let (low, high) = (first.value(), last.value());
+    measured(low)
+        .map(|_| ())
+        .map_err(|source| ProblemError::Range {
+            key,
+            low,
+            high,
+            source: Box::new(source),
+        })
 }
 
 /// Intervals of admitted values of a grid in increasing order, with refined ends; and all values that were evaluated, in increasing order.
@@ -148,46 +178,4 @@ fn secant<T: Trial>(inside: &T, outside: &T) -> Option<f64> {
     };
     let is_between = (value - from) * (value - to) < 0.0;
     is_between.then_some(value)
-}
-
-/// Admitted values of a key in words, rounded inward, so that a printed value is admitted; `value` adds the unit, `last` is the largest value tried.
-pub(super) fn ranges(
-    admitted: &[Admitted],
-    key: &str,
-    last: &str,
-    value: &dyn Fn(String) -> String,
-) -> String {
-    let is_open = |end: &End| end.kind == EndKind::Range;
-    let from = |own: &Admitted| value(told_above(own.from.value));
-    let to = |own: &Admitted| value(told_below(own.to.value));
-    match admitted {
-        [only] if is_open(&only.from) && is_open(&only.to) => {
-            format!("every {key} from {} to {}", from(only), to(only))
-        }
-        [only] if is_open(&only.from) => format!("{key} up to {}", to(only)),
-        [only] if is_open(&only.to) => format!("{key} from {} on, as far as {last}", from(only)),
-        several => {
-            let several = several.iter();
-            let all: Vec<String> = several
-                .map(|own| format!("from {} to {}", from(own), to(own)))
-                .collect();
-            format!("{key} {}", all.join(", and "))
-        }
-    }
-}
-
-/// Sentences on intervals that end because values beyond cannot be evaluated.
-pub(super) fn ends_of_domain(
-    admitted: &[Admitted],
-    value: &dyn Fn(String) -> String,
-) -> Vec<String> {
-    let ends = admitted.iter().flat_map(|own| [&own.from, &own.to]);
-    ends.filter_map(|end| {
-        let note = end.note.as_deref()?.lines().next()?;
-        let [from, to] = [end.value, end.undefined_at?].map(|own| value(told(own)));
-        Some(format!(
-            "At {to}: {note}; no value between {from} and {to} was tried."
-        ))
-    })
-    .collect()
 }

@@ -1,14 +1,15 @@
 //! Values of a setting for which all states of a window of stretches are stable.
 
-use super::interval::{Admitted, End, EndKind, Trial, admitted, ends_of_domain, ranges};
+use super::interval::{Admitted, Trial, admitted, refuse_undefined};
+use super::varied::Varied;
 use super::{LimitQuestion, VALUES};
 use crate::answers::{Evidence, Problem, ProblemError, notes};
 use crate::csv::Table;
-use crate::figure::{Axis, Figure, Line, Panel, Points, Rule, palette};
+use crate::figure::{Axis, Figure, Line, Panel, palette};
 use crate::number::{counted, told, vector};
 use crate::output::{Files, picture, text};
 use crate::range::spread;
-use crate::settings::{Effective, Key, Settings};
+use crate::settings::{Effective, Settings};
 use onset::cancel::Scope;
 use onset::kinematics::DeformationGradient;
 use onset::verdict::Verdict;
@@ -60,6 +61,10 @@ impl Trial for Kept {
         self.is_refined = true;
         self
     }
+
+    fn is_refined(&self) -> bool {
+        self.is_refined
+    }
 }
 
 /// Answer of `onset limit --keeps stable`: the values of a setting that keep a window of states stable.
@@ -85,6 +90,9 @@ pub struct KeepsAnswer {
     pub notes: Vec<String>,
     /// All settings in effect except the varied one.
     pub settings: Effective,
+    /// Whether the user gave the range of values.
+    #[serde(skip)]
+    is_range_given: bool,
 }
 
 /// States with all combinations of stretches along the axes of a problem; the stretches of other axes are 1.
@@ -148,14 +156,11 @@ impl KeepsAnswer {
         window: [f64; 2],
         is_told: &(dyn Fn(f64) + Sync),
     ) -> Result<Self, ProblemError> {
-        question.check(settings)?;
-        let present = settings
-            .value(question.key())
-            .and_then(|value| value.number());
-        let [low, high] = question.range(present)?;
+        let (present, [low, high]) = question.values_of(settings)?;
+        let measured = |value| measured(question, settings, window, value);
         let trial = |value: f64| {
             is_told(value);
-            measured(question, settings, window, value).unwrap_or_else(|error| Kept {
+            measured(value).unwrap_or_else(|error| Kept {
                 value,
                 stable_share: None,
                 verdict: None,
@@ -165,18 +170,7 @@ impl KeepsAnswer {
             })
         };
         let grid: Vec<Kept> = spread([low, high], VALUES).into_iter().map(trial).collect();
-        if grid.iter().all(|one| one.note.is_some()) {
-            // If the present value fails too, the reason is another setting and not the range.
-            if let Some(present) = present {
-                measured(question, settings, window, present)?;
-            }
-            measured(question, settings, window, low).map_err(|source| ProblemError::Range {
-                key: question.key(),
-                low,
-                high,
-                source: Box::new(source),
-            })?;
-        }
+        refuse_undefined(&grid, question.key(), present, &measured)?;
         let (admitted, tried) = admitted(grid, &trial);
         let problem = Problem::new(question.settings(settings, present.unwrap_or(high))?)?;
         Ok(Self {
@@ -190,15 +184,21 @@ impl KeepsAnswer {
             evidence: Evidence::Searched,
             notes: notes(settings, &*problem.material),
             settings: settings.effective_beside(question.key()),
+            is_range_given: question.range.is_some(),
         })
     }
 
-    fn value(&self, told: String) -> String {
-        self.settings
-            .units()
-            .of(told, self.unit.unwrap_or_default())
-            .trim_end()
-            .to_owned()
+    /// The varied setting with its results.
+    fn varied(&self) -> Varied<'_, Kept> {
+        Varied {
+            key: self.key,
+            unit: self.unit,
+            units: self.settings.units(),
+            admitted: &self.admitted,
+            tried: &self.tried,
+            present: self.present.as_ref(),
+            is_range_given: self.is_range_given,
+        }
     }
 
     /// The answer in a sentence. Ends are rounded inward, so that the printed value keeps the states stable.
@@ -210,11 +210,9 @@ impl KeepsAnswer {
             told(low),
             told(high)
         );
-        let ends = [self.tried.first(), self.tried.last()];
-        let [first, last] = ends.map(|one| self.value(told(one.map_or(f64::NAN, |one| one.value))));
+        let varied = self.varied();
         if !self.admitted.is_empty() {
-            let values = ranges(&self.admitted, self.key, &last, &|own| self.value(own));
-            return format!("All {states} are stable with {values}.");
+            return format!("All {states} are stable with {}.", varied.ranges());
         }
         let best = self.tried.iter().filter(|one| one.stable_share.is_some());
         let best = best.max_by(|a, b| {
@@ -226,9 +224,10 @@ impl KeepsAnswer {
             format!(
                 "; at best {} are stable, with {}",
                 share(best.stable_share.unwrap_or(0.0)),
-                self.value(told(best.value))
+                varied.value(told(best.value))
             )
         });
+        let [first, last] = varied.ends_told();
         format!(
             "No {} from {first} to {last} keeps all {states} stable{best}.",
             self.key
@@ -238,7 +237,7 @@ impl KeepsAnswer {
     /// Sentence on the present value.
     fn present_sentence(&self) -> Option<String> {
         let present = self.present.as_ref()?;
-        let value = self.value(told(present.value));
+        let value = self.varied().value(told(present.value));
         Some(match (&present.note, present.verdict, present.stretches) {
             (Some(note), ..) => format!(
                 "Its present value {value} cannot be evaluated: {}.",
@@ -255,9 +254,8 @@ impl KeepsAnswer {
 
     /// All evaluated values as CSV.
     pub fn csv(&self) -> String {
-        let dimension = Key::named(self.key).and_then(|key| key.unit());
         Table::new(&self.tried, self.settings.units())
-            .with("value", dimension.unwrap_or("1"), |own| own.value)
+            .with("value", self.varied().dimension(), |own| own.value)
             .with("stable_share", "1", |own| own.stable_share)
             .with("verdict", "1", |own| own.verdict)
             .each("stretch", 3, "1", |own, axis| {
@@ -269,41 +267,18 @@ impl KeepsAnswer {
 
     /// Fraction of stable states over the values.
     pub fn figure(&self) -> Figure {
-        let label = match self.unit {
-            Some(unit) => format!("{} ({unit})", self.key),
-            None => self.key.to_owned(),
-        };
+        let varied = self.varied();
+        let stable = |one: &Kept| Some(100.0 * one.stable_share?);
         let tried = self.tried.iter();
         let points: Vec<(f64, f64)> = tried
-            .filter_map(|one| Some((one.value, 100.0 * one.stable_share?)))
+            .filter_map(|one| Some((one.value, stable(one)?)))
             .collect();
-        let values = points.iter().map(|point| point.0);
-        let x = match self.tried.first().is_some_and(|one| one.value > 0.0) {
-            true => Axis::log(label, (1e-4, 1.0)).covering(values),
-            false => Axis::linear(label, (0.0, 1.0)).covering(values),
-        };
+        let (x, _) = varied.axis(&points);
         let y = Axis::linear("stable states (%)", (-4.0, 104.0));
-        let mut panel = Panel::new("", x, y).with(Line::new(points).color(palette::BLUE));
-        if let Some((present, share)) = self
-            .present
-            .as_ref()
-            .and_then(|own| Some((own.value, own.stable_share?)))
-        {
-            let at = vec![(present, 100.0 * share)];
-            panel = panel.with(Points::new(at).named("present value"));
-        }
-        let ends = self.admitted.iter().flat_map(|own| [&own.from, &own.to]);
-        let limits = ends.filter(|end: &&End| end.kind == EndKind::Limit);
-        for (n, end) in limits.enumerate() {
-            let rule = Rule::vertical(end.value).dotted();
-            // One entry of the legend for all limits.
-            panel = panel.with(match n {
-                0 => rule.named("limit"),
-                _ => rule,
-            });
-        }
-        Figure::new(format!("Stable states over {}", self.key))
-            .with(panel)
+        let line = Line::new(points).color(palette::BLUE);
+        let panel = Panel::new("", x, y).with(line);
+        Figure::new(format!("Stable states over {}", varied.title()))
+            .with(varied.marked(panel, stable))
             .caption(format!("{} {}", self.sentence(), self.settings.caption()))
     }
 
@@ -327,29 +302,17 @@ fn share(share: f64) -> String {
 impl fmt::Display for KeepsAnswer {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(formatter, "{}", self.sentence())?;
-        for sentence in self
-            .present_sentence()
-            .into_iter()
-            .chain(ends_of_domain(&self.admitted, &|own| self.value(own)))
-        {
+        let varied = self.varied();
+        let present = self.present_sentence().into_iter();
+        for sentence in present.chain(varied.ends_of_domain()) {
             write!(formatter, " {sentence}")?;
         }
-        let heading = match self.unit {
-            Some(unit) => format!("value ({unit})"),
-            None => "value".to_owned(),
-        };
+        let heading = varied.heading();
         writeln!(
             formatter,
             "\n\n  {heading:>14}  stable states  first that is not, at stretches"
         )?;
-        let ends = self.admitted.iter();
-        let ends: Vec<f64> = ends
-            .flat_map(|own| [own.from.value, own.to.value])
-            .collect();
-        for one in &self.tried {
-            if one.is_refined && !ends.contains(&one.value) {
-                continue;
-            }
+        for one in varied.rows() {
             let told = told(one.value);
             match (one.stable_share, one.verdict, one.stretches) {
                 (Some(own), Some(verdict), Some(at)) => writeln!(

@@ -7,6 +7,7 @@
 mod answer;
 mod interval;
 mod keeps;
+mod varied;
 
 pub use answer::{LimitAnswer, Tried};
 pub use interval::{Admitted, End, EndKind};
@@ -103,9 +104,20 @@ impl LimitQuestion {
         VALUES
     }
 
-    /// Refuses a key that method and law do not use.
-    fn check(&self, settings: &Settings) -> Result<(), SettingError> {
-        settings.check_read(self.key, Origin::CommandLine(self.key.name.to_owned()), &[])
+    /// Present value of the setting, and the range of values.
+    ///
+    /// # Errors
+    /// [`ProblemError`] for a key that method and law do not use, or that cannot have its present value, and without a range.
+    fn values_of(&self, settings: &Settings) -> Result<(Option<f64>, [f64; 2]), ProblemError> {
+        let origin = Origin::CommandLine(self.key.name.to_owned());
+        settings.check_read(self.key, origin, &[])?;
+        let present = settings.value(self.key.name);
+        let present = present.and_then(|value| value.number());
+        let range = self.range(present)?;
+        if let Some(present) = present {
+            self.settings(settings, present)?;
+        }
+        Ok((present, range))
     }
 
     /// Converts a time step, as typed with or without a unit, to the units of the settings.
