@@ -9,8 +9,8 @@ use clap_complete::engine::{ArgValueCompleter, CompletionCandidate, complete};
 use clap_complete::env::{CompleteEnv, Elvish, EnvCompleter, Fish, Powershell, Shells, Zsh};
 use onset_study::audit::Convention;
 use onset_study::catalog;
-use onset_study::criteria::{Lateral, Mode};
-use onset_study::figure::ColorMap;
+use onset_study::criteria::{Criterion, Lateral, Mode};
+use onset_study::figure::{ColorMap, Theme};
 use onset_study::limit::Integrator;
 use onset_study::localization::PARAMETERS;
 use onset_study::map;
@@ -119,6 +119,8 @@ fn words(command: &str, argument: &str) -> Option<Words> {
                     .map(|field| field.name),
             )
         },
+        (_, "theme") => |_| plain(Theme::ALL.map(Theme::name)),
+        ("criteria", "drawn") => |typed| after_commas(typed, Criterion::ALL.map(Criterion::name)),
         ("plot", "color_map") => |_| plain(ColorMap::ALL.map(ColorMap::name)),
         ("screen", "fail_on") => |_| plain(Cause::ALL.map(Cause::name)),
         ("fit", _) => return None,

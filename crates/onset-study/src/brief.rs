@@ -12,6 +12,7 @@ pub const NOTE_LINES: usize = 6;
 pub const WIDTH: usize = 100;
 /// Width of the names of rows.
 const NAME: usize = 12;
+
 /// An answer with a short form.
 pub trait Brief: Display {
     /// Returns the short form of the answer.

@@ -15,7 +15,7 @@ use ttf_parser::GlyphId;
 const RESOLUTION: f64 = 2.0;
 /// Device pixels per pixel of the PNG along each side, for pictures with a size in print: 300 per inch.
 const PRINTED_RESOLUTION: f64 = 300.0 / 96.0;
-/// Fonts of the text of the SVG: the embedded one, the font from which it was derived (equally wide), and common fonts of operating systems.
+/// Fonts of the text of the SVG: the embedded font, its equally wide predecessor, and common fonts of operating systems.
 const FONTS: &str = "DejaVu Sans, Bitstream Vera Sans, Verdana, Helvetica, Arial, sans-serif";
 
 /// Width of the rim of words on a map, in units of the shapes.

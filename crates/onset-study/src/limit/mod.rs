@@ -25,7 +25,7 @@ const VALUES: usize = 25;
 /// Ratio of the ends of the default range to the present value of the setting.
 const DEFAULT_RANGE_RATIO: f64 = 1e6;
 
-/// Stretches of the states that must be stable, if nothing else is asked.
+/// Default window of the stretches of states that must be stable.
 pub const USUAL_STRETCHES: (f64, f64) = (0.7, 1.5);
 
 /// The time step, as a value with a unit.

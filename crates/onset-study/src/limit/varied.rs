@@ -90,7 +90,7 @@ impl<'a, T: Trial> Varied<'a, T> {
         }
     }
 
-    /// Results in the text: those of the grid, and those at the ends of the intervals.
+    /// Rows of the text: the values of the grid and the ends of the intervals.
     pub(super) fn rows(&self) -> impl Iterator<Item = &'a T> + use<'a, T> {
         let ends: Vec<f64> = self.all_ends().map(|end| end.value).collect();
         let tried = self.tried.iter();
