@@ -326,14 +326,6 @@ impl Drop for Output {
     }
 }
 
-/// Writes files into a folder, which is created if it is missing; returns their paths.
-///
-/// # Errors
-/// Fails like [`Output::at`] and [`Output::write`].
-pub fn write(folder: &Path, files: &Files) -> Result<Vec<PathBuf>, OutputError> {
-    Output::at::<&str>(folder, &[])?.write(files)
-}
-
 /// Folders of a path that do not exist, the innermost first.
 fn missing(folder: &Path) -> Vec<PathBuf> {
     let all = folder
@@ -355,6 +347,10 @@ fn failed(path: &Path) -> impl Fn(io::Error) -> OutputError + use<> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn write(folder: &Path, files: &Files) -> Result<Vec<PathBuf>, OutputError> {
+        Output::at::<&str>(folder, &[])?.write(files)
+    }
 
     fn files(words: &[(&str, &str)]) -> Files {
         words.iter().map(|(name, word)| text(name, *word)).collect()

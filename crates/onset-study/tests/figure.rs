@@ -4,7 +4,7 @@ use onset_study::figure::{
     Arrows, Axis, Field, Figure, FigureError, Label, LegendEntry, Line, Marker, Panel, Points,
     Regions, Rule, Sheet, Size, Symbol, Theme, palette,
 };
-use onset_study::output::{picture, write};
+use onset_study::output::{Output, picture};
 use std::collections::HashSet;
 
 const UNIT: (f64, f64) = (0.0, 1.0);
@@ -331,7 +331,9 @@ fn a_figure_is_written_in_three_formats_into_a_new_directory() {
     let root = std::env::temp_dir().join(format!("onset-figure-{}", std::process::id()));
     let directory = root.join("a/b");
     let figure = Figure::new("files").with(unit_panel(""));
-    let files = write(&directory, &vec![picture("figure-0.5", figure.clone())]).expect("files");
+    let files = Output::at::<&str>(&directory, &[])
+        .and_then(|output| output.write(&vec![picture("figure-0.5", figure.clone())]))
+        .expect("files");
     let names = ["figure-0.5.svg", "figure-0.5.png", "figure-0.5.pdf"];
     assert_eq!(files, names.map(|name| directory.join(name)));
     let read = files
@@ -355,7 +357,9 @@ fn a_directory_that_cannot_be_written_is_named_in_the_error() {
     std::fs::write(&file, "in the way").unwrap();
     let directory = file.join("figures");
     let figure = Figure::new("").with(unit_panel(""));
-    let error = write(&directory, &vec![picture("figure", figure)]).unwrap_err();
+    let error = Output::at::<&str>(&directory, &[])
+        .and_then(|output| output.write(&vec![picture("figure", figure)]))
+        .unwrap_err();
     std::fs::remove_file(&file).unwrap();
     assert_eq!(error.path, directory);
     assert!(
