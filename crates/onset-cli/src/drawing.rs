@@ -46,6 +46,25 @@ impl DrawingArguments {
         }
     }
 
+    /// Refuses options of a figure that is not drawn, with a place as an example.
+    ///
+    /// # Errors
+    /// [`Failure`] with the first option that has no effect.
+    pub fn refuse_idle(&self, place: &str) -> Result<(), Failure> {
+        let given = [
+            ("--size", self.size.is_some()),
+            ("--title", self.title.is_some()),
+            ("--bare", self.bare),
+            ("--theme", self.theme.is_some()),
+        ];
+        match given.iter().find(|(_, is_given)| *is_given) {
+            Some((option, _)) => Err(Failure::input(format!(
+                "{option} has no effect: no figure is drawn\n  hint: give its place, for example --out {place}"
+            ))),
+            None => Ok(()),
+        }
+    }
+
     /// Prepares the files of an answer with one figure: all of them in a folder, or for NAME.svg, NAME.png or NAME.pdf the figure alone; `None` without
     /// a place.
     ///
@@ -58,18 +77,8 @@ impl DrawingArguments {
         others: &[&str],
     ) -> Result<Option<Output>, Failure> {
         let Some(out) = out else {
-            let given = [
-                ("--size", self.size.is_some()),
-                ("--title", self.title.is_some()),
-                ("--bare", self.bare),
-                ("--theme", self.theme.is_some()),
-            ];
-            return match given.iter().find(|(_, is_given)| *is_given) {
-                Some((option, _)) => Err(Failure::input(format!(
-                    "{option} has no effect: no figure is drawn\n  hint: give its place, for example --out {figure}.pdf"
-                ))),
-                None => Ok(None),
-            };
+            self.refuse_idle(&format!("{figure}.pdf"))?;
+            return Ok(None);
         };
         let sheet = self.sheet();
         let names = |name: &OsStr| {

@@ -40,6 +40,9 @@ pub fn simulate(arguments: &SimulateArguments) -> Result<ExitCode, Failure> {
         sheet: arguments.drawing.sheet(),
     });
     let is_kept = place.is_some();
+    if !is_kept {
+        arguments.drawing.refuse_idle("DIR")?;
+    }
     match problem.settings.body.clone() {
         None => {
             let question = patch(arguments, &problem)?;

@@ -14,6 +14,7 @@ mod criteria;
 #[cfg(target_os = "linux")]
 mod damaged_stores;
 mod documents;
+mod drawing;
 #[cfg(feature = "explore")]
 mod explore;
 mod files;
