@@ -509,6 +509,9 @@ fn whole(run: &str) -> (Place, Vec<(String, Vec<u8>)>, Duration) {
         "fields.pvd",
         "history.csv",
         "simulate.html",
+        "simulate.pdf",
+        "simulate.png",
+        "simulate.svg",
     ];
     assert_eq!(names, expected);
     (place, files, start.elapsed())
