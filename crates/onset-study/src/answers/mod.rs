@@ -21,6 +21,7 @@ mod sentence;
 mod short;
 mod state;
 mod summary;
+mod unloading;
 mod zone_path;
 
 pub use certificate::{CertificateAnswer, ProofAnswer, WitnessAnswer};
@@ -42,3 +43,4 @@ pub use path::{CrossingAnswer, DiscretizationOnset, MaterialOnset, PathAnswer};
 pub use problem::{Extent, Problem, ProblemError, Strain, numbers};
 pub use state::{ComplexNumber, DiscretizationAnswer, MaterialAnswer, StateAnswer, StateQuestion};
 pub use summary::{AxisSummary, StudySummary};
+pub use unloading::UnloadingAnswer;

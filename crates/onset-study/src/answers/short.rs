@@ -92,6 +92,9 @@ impl Brief for StateAnswer {
             };
             short = short.row(1, "", text);
         }
+        if let Some(unloading) = &self.unloading {
+            short = short.row(1, "unloading", unloading.words(units));
+        }
         for (name, text) in self.certificate.iter().flat_map(|proof| proof.short()) {
             short = short.row(1, name, text);
         }

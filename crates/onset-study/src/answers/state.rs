@@ -11,6 +11,7 @@ use super::next::next;
 use super::notes::{buckling, notes};
 use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
+use super::unloading::{UnloadingAnswer, band};
 use crate::compare::percent;
 use crate::csv::Table;
 use crate::methods::reduced;
@@ -77,6 +78,9 @@ pub struct StateAnswer {
     pub material_3d: Option<SpaceAnswer>,
     /// The discretization, as searched in floating point.
     pub discretization: DiscretizationAnswer,
+    /// The discretization for disturbances that unload a state that flows; `null` for other states.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unloading: Option<UnloadingAnswer>,
     /// Proofs; `null` if they were not requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub certificate: Option<CertificateAnswer>,
@@ -435,6 +439,7 @@ fn answer(
         response,
         problem.settings.units(),
     ));
+    notes.extend(band(problem, assessment, f));
     let discrete_time = discretization.discrete_time.as_ref();
     notes.extend(
         discrete_time.and_then(|own| note(own, discretization.stable, problem.settings.units())),
@@ -455,6 +460,7 @@ fn answer(
         material: material_answer(problem, assessment, in_3d.as_ref()),
         material_3d: in_3d,
         discretization,
+        unloading: UnloadingAnswer::new(problem, f)?,
     })
 }
 
@@ -838,6 +844,9 @@ impl std::fmt::Display for StateAnswer {
         }
         for (name, text) in d.implicit.iter().flat_map(|own| own.lines(units)) {
             line(&of(name), text)?;
+        }
+        if let Some(unloading) = &self.unloading {
+            line("unloading", unloading.words(units))?;
         }
         if let Some(certificate) = &self.certificate {
             writeln!(formatter, "{certificate}")?;

@@ -476,7 +476,7 @@ impl MaterialSettings {
                 "leave material.plane out, or set a lattice of two dimensions (a sheet) or a chain (a bar)",
             );
         }
-        if self.model.is_in_rate_form() && !self.model.is_elastic_plastic() {
+        if self.model.is_in_rate_form() && !self.model.yields() {
             return refused(
                 format!(
                     "`material.plane` is stress, which is not supported with {}: its stress is integrated in time, along which the faces would have \

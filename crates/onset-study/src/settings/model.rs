@@ -94,9 +94,9 @@ impl Model {
         matches!(self, Self::Law(law) if plasticity::library().contains(law))
     }
 
-    /// Returns true for laws with plastic flow.
-    pub fn is_elastic_plastic(self) -> bool {
-        matches!(self, Self::Law(law) if self.is_in_rate_form() && law.parameter("yield-stress").is_some())
+    /// Returns true for laws that yield, by plastic flow or damage.
+    pub fn yields(self) -> bool {
+        matches!(self, Self::Law(law) if plasticity::yielding().contains(law))
     }
 
     /// Returns true for isotropic laws of the library, for any parameters.

@@ -339,6 +339,20 @@ pub trait Hyperelastic: Send + Sync {
         false
     }
 
+    /// Tangent `A_iJkL` of increments that unload, elastically, from a state that flows; `None` if loading and unloading have the same tangent. Units
+    /// of stress.
+    ///
+    /// [`Hyperelastic::response`] has the tangent of loading that continues.
+    ///
+    /// # Errors
+    /// [`MaterialError`] under the conditions of [`Hyperelastic::response`].
+    fn unloading_tangent(
+        &self,
+        _f: &DeformationGradient,
+    ) -> Result<Option<FourthOrder>, MaterialError> {
+        Ok(None)
+    }
+
     /// Part of the tangent `A_iJkL` from stress that a law in rate form integrates in time; `None` for other laws. Units of stress.
     ///
     /// It is `J F^-1_Jj F^-1_Ll g_ijkl` of the rates `sigma'_ij = g_ijkl L_kl` that are not functions of the positions. The remaining part follows

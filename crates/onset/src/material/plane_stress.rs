@@ -149,6 +149,14 @@ impl PlaneStress {
         )
     }
 
+    /// Tangent of the remaining components.
+    fn tangent(&self, condensed: &Condensed<f64>) -> FourthOrder {
+        FourthOrder::from_fn(|i, j, k, l| match self.is_within(j) && self.is_within(l) {
+            true => condensed.stiffness[3 * i + j][3 * k + l],
+            false => 0.0,
+        })
+    }
+
     /// Like [`PlaneStress::condensed`], with finite-difference derivatives of the tractions with respect to the components across.
     fn differenced(&self, response: &Response) -> Result<Option<Condensed<f64>>, MaterialError> {
         let state = response.deformation.components();
@@ -398,12 +406,28 @@ impl Hyperelastic for PlaneStress {
                 true => condensed.slope[3 * i + j],
                 false => 0.0,
             }),
-            tangent: FourthOrder::from_fn(|i, j, k, l| match is_within(j) && is_within(l) {
-                true => condensed.stiffness[3 * i + j][3 * k + l],
-                false => 0.0,
-            }),
+            tangent: self.tangent(&condensed),
         }
         .finite()
+    }
+
+    fn unloading_tangent(
+        &self,
+        f: &DeformationGradient,
+    ) -> Result<Option<FourthOrder>, MaterialError> {
+        let response = self.found(f)?.response;
+        let f = response.deformation;
+        let Some(tangent) = self.law.unloading_tangent(&f)? else {
+            return Ok(None);
+        };
+        let condensed = self.condensed(&Response {
+            tangent,
+            ..response
+        });
+        let condensed = condensed.ok_or(MaterialError::NotFinite {
+            jacobian: f.jacobian(),
+        })?;
+        Ok(Some(self.tangent(&condensed)))
     }
 
     fn enclosure(&self, f: &DeformationGradient<Interval>) -> ResponseEnclosure {

@@ -147,27 +147,8 @@ impl FiniteUpdate {
         RateModuli::finite(&self.law, &self.elastic, self.state.slip, self.frame)
     }
 
-    /// Pull-back `A_iJkL = a_ijkl F^-1_Jj F^-1_Ll` of spatial moduli.
     fn pulled_back(&self, moduli: &SpatialModuli) -> FourthOrder {
-        let spatial = |a: usize| self.frame.column(a);
-        let material = inverse(&self.deformation) * self.frame;
-        let mut tangent = FourthOrder::from_fn(|_, _, _, _| 0.0);
-        moduli.for_each(|[a, b, c, d], value| {
-            for i in 0..3 {
-                for j in 0..3 {
-                    for k in 0..3 {
-                        for l in 0..3 {
-                            tangent[(i, j, k, l)] += value
-                                * spatial(a)[i]
-                                * material[(j, b)]
-                                * spatial(c)[k]
-                                * material[(l, d)];
-                        }
-                    }
-                }
-            }
-        });
-        tangent
+        moduli.pulled_back(&self.deformation, &self.frame)
     }
 }
 
@@ -205,6 +186,32 @@ impl SpatialModuli {
         }
     }
 
+    /// Pull-back `A_iJkL = a_ijkl F^-1_Jj F^-1_Ll` from principal directions, the columns of `frame`.
+    pub(super) fn pulled_back(
+        &self,
+        deformation: &DeformationGradient,
+        frame: &Matrix3<f64>,
+    ) -> FourthOrder {
+        let material = inverse(deformation) * frame;
+        let mut tangent = FourthOrder::from_fn(|_, _, _, _| 0.0);
+        self.for_each(|[a, b, c, d], value| {
+            for i in 0..3 {
+                for j in 0..3 {
+                    for k in 0..3 {
+                        for l in 0..3 {
+                            tangent[(i, j, k, l)] += value
+                                * frame[(i, a)]
+                                * material[(j, b)]
+                                * frame[(k, c)]
+                                * material[(l, d)];
+                        }
+                    }
+                }
+            }
+        });
+        tangent
+    }
+
     /// Calls a function with the indices and value of every component that does not vanish.
     fn for_each(&self, mut call: impl FnMut([usize; 4], f64)) {
         for i in 0..3 {
@@ -219,7 +226,7 @@ impl SpatialModuli {
     }
 }
 
-fn inverse(deformation: &DeformationGradient) -> Matrix3<f64> {
+pub(super) fn inverse(deformation: &DeformationGradient) -> Matrix3<f64> {
     // The determinant of a checked deformation gradient is positive.
     deformation
         .matrix()

@@ -35,6 +35,11 @@ impl Elasticity {
         Ok(Self { shear, bulk })
     }
 
+    /// Poisson's ratio `(3 K - 2 G) / (2 (3 K + G))`.
+    pub fn poisson_ratio(&self) -> f64 {
+        (3.0 * self.bulk - 2.0 * self.shear) / (2.0 * (3.0 * self.bulk + self.shear))
+    }
+
     /// Principal stresses `2 G dev e + K tr(e) 1` of principal strains.
     pub fn stress(&self, strain: &Vector3<f64>) -> Vector3<f64> {
         let volume = strain.sum();
@@ -106,12 +111,22 @@ pub trait FlowLaw {
     /// Elasticity before any flow.
     fn elasticity(&self) -> Elasticity;
 
+    /// Elasticity of a state that unloads after a slip. It differs from the initial one if the law loses stiffness.
+    fn unloading(&self, _slip: f64) -> Elasticity {
+        self.elasticity()
+    }
+
     /// Stress of the order of the strength at first yield, which scales errors. Units of stress.
     fn strength(&self) -> f64;
 
     /// Internal variables at first yield, and the magnitudes that scale their errors.
     fn start(&self, _stress: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         (Vector3::zeros(), Vector3::repeat(1.0))
+    }
+
+    /// Number of faces of the yield surface that flow together: more than one at a corner, where the response to a perturbation is not linear.
+    fn faces(&self, _internal: &Vector3<f64>) -> usize {
+        1
     }
 
     /// Yield function: negative in the elastic range, zero during flow. Units of stress.

@@ -8,6 +8,14 @@ const SHORTEST_STEP: f64 = 1e-12;
 /// Largest number of steps of an integration.
 const MOST_STEPS: usize = 20_000;
 
+/// Reason why an integration did not reach its end, and the last state `y(x)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stopped<const N: usize, E> {
+    pub(super) why: Stop<E>,
+    pub(super) y: SVector<f64, N>,
+    pub(super) x: f64,
+}
+
 /// Reason why an integration did not reach its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Stop<E> {
@@ -26,7 +34,7 @@ pub(super) fn integrate<const N: usize, E>(
     size: &SVector<f64, N>,
     accuracy: f64,
     rates: impl Fn(&SVector<f64, N>, f64) -> Result<SVector<f64, N>, E>,
-) -> Result<SVector<f64, N>, Stop<E>> {
+) -> Result<SVector<f64, N>, Stopped<N, E>> {
     let (mut y, mut x) = (*start, from);
     if x >= to {
         return Ok(y);
@@ -45,7 +53,10 @@ pub(super) fn integrate<const N: usize, E>(
         });
         let [next, difference, ended] = match reached {
             Ok(reached) => reached,
-            Err(end) if shortest => return Err(Stop::Rates(end)),
+            Err(end) if shortest => {
+                let why = Stop::Rates(end);
+                return Err(Stopped { why, y, x });
+            }
             // A step that is too long may leave the path. Only failure of short steps means that the path ends.
             Err(_) => {
                 step = 0.1 * length;
@@ -63,7 +74,8 @@ pub(super) fn integrate<const N: usize, E>(
         }
         step = length * factor.clamp(0.1, 4.0);
     }
-    Err(Stop::TooManySteps)
+    let why = Stop::TooManySteps;
+    Err(Stopped { why, y, x })
 }
 
 /// Takes one step from a state with known rates. Returns the new state, an estimate of its error, and the new rates.

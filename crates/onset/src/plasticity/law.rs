@@ -1,8 +1,62 @@
 //! Drucker-Prager law, with von Mises as its special case.
 
+use super::coaxial::{
+    CONFINEMENT, KAPPA, MODULUS, MU, RESIDUAL, SLIP, STRENGTH, coaxial, elasticity, hardening,
+};
 use super::{Hardening, PlasticityError};
-use crate::material::FourthOrder;
+use crate::material::{Admitted, FourthOrder, Law, Parameter, Symmetry, hooke};
 use nalgebra::Matrix3;
+
+pub(super) const DRUCKER_PRAGER: Law = Law {
+    name: "drucker-prager",
+    formula: "Hencky's law with mu, kappa for the Kirchhoff stress T; tau + friction tr(T)/3 = k(g), tau = sqrt(s:s/2), s = dev T; flow along s/(2 tau) + dilatancy/3 1; \
+              k = residual + (strength - residual + hardening-modulus g) exp(-g/reference-slip)",
+    parameters: &[
+        MU,
+        KAPPA,
+        Parameter::new(
+            "friction",
+            "1",
+            0.6,
+            Admitted::NotNegative,
+            "pressure coefficient of the yield surface",
+        ),
+        Parameter::new(
+            "dilatancy",
+            "1",
+            0.2,
+            Admitted::Any,
+            "dilatancy of the flow; equal to the friction for associated flow",
+        ),
+        STRENGTH,
+        RESIDUAL,
+        MODULUS,
+        SLIP,
+        CONFINEMENT,
+    ],
+    domain: DOMAIN,
+    symmetry: Symmetry::Isotropic,
+    stressed_reference: None,
+    small_strains: "shear modulus mu, bulk modulus kappa",
+    source: "Drucker and Prager, Q. Appl. Math. 10 (1952) 157, in the notation of Rudnicki and Rice, J. Mech. Phys. Solids 23 (1975) 371; defaults: typical of a \
+             soft rock, MPa",
+    stiffness: |p| hooke(p[0], p[1]),
+    make: |p| {
+        let own = elasticity(p);
+        let law = DruckerPrager::new(
+            own.shear,
+            own.poisson_ratio(),
+            p[2],
+            p[3],
+            hardening(&p[4..]),
+        );
+        coaxial(law, p[8])
+    },
+};
+
+/// Domain of laws that flow.
+pub(super) const DOMAIN: &str =
+    "all J > 0; monotonic, proportional paths from F = 1; tangent of continued flow";
 
 /// Isotropic elasticity with the yield surface and flow rule of Drucker and Prager.
 ///

@@ -21,7 +21,7 @@
 //! meets a stiffer material, so a state that is stable for this tangent is stable. A loss of stability requires perturbations that continue loading
 //! everywhere, as growing waves under a growing load do.
 
-use super::integration::{Stop, integrate};
+use super::integration::{Stop, Stopped, integrate};
 use super::spectral::Spectral;
 use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
@@ -253,11 +253,11 @@ fn is_diagonal(tensor: &Matrix3<f64>) -> bool {
 }
 
 /// Error for a state that a metal cannot reach.
-fn no_path(stop: Stop<()>) -> MaterialError {
+fn no_path<const N: usize>(stopped: Stopped<N, ()>) -> MaterialError {
     MaterialError::OutsideDomain {
         what: "the path to the state",
         value: 1.0,
-        expected: match stop {
+        expected: match stopped.why {
             Stop::Rates(()) => {
                 "along it the metal must keep flowing with a positive flow stress".to_owned()
             }
@@ -415,13 +415,13 @@ impl Metal {
         Ok((Matrix3::from_column_slice(&end.as_slice()[..9]), end[9]))
     }
 
-    /// Stress and tangent of continued flow at given elastic and plastic deformations.
+    /// Stress and tangents of unloading and of continued flow at given elastic and plastic deformations.
     fn flowing(
         &self,
         f: &DeformationGradient,
         inverse: &Matrix3<f64>,
         slip: f64,
-    ) -> Result<Response, MaterialError> {
+    ) -> Result<[Response; 2], MaterialError> {
         let elastic = f.matrix() * inverse;
         let not_finite = || MaterialError::NotFinite {
             jacobian: f.jacobian(),
@@ -433,25 +433,27 @@ impl Metal {
         // Second derivatives: w_Fe = -Q, and w_FF by the chain rule.
         let q = elastic * flow.dual * inverse.transpose() * 2.0;
         let stiffness = flow.stiffness + self.flow_stress.slope(slip);
-        let half = FourthOrder::from_fn(|i, j, k, b| {
-            (0..3)
-                .map(|a| own.tangent[(i, a, k, b)] * inverse[(j, a)])
-                .sum()
-        });
-        Response {
+        let unloading = Response {
             deformation: *f,
             energy: own.energy,
             first_piola: own.first_piola * inverse.transpose(),
-            tangent: FourthOrder::from_fn(|i, j, k, l| {
-                let elastic: f64 = (0..3).map(|b| half[(i, j, k, b)] * inverse[(l, b)]).sum();
-                elastic - q[(i, j)] * q[(k, l)] / stiffness
-            }),
-        }
-        .finite()
+            tangent: with_material_indices(&own.tangent, inverse),
+        };
+        let continued = FourthOrder::from_fn(|i, j, k, l| {
+            unloading.tangent[(i, j, k, l)] - q[(i, j)] * q[(k, l)] / stiffness
+        });
+        let continued = Response {
+            tangent: continued,
+            ..unloading.clone()
+        };
+        Ok([unloading.finite()?, continued.finite()?])
     }
 
-    /// Response of a state whose material axes are the fixed axes.
-    fn along_axes(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
+    /// Responses of a state whose material axes are the fixed axes: to unloading, and to continued flow if the state flows.
+    fn along_axes(
+        &self,
+        f: &DeformationGradient,
+    ) -> Result<(Response, Option<Response>), MaterialError> {
         let matrix = f.matrix();
         let logarithm =
             Spectral::half_logarithm(&(matrix.transpose() * matrix)).ok_or_else(|| {
@@ -459,11 +461,44 @@ impl Metal {
                     jacobian: f.jacobian(),
                 }
             })?;
-        match self.flowed(&logarithm)? {
-            None => self.elastic.response(f),
-            Some((inverse, slip)) => self.flowing(f, &inverse, slip),
-        }
+        Ok(match self.flowed(&logarithm)? {
+            None => (self.elastic.response(f)?, None),
+            Some((inverse, slip)) => {
+                let [unloading, continued] = self.flowing(f, &inverse, slip)?;
+                (unloading, Some(continued))
+            }
+        })
     }
+
+    /// Responses of a state: to unloading, and to continued flow if the state flows.
+    fn responses(
+        &self,
+        f: &DeformationGradient,
+    ) -> Result<(Response, Option<Response>), MaterialError> {
+        if self.frame == Matrix3::identity() {
+            return self.along_axes(f);
+        }
+        let turned = f.matrix() * self.frame;
+        let components = array_of(|i| array_of(|j| turned[(i, j)]));
+        let state = DeformationGradient::new(components).map_err(|_| MaterialError::NotFinite {
+            jacobian: f.jacobian(),
+        })?;
+        let back = |own: Response| Response {
+            deformation: *f,
+            energy: own.energy,
+            first_piola: own.first_piola * self.frame.transpose(),
+            tangent: with_material_indices(&own.tangent, &self.frame),
+        };
+        let (unloading, continued) = self.along_axes(&state)?;
+        Ok((back(unloading), continued.map(back)))
+    }
+}
+
+/// Tangent `m_Jj A_ijkl m_Ll`, with its second and fourth index transformed by a matrix.
+fn with_material_indices(tangent: &FourthOrder, m: &Matrix3<f64>) -> FourthOrder {
+    let half =
+        FourthOrder::from_fn(|i, j, k, b| (0..3).map(|a| tangent[(i, a, k, b)] * m[(j, a)]).sum());
+    FourthOrder::from_fn(|i, j, k, l| (0..3).map(|b| half[(i, j, k, b)] * m[(l, b)]).sum())
 }
 
 impl Hyperelastic for Metal {
@@ -473,26 +508,15 @@ impl Hyperelastic for Metal {
 
     /// Response of the law. Its energy is the stored elastic energy; stress and tangent of a flowing metal have no potential.
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
-        if self.frame == Matrix3::identity() {
-            return self.along_axes(f);
-        }
-        let turned = f.matrix() * self.frame;
-        let components = array_of(|i| array_of(|j| turned[(i, j)]));
-        let state = DeformationGradient::new(components).map_err(|_| MaterialError::NotFinite {
-            jacobian: f.jacobian(),
-        })?;
-        let own = self.along_axes(&state)?;
-        let q = &self.frame;
-        let half = FourthOrder::from_fn(|i, j, k, b| {
-            (0..3).map(|a| own.tangent[(i, a, k, b)] * q[(j, a)]).sum()
-        });
-        Ok(Response {
-            deformation: *f,
-            energy: own.energy,
-            first_piola: own.first_piola * q.transpose(),
-            tangent: FourthOrder::from_fn(|i, j, k, l| {
-                (0..3).map(|b| half[(i, j, k, b)] * q[(l, b)]).sum()
-            }),
-        })
+        let (unloading, continued) = self.responses(f)?;
+        Ok(continued.unwrap_or(unloading))
+    }
+
+    fn unloading_tangent(
+        &self,
+        f: &DeformationGradient,
+    ) -> Result<Option<FourthOrder>, MaterialError> {
+        let (unloading, continued) = self.responses(f)?;
+        Ok(continued.map(|_| unloading.tangent))
     }
 }

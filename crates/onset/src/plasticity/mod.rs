@@ -11,8 +11,8 @@
 //! - Small strain: [`DruckerPrager::update`], [`DruckerPrager::continuum_tangent`].
 //! - Finite strain, `F = F_e F_p`, Hencky elasticity, this law for the Kirchhoff stress: [`DruckerPrager::finite_update`].
 //! - [`RateModuli`]: the acoustic tensor of a state and the critical hardening moduli, for two criteria that differ if `mu != beta`: [`Criterion`].
-//! - [`library`]: J2 and Hill 1948 as materials, with the continuum tangent at the end of a proportional path, and hypoelastic laws, which are in
-//!   rate form too.
+//! - [`library`]: laws of flow and damage as materials of a discretization, with the continuum tangent at the end of a proportional path, and
+//!   hypoelastic laws, which are in rate form too.
 //! - [`FlowLaw`]: other laws along fixed axes, each defined by its elasticity `C`, direction of flow `P`, normal `Q` and plastic modulus `h`:
 //!   [`MohrCoulomb`], [`CamClay`], [`EllipticCap`], [`HillOrthotropic`], [`Gurson`], [`Kinematic`], [`DeformationTheory`], [`ScalarDamage`].
 //! - [`follow`]: a loading path of any of them, and the first slip at which `h` falls to the critical modulus.
@@ -22,6 +22,7 @@
 //! of localization are statements on rates and use it. The *consistent* tangent is the derivative of the stress after a finite step of the return
 //! mapping. Newton's method needs it, and it depends on the size of the step. The two agree in the limit of small steps.
 
+mod coaxial;
 mod cubic;
 mod finite;
 mod flow;
@@ -54,10 +55,12 @@ pub use moduli::RateModuli;
 pub use path::{Bands, End, Load, Loading, LoadingPath, Localization, PathPoint, Strains, follow};
 pub use return_mapping::{Branch, State, Update};
 
-use crate::material::{Law, MaterialError};
+use crate::kinematics::DeformationGradient;
+use crate::material::{FourthOrder, Hyperelastic, Law, MaterialError, Response};
+use std::sync::Arc;
 use thiserror::Error;
 
-/// Named laws in rate form: metals that flow, and hypoelastic laws.
+/// Named laws in rate form: laws with plastic flow or damage, and hypoelastic laws.
 ///
 /// The stress is that at the end of the path `R U^t`, `0 <= t <= 1`, to a state `F = R U`, and the tangent belongs to loading that continues from
 /// there.
@@ -73,13 +76,62 @@ use thiserror::Error;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn library() -> &'static [Law] {
-    const LIBRARY: &[Law] = &[
-        metal::J2,
-        metal::HILL,
-        hypoelastic::JAUMANN,
-        hypoelastic::GREEN_NAGHDI,
-    ];
     LIBRARY
+}
+
+/// Named laws that yield: the tangent for loading that continues differs from the tangent for unloading.
+pub fn yielding() -> &'static [Law] {
+    let is_hypoelastic = |law: &Law| *law == hypoelastic::JAUMANN;
+    let end = LIBRARY.iter().position(is_hypoelastic);
+    &LIBRARY[..end.unwrap_or(LIBRARY.len())]
+}
+
+/// Laws that yield come first.
+const LIBRARY: &[Law] = &[
+    metal::J2,
+    metal::HILL,
+    law::DRUCKER_PRAGER,
+    laws::MOHR_COULOMB,
+    laws::CAP,
+    laws::CAM_CLAY,
+    laws::GURSON,
+    laws::KINEMATIC,
+    laws::DAMAGE,
+    hypoelastic::JAUMANN,
+    hypoelastic::GREEN_NAGHDI,
+];
+
+/// A law for increments that unload: its stress, and the tangent of unloading where the law flows.
+///
+/// A disturbance of a flowing state loads in some places and unloads in others. The tangents of both are limits of what it meets.
+pub struct Unloading(pub Arc<dyn Hyperelastic>);
+
+impl Hyperelastic for Unloading {
+    fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
+        let response = self.0.response(f)?;
+        Ok(match self.0.unloading_tangent(f)? {
+            None => response,
+            Some(tangent) => Response {
+                tangent,
+                ..response
+            },
+        })
+    }
+
+    fn dimension(&self) -> usize {
+        self.0.dimension()
+    }
+
+    fn is_path_dependent(&self) -> bool {
+        self.0.is_path_dependent()
+    }
+
+    fn integrated_tangent(
+        &self,
+        f: &DeformationGradient,
+    ) -> Result<Option<FourthOrder>, MaterialError> {
+        self.0.integrated_tangent(f)
+    }
 }
 
 /// Error of a plastic law or of one of its states.

@@ -198,7 +198,7 @@ impl<'a> Walk<'a> {
             &self.law.start(&split(start).1).1,
         );
         let rates = |y: &Point, slip: f64| self.rates(y, slip);
-        integrate(start, [from, to], &size, ACCURACY, rates).map_err(|stop| match stop {
+        integrate(start, [from, to], &size, ACCURACY, rates).map_err(|stopped| match stopped.why {
             Stop::Rates(end) => end,
             Stop::TooManySteps => End::TooStiff,
         })

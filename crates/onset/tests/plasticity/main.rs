@@ -1,5 +1,6 @@
 //! Plasticity and its localization compared with differentiation, closed forms and independent solutions.
 
+mod coaxial;
 mod critical;
 mod finite;
 mod hypoelastic;

@@ -1,8 +1,42 @@
 //! Laws that lose stiffness along a loading: deformation theory and scalar damage.
 
+use super::super::coaxial::{
+    KAPPA, MODULUS, MU, RESIDUAL, SLIP, STRENGTH, coaxial, elasticity, hardening,
+};
 use super::super::flow::{Elasticity, Flow, FlowLaw, direction, parts};
+use super::super::law::DRUCKER_PRAGER;
 use super::super::{Hardening, PlasticityError};
+use crate::material::{Law, Parameter};
 use nalgebra::Vector3;
+
+pub(in super::super) const DAMAGE: Law = Law {
+    name: "damage",
+    formula: "(1 - D) times Hencky's law with mu, kappa for the Kirchhoff stress T, 1 - D = k/(k + mu g); sqrt(mu T : e) = k(g) with the logarithmic strain e; \
+              k = residual + (strength - residual + hardening-modulus g) exp(-g/reference-slip)",
+    parameters: &[
+        MU,
+        KAPPA,
+        Parameter {
+            default: 3.0,
+            ..STRENGTH
+        },
+        Parameter {
+            default: 0.0,
+            ..RESIDUAL
+        },
+        Parameter {
+            default: 0.0,
+            ..MODULUS
+        },
+        Parameter {
+            default: 0.01,
+            ..SLIP
+        },
+    ],
+    source: "damage by the energy norm of Simo and Ju, Int. J. Solids Struct. 23 (1987) 821, equal in tension and in compression; defaults: typical of a concrete in tension, MPa",
+    make: |p| coaxial(ScalarDamage::new(elasticity(p), hardening(&p[2..])), 0.0),
+    ..DRUCKER_PRAGER
+};
 
 /// Multiple of the flow direction added per unit of slip `gamma` to the inelastic strain of the secant stiffness `G_s`. The strain at the strength
 /// `k(gamma)` is `k/G + gamma`, so `m = 1 + k' (1/G - 1/G_s) = 1 - k' gamma / k`.
@@ -109,6 +143,14 @@ impl FlowLaw for ScalarDamage {
         self.elasticity
     }
 
+    fn unloading(&self, slip: f64) -> Elasticity {
+        let part = remaining(&self.hardening, slip, self.elasticity.shear);
+        Elasticity {
+            shear: part * self.elasticity.shear,
+            bulk: part * self.elasticity.bulk,
+        }
+    }
+
     fn strength(&self) -> f64 {
         self.hardening.strength(0.0)
     }
@@ -126,11 +168,7 @@ impl FlowLaw for ScalarDamage {
         self.hardening.not_exhausted(slip)?;
         let shear = self.elasticity.shear;
         let normal = self.elasticity.strain(stress) * (shear / self.equivalent(stress));
-        let part = remaining(&self.hardening, slip, shear);
-        let secant = Elasticity {
-            shear: part * shear,
-            bulk: part * self.elasticity.bulk,
-        };
+        let secant = self.unloading(slip);
         Ok(Flow {
             per_slip: per_slip(&self.hardening, slip),
             ..Flow::associated(secant, normal, self.hardening.modulus(slip))

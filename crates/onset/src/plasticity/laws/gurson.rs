@@ -1,8 +1,74 @@
 //! Gurson's law of porous metals.
 
+use super::super::coaxial::{
+    KAPPA, MODULUS, MU, RESIDUAL, SLIP, STRENGTH, coaxial, elasticity, hardening,
+};
 use super::super::flow::{Elasticity, Flow, FlowLaw, direction, parts};
+use super::super::law::DRUCKER_PRAGER;
 use super::super::{Hardening, PlasticityError};
+use crate::material::{Admitted, Law, Parameter};
 use nalgebra::Vector3;
+
+pub(in super::super) const GURSON: Law = Law {
+    name: "gurson",
+    formula: "Hencky's law with mu, kappa for the Kirchhoff stress T; (q/q0)^2 + 2 q1 f cosh(3 q2 tr(T)/(6 q0)) = 1 + (q1 f)^2, q^2 = 3/2 s:s, s = dev T, q0 = sqrt(3) k(g); \
+              associated flow; f' = (1 - f) tr(e_p'), (1 - f) k g' = T : e_p'; k = residual + (strength - residual + hardening-modulus g) exp(-g/reference-slip)",
+    parameters: &[
+        Parameter {
+            default: 80_000.0,
+            ..MU
+        },
+        Parameter {
+            default: 170_000.0,
+            ..KAPPA
+        },
+        Parameter {
+            default: 230.0,
+            ..STRENGTH
+        },
+        Parameter {
+            default: 400.0,
+            ..RESIDUAL
+        },
+        Parameter {
+            default: 1000.0,
+            ..MODULUS
+        },
+        Parameter {
+            default: 0.5,
+            ..SLIP
+        },
+        Parameter::new(
+            "voids",
+            "1",
+            0.01,
+            Admitted::Fraction,
+            "volume fraction of voids at first yield",
+        ),
+        Parameter::new(
+            "q1",
+            "1",
+            1.5,
+            Admitted::Positive,
+            "Tvergaard's constant q1; 1 for Gurson's law as published",
+        ),
+        Parameter::new(
+            "q2",
+            "1",
+            1.0,
+            Admitted::Positive,
+            "Tvergaard's constant q2",
+        ),
+    ],
+    source: "Gurson, J. Eng. Mater. Technol. 99 (1977) 2, with the constants of Tvergaard, Int. J. Fract. 17 (1981) 389; defaults: typical of a mild steel, MPa",
+    make: |p| {
+        coaxial(
+            Gurson::new(elasticity(p), p[6], [p[7], p[8]], hardening(&p[2..])),
+            0.0,
+        )
+    },
+    ..DRUCKER_PRAGER
+};
 
 /// Gurson's law: `(s_e/s_0)^2 + 2 q1 f cosh(3 q2 sigma_m / (2 s_0)) - 1 - (q1 f)^2 = 0`, associated.
 ///

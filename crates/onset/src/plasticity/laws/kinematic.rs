@@ -1,8 +1,64 @@
 //! Von Mises law with kinematic hardening.
 
+use super::super::coaxial::{
+    KAPPA, MODULUS, MU, RESIDUAL, SLIP, STRENGTH, coaxial, elasticity, hardening,
+};
 use super::super::flow::{Elasticity, Flow, FlowLaw, direction, parts};
+use super::super::law::DRUCKER_PRAGER;
 use super::super::{Hardening, PlasticityError};
+use crate::material::{Admitted, Law, Parameter};
 use nalgebra::Vector3;
+
+pub(in super::super) const KINEMATIC: Law = Law {
+    name: "kinematic",
+    formula: "Hencky's law with mu, kappa for the Kirchhoff stress T; sqrt(x:x/2) = k(g), x = dev T - a; associated flow; a' = (2 kinematic-modulus P - recovery a) g' with \
+              P = x/(2 k); k = residual + (strength - residual + hardening-modulus g) exp(-g/reference-slip)",
+    parameters: &[
+        Parameter {
+            default: 80_000.0,
+            ..MU
+        },
+        Parameter {
+            default: 170_000.0,
+            ..KAPPA
+        },
+        Parameter {
+            default: 230.0,
+            ..STRENGTH
+        },
+        Parameter {
+            default: 200.0,
+            ..RESIDUAL
+        },
+        Parameter {
+            default: 0.0,
+            ..MODULUS
+        },
+        SLIP,
+        Parameter::new(
+            "kinematic-modulus",
+            "stress",
+            200.0,
+            Admitted::NotNegative,
+            "slope of the back stress in shear, in addition to the strength",
+        ),
+        Parameter::new(
+            "recovery",
+            "1",
+            1.0,
+            Admitted::NotNegative,
+            "recovery of the back stress, which tends to kinematic-modulus/recovery in shear; 0: no recovery",
+        ),
+    ],
+    source: "Prager, J. Appl. Mech. 23 (1956) 493, with the recovery of Armstrong and Frederick (1966), Mater. High Temp. 24 (2007) 1; defaults: a steel, MPa",
+    make: |p| {
+        coaxial(
+            Kinematic::new(elasticity(p), p[6], p[7], hardening(&p[2..])),
+            0.0,
+        )
+    },
+    ..DRUCKER_PRAGER
+};
 
 /// Kinematic hardening: `f = tau(sigma - alpha) - k(gamma)`, associated, with the back stress `alpha' = (2 c P - b alpha) gamma'`.
 ///

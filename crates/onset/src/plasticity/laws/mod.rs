@@ -13,3 +13,9 @@ pub use hill::HillOrthotropic;
 pub use kinematic::Kinematic;
 pub use mohr_coulomb::MohrCoulomb;
 pub use soil::{CamClay, EllipticCap};
+
+pub(super) use damage::DAMAGE;
+pub(super) use gurson::GURSON;
+pub(super) use kinematic::KINEMATIC;
+pub(super) use mohr_coulomb::MOHR_COULOMB;
+pub(super) use soil::{CAM_CLAY, CAP};

@@ -1,9 +1,52 @@
 //! Mohr-Coulomb law, with Tresca as its frictionless case.
 
+use super::super::coaxial::{
+    CONFINEMENT, KAPPA, MODULUS, MU, RESIDUAL, SLIP, STRENGTH, coaxial, elasticity, hardening,
+};
 use super::super::flow::{Elasticity, Flow, FlowLaw};
+use super::super::law::DRUCKER_PRAGER;
 use super::super::{Hardening, PlasticityError};
 use crate::algebra::Each;
+use crate::material::{Admitted, Law, Parameter};
 use nalgebra::Vector3;
+
+pub(in super::super) const MOHR_COULOMB: Law = Law {
+    name: "mohr-coulomb",
+    formula: "Hencky's law with mu, kappa for the Kirchhoff stress T; (T1 - T3)/2 + (T1 + T3)/2 sin(friction-angle) = k(g) with the largest and the smallest \
+              principal value of T, k = c cos(friction-angle) with the cohesion c at first; flow along the derivative of the same function of the \
+              dilation-angle; k = residual + (strength - residual + hardening-modulus g) exp(-g/reference-slip)",
+    parameters: &[
+        MU,
+        KAPPA,
+        Parameter::new(
+            "friction-angle",
+            "deg",
+            30.0,
+            Admitted::Within(0.0, 89.0),
+            "angle of friction",
+        ),
+        Parameter::new(
+            "dilation-angle",
+            "deg",
+            10.0,
+            Admitted::Within(-89.0, 89.0),
+            "dilation angle of the flow; equal to the friction angle for associated flow",
+        ),
+        STRENGTH,
+        RESIDUAL,
+        MODULUS,
+        SLIP,
+        CONFINEMENT,
+    ],
+    domain: "all J > 0; monotonic, proportional paths from F = 1 along which no two of the extreme and the intermediate principal stress become equal during flow; tangent of \
+             continued flow",
+    source: "Mohr-Coulomb in the form of Vermeer and de Borst, Heron 29(3) (1984); defaults: typical of a soft rock, MPa",
+    make: |p| {
+        let law = MohrCoulomb::new(elasticity(p), p[2], p[3], hardening(&p[4..]));
+        coaxial(law, p[8])
+    },
+    ..DRUCKER_PRAGER
+};
 
 /// Mohr-Coulomb law: `f = (sigma_1 - sigma_3)/2 + (sigma_1 + sigma_3)/2 sin(phi) - k(gamma)`, `k = c cos(phi)`.
 ///
@@ -82,6 +125,11 @@ impl FlowLaw for MohrCoulomb {
     fn start(&self, stress: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let [largest, smallest] = Self::shares(stress);
         (largest - smallest, Vector3::repeat(1.0))
+    }
+
+    fn faces(&self, internal: &Vector3<f64>) -> usize {
+        let count = |sign: f64| internal.iter().filter(|x| **x * sign > 0.0).count();
+        count(1.0) * count(-1.0)
     }
 
     fn excess(&self, stress: &Vector3<f64>, slip: f64, _internal: &Vector3<f64>) -> f64 {

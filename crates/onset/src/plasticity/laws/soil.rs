@@ -1,8 +1,83 @@
 //! Laws that harden by compaction: modified Cam-clay and an elliptic cap.
 
 use super::super::PlasticityError;
+use super::super::coaxial::{CONFINEMENT, KAPPA, MU, STRENGTH, coaxial, elasticity};
 use super::super::flow::{Elasticity, Flow, FlowLaw, direction, parts};
+use super::super::law::DRUCKER_PRAGER;
+use crate::material::{Admitted, Law, Parameter};
 use nalgebra::Vector3;
+
+const PRECONSOLIDATION: Parameter = Parameter::new(
+    "preconsolidation",
+    "stress",
+    100.0,
+    Admitted::Positive,
+    "pressure at which the material yields without shear at first; it grows with compaction",
+);
+const COMPRESSIBILITY: Parameter = Parameter::new(
+    "compressibility",
+    "1",
+    0.05,
+    Admitted::Positive,
+    "plastic compaction over which the preconsolidation grows by the factor e; (lambda - kappa)/(1 + e) of soil mechanics",
+);
+
+pub(in super::super) const CAM_CLAY: Law = Law {
+    name: "cam-clay",
+    formula: "Hencky's law with mu, kappa for the Kirchhoff stress T; q^2/critical-slope^2 + p (p - pc) = 0, q^2 = 3/2 s:s, s = dev T, p = -tr(T)/3; associated flow; \
+              pc = preconsolidation exp(c/compressibility), c the plastic compaction",
+    parameters: &[
+        MU,
+        KAPPA,
+        Parameter::new(
+            "critical-slope",
+            "1",
+            1.0,
+            Admitted::Positive,
+            "slope M of the critical state line, q = M p",
+        ),
+        PRECONSOLIDATION,
+        COMPRESSIBILITY,
+        Parameter {
+            default: 50.0,
+            ..CONFINEMENT
+        },
+    ],
+    stressed_reference: Some("the confinement"),
+    source: "Roscoe and Burland, in Engineering Plasticity (1968) 535, with constant moduli; defaults: a stiff clay in units of a hundredth of its preconsolidation pressure",
+    make: |p| coaxial(CamClay::new(elasticity(p), p[2], p[3], p[4]), p[5]),
+    ..DRUCKER_PRAGER
+};
+
+pub(in super::super) const CAP: Law = Law {
+    name: "cap",
+    formula: "Hencky's law with mu, kappa for the Kirchhoff stress T; (max(p - cap-start, 0)/(X - cap-start))^2 + (tau/strength)^2 = 1, tau = sqrt(s:s/2), s = dev T, \
+              p = -tr(T)/3; associated flow; X = preconsolidation exp(c/compressibility), c the plastic compaction",
+    parameters: &[
+        MU,
+        KAPPA,
+        STRENGTH,
+        Parameter::new(
+            "cap-start",
+            "stress",
+            20.0,
+            Admitted::NotNegative,
+            "pressure at which the cap begins",
+        ),
+        PRECONSOLIDATION,
+        COMPRESSIBILITY,
+        CONFINEMENT,
+    ],
+    source: "ellipse of Rudnicki, J. Geophys. Res. 109 (2004) B03402, after DiMaggio and Sandler, J. Eng. Mech. Div. ASCE 97 (1971) 935; defaults: typical of a porous \
+             sandstone, MPa",
+    make: |p| {
+        coaxial(
+            EllipticCap::new(elasticity(p), p[2], [p[3], p[4]], p[5]),
+            p[6],
+        )
+    },
+    ..DRUCKER_PRAGER
+};
 
 /// Growth of the compaction pressure: `p_c' = p_c (-tr e_p') / c`, with `c = (lambda - kappa)/(1 + e)` of soil mechanics.
 fn growth(pressure: f64, compressibility: f64, dilatancy: f64) -> f64 {

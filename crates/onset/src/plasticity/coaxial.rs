@@ -1,0 +1,363 @@
+//! Isotropic laws that flow as materials of a discretization: soils, rocks, porous metals and damage.
+//!
+//! The laws are those of [`super::FlowLaw`], at finite strain: `F = F_e F_p`, Hencky's law `tau = C : e_e` for the Kirchhoff stress with the
+//! logarithmic elastic strain `e_e = 1/2 ln F_e F_e^T`, and a yield function and a direction of flow in the stress `tau` (J. C. Simo, *Comput. Methods
+//! Appl. Mech. Engrg.* 99 (1992) 61). Damage reduces `C` instead. The reference configuration may be under an initial pressure `p`; `tau` is then
+//! measured per unit of the volume under pressure.
+//!
+//! A state `F = R U` is reached along `R U^t`, `0 <= t <= 1`. All tensors keep the axes of `U`, and strains add up:
+//!
+//! `tau' = C : (ln U - P g')`, `Q : tau' = h g'` during flow,
+//!
+//! integrated with controlled error. Where the material unloads along the path, it is elastic until it yields again.
+//!
+//! **Tangent.** In the principal axes with the elastic moduli `a_ijkl` of Hencky's law,
+//!
+//! `F_jJ F_lL A_iJkL = a_ijkl - (C:P)_ij (Q:C)_kl / (h + Q:C:P)`
+//!
+//! for loading that continues, which has no major symmetry if `P` and `Q` differ (nonassociated flow), and `a_ijkl` for unloading. Both are limits of
+//! what a perturbed state does. With associated flow the first is R. Hill's linear comparison solid (*J. Mech. Phys. Solids* 6 (1958) 236), and a
+//! state that is stable for it is stable.
+
+use super::finite::{SpatialModuli, inverse};
+use super::flow::{Elasticity, Flow, FlowLaw};
+use super::integration::{Stop, Stopped, integrate};
+use super::spectral::Spectral;
+use super::{Hardening, PlasticityError};
+use crate::kinematics::DeformationGradient;
+use crate::material::{
+    Admitted, FourthOrder, Hyperelastic, Made, MaterialError, Parameter, Response,
+};
+use nalgebra::{Matrix3, SVector, Vector3};
+
+/// Relative error of the stress along a path.
+const ACCURACY: f64 = 1e-10;
+/// Excess in units of the strength up to which a state counts as elastic after it has unloaded, above the error of the integration.
+const YIELD_TOLERANCE: f64 = 1e-8;
+/// Largest number of times that a path unloads.
+const MOST_UNLOADINGS: usize = 100;
+
+pub(super) const MU: Parameter = Parameter::new(
+    "mu",
+    "stress",
+    10_000.0,
+    Admitted::Positive,
+    "shear modulus",
+);
+pub(super) const KAPPA: Parameter = Parameter::new(
+    "kappa",
+    "stress",
+    13_000.0,
+    Admitted::Positive,
+    "bulk modulus",
+);
+pub(super) const CONFINEMENT: Parameter = Parameter::new(
+    "confinement",
+    "stress",
+    0.0,
+    Admitted::NotNegative,
+    "pressure at F = 1, from which deformations are measured",
+);
+pub(super) const STRENGTH: Parameter = Parameter::new(
+    "strength",
+    "stress",
+    20.0,
+    Admitted::Positive,
+    "yield stress in pure shear at first yield",
+);
+pub(super) const RESIDUAL: Parameter = Parameter::new(
+    "residual",
+    "stress",
+    10.0,
+    Admitted::NotNegative,
+    "strength after large slip",
+);
+pub(super) const MODULUS: Parameter = Parameter::new(
+    "hardening-modulus",
+    "stress",
+    2000.0,
+    Admitted::NotNegative,
+    "slope of the strength before it decays to the residual strength",
+);
+pub(super) const SLIP: Parameter = Parameter::new(
+    "reference-slip",
+    "1",
+    0.05,
+    Admitted::Positive,
+    "plastic shear strain over which the strength decays to the residual strength by the factor 1/e",
+);
+
+/// Elasticity of the first two parameters of these laws, `mu` and `kappa`.
+pub(super) fn elasticity(p: &[f64]) -> Elasticity {
+    Elasticity {
+        shear: p[0],
+        bulk: p[1],
+    }
+}
+
+/// Hardening of the parameters `strength`, `residual`, `hardening-modulus` and `reference-slip`.
+pub(super) fn hardening(p: &[f64]) -> Hardening {
+    Hardening::Peak {
+        initial: p[0],
+        residual: p[1],
+        modulus: p[2],
+        reference: p[3],
+    }
+}
+
+/// Isotropic law that flows, with the pressure in its reference configuration.
+struct Coaxial<L> {
+    law: L,
+    confinement: f64,
+}
+
+/// Creates a material from a law and the pressure in its reference configuration.
+pub(super) fn coaxial<L: FlowLaw + Send + Sync + 'static>(
+    law: Result<L, PlasticityError>,
+    confinement: f64,
+) -> Made {
+    let law = law.map_err(|error| match error {
+        PlasticityError::Parameter {
+            name,
+            value,
+            expected,
+        } => MaterialError::Parameter {
+            name,
+            value,
+            expected: expected.to_owned(),
+        },
+        other => MaterialError::External {
+            message: format!("{other}; a larger reference-slip softens more slowly"),
+        },
+    })?;
+    let stress = Vector3::repeat(-confinement);
+    if law.excess(&stress, 0.0, &law.start(&stress).0) >= 0.0 {
+        return Err(MaterialError::Parameter {
+            name: "confinement",
+            value: confinement,
+            expected: "a pressure at which the material does not yield".to_owned(),
+        });
+    }
+    Ok(Box::new(Coaxial { law, confinement }))
+}
+
+/// State at the end of a path, in the axes of the path.
+struct Reached {
+    stress: Vector3<f64>,
+    elasticity: Elasticity,
+    /// Flow that continues; `None` if the state is elastic.
+    flow: Option<Flow>,
+}
+
+/// Principal stresses, slip and internal variables.
+type Point = SVector<f64, 7>;
+
+fn joined(stress: &Vector3<f64>, slip: f64, internal: &Vector3<f64>) -> Point {
+    Point::from_fn(|n, _| match n {
+        0..3 => stress[n],
+        3 => slip,
+        _ => internal[n - 4],
+    })
+}
+
+fn split(y: &Point) -> (Vector3<f64>, f64, Vector3<f64>) {
+    (
+        y.fixed_rows::<3>(0).into_owned(),
+        y[3],
+        y.fixed_rows::<3>(4).into_owned(),
+    )
+}
+
+/// Reason why a path cannot be followed by flow.
+enum Halt {
+    Unloads,
+    TurnsBack,
+    Law(PlasticityError),
+}
+
+impl<L: FlowLaw> Coaxial<L> {
+    /// Follows the path to logarithmic strains along its axes.
+    fn followed(&self, strain: &Vector3<f64>) -> Result<Reached, MaterialError> {
+        let law = &self.law;
+        let stress = Vector3::repeat(-self.confinement);
+        let (mut y, mut reached) = (joined(&stress, 0.0, &law.start(&stress).0), 0.0);
+        for count in 0..MOST_UNLOADINGS {
+            let (begun, slip, mut internal) = split(&y);
+            let elasticity = law.unloading(slip);
+            let rate = elasticity.stress(strain);
+            let at = |t: f64| begun + rate * (t - reached);
+            let admitted = match count {
+                0 => 0.0,
+                _ => YIELD_TOLERANCE * law.strength(),
+            };
+            let of = |stress: &Vector3<f64>| match count {
+                0 => law.start(stress).0,
+                _ => internal,
+            };
+            // The elastic range is convex, so the path leaves it once.
+            let is_elastic = |t: f64| law.excess(&at(t), slip, &of(&at(t))) <= admitted;
+            if is_elastic(1.0) {
+                return Ok(Reached {
+                    stress: at(1.0),
+                    elasticity,
+                    flow: None,
+                });
+            }
+            let (mut low, mut high) = (reached, 1.0);
+            for _ in 0..200 {
+                let middle = 0.5 * (low + high);
+                if middle <= low || middle >= high {
+                    break;
+                }
+                match is_elastic(middle) {
+                    true => low = middle,
+                    false => high = middle,
+                }
+            }
+            internal = of(&at(high));
+            match self.flowed(&joined(&at(high), slip, &internal), strain, high) {
+                Ok(end) => {
+                    let (stress, slip, internal) = split(&end);
+                    let flow = match law.faces(&internal) {
+                        1 => law.flow(&stress, slip, &internal),
+                        _ => Err(PlasticityError::Corner),
+                    };
+                    let flow = flow.map_err(|error| outside(1.0, &Halt::Law(error)))?;
+                    return Ok(Reached {
+                        stress,
+                        elasticity: flow.elasticity,
+                        flow: Some(flow),
+                    });
+                }
+                Err(Stopped {
+                    why: Stop::Rates(Halt::Unloads),
+                    y: last,
+                    x,
+                }) => (y, reached) = (last, x),
+                Err(Stopped {
+                    why: Stop::Rates(halt),
+                    x,
+                    ..
+                }) => return Err(outside(x, &halt)),
+                Err(Stopped { x, .. }) => return Err(too_many_steps(x)),
+            }
+        }
+        Err(too_many_steps(reached))
+    }
+
+    /// Integrates the flow from a point on the yield surface to the end of the path.
+    fn flowed(
+        &self,
+        start: &Point,
+        strain: &Vector3<f64>,
+        from: f64,
+    ) -> Result<Point, Stopped<7, Halt>> {
+        let law = &self.law;
+        let rates = |y: &Point, _: f64| {
+            let (stress, slip, internal) = split(y);
+            let flow = law.flow(&stress, slip, &internal).map_err(Halt::Law)?;
+            let stiffness = flow.hardening + flow.per_slip * flow.relaxation();
+            if stiffness.is_nan() || stiffness <= 0.0 {
+                return Err(Halt::TurnsBack);
+            }
+            let elastic = flow.elasticity.stress(strain);
+            let rate = flow.normal.dot(&elastic) / stiffness;
+            if rate < 0.0 {
+                return Err(Halt::Unloads);
+            }
+            let relaxed = flow.elasticity.stress(&flow.direction) * flow.per_slip;
+            let change = joined(&(elastic - relaxed * rate), rate, &(flow.internal * rate));
+            match change.iter().all(|part| part.is_finite()) {
+                true => Ok(change),
+                false => Err(Halt::Law(PlasticityError::NotFinite)),
+            }
+        };
+        let strength = law.strength();
+        let size = joined(
+            &Vector3::repeat(strength),
+            strength / law.elasticity().shear,
+            &law.start(&split(start).0).1,
+        );
+        integrate(start, [from, 1.0], &size, ACCURACY, rates)
+    }
+
+    /// Elastic moduli and stress in the principal axes at the end of the path to a state, with the axes and the flow.
+    fn at(
+        &self,
+        f: &DeformationGradient,
+    ) -> Result<(SpatialModuli, Reached, Matrix3<f64>), MaterialError> {
+        let matrix = f.matrix();
+        let logarithm = Spectral::half_logarithm(&(matrix * matrix.transpose()));
+        let logarithm = logarithm.ok_or_else(|| MaterialError::NotFinite {
+            jacobian: f.jacobian(),
+        })?;
+        let reached = self.followed(&logarithm.values)?;
+        let elasticity = &reached.elasticity;
+        let moduli = SpatialModuli::new(
+            elasticity.normal(),
+            &reached.stress,
+            &elasticity.strain(&reached.stress),
+            elasticity.shear,
+        );
+        Ok((moduli, reached, logarithm.axes))
+    }
+}
+
+fn outside(reached: f64, halt: &Halt) -> MaterialError {
+    MaterialError::OutsideDomain {
+        what: "the part of the path to it that can be followed",
+        value: reached,
+        expected: match halt {
+            Halt::Unloads => "there the material unloads".to_owned(),
+            Halt::TurnsBack => {
+                "there the law softens so fast that the strain does not determine the stress"
+                    .to_owned()
+            }
+            Halt::Law(error) => format!("there {error}"),
+        },
+    }
+}
+
+fn too_many_steps(reached: f64) -> MaterialError {
+    MaterialError::OutsideDomain {
+        what: "the part of the path to it that can be followed",
+        value: reached,
+        expected: "there too many short steps are needed".to_owned(),
+    }
+}
+
+impl<L: FlowLaw + Send + Sync> Hyperelastic for Coaxial<L> {
+    fn is_path_dependent(&self) -> bool {
+        true
+    }
+
+    /// Response of the law. Its energy is the stored elastic energy; stress and tangent of a flowing material have no potential.
+    fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
+        let (mut moduli, reached, axes) = self.at(f)?;
+        if let Some(flow) = &reached.flow {
+            let (flowed, loading) = (&flow.direction, &flow.normal);
+            let elasticity = &flow.elasticity;
+            moduli.normal -= elasticity.stress(flowed) * elasticity.stress(loading).transpose()
+                / (flow.modulus() + flow.relaxation());
+        }
+        let stress = axes * Matrix3::from_diagonal(&reached.stress) * axes.transpose();
+        Response {
+            deformation: *f,
+            energy: 0.5
+                * reached
+                    .stress
+                    .dot(&reached.elasticity.strain(&reached.stress)),
+            first_piola: stress * inverse(f).transpose(),
+            tangent: moduli.pulled_back(f, &axes),
+        }
+        .finite()
+    }
+
+    fn unloading_tangent(
+        &self,
+        f: &DeformationGradient,
+    ) -> Result<Option<FourthOrder>, MaterialError> {
+        let (moduli, reached, axes) = self.at(f)?;
+        Ok(reached.flow.map(|_| moduli.pulled_back(f, &axes)))
+    }
+}

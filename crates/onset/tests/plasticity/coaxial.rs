@@ -1,0 +1,465 @@
+//! Laws that flow as materials: compared with loading paths of `follow`, with closed-form return mapping, and with small steps of a tensor update.
+
+use crate::Numbers;
+use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+use onset::continuum::Stiffness;
+use onset::kinematics::DeformationGradient;
+use onset::material::{FourthOrder, Hyperelastic, PlaneStress, Response};
+use onset::plasticity::{
+    Bands, CamClay, DruckerPrager, Elasticity, EllipticCap, FiniteState, FlowLaw, Gurson,
+    Hardening, Kinematic, Load, Loading, LoadingPath, MohrCoulomb, ScalarDamage, Strains, follow,
+    library,
+};
+
+const G: f64 = 100.0;
+const K: f64 = 150.0;
+const STRENGTH: [f64; 4] = [1.0, 0.6, 40.0, 0.03];
+/// Pressure in the reference configuration of the clay.
+const PRESSURE: f64 = 1.2;
+
+fn elasticity(scale: f64) -> Elasticity {
+    Elasticity {
+        shear: G * scale,
+        bulk: K * scale,
+    }
+}
+
+fn hardening() -> Hardening {
+    let [initial, residual, modulus, reference] = STRENGTH;
+    Hardening::Peak {
+        initial,
+        residual,
+        modulus,
+        reference,
+    }
+}
+
+fn material(name: &str, own: &[(&str, f64)]) -> Box<dyn Hyperelastic> {
+    let law = library().iter().find(|law| law.name == name);
+    let law = law.expect("a law");
+    let [strength, residual, modulus, reference] = STRENGTH;
+    let common = [
+        ("mu", G),
+        ("kappa", K),
+        ("strength", strength),
+        ("residual", residual),
+        ("hardening-modulus", modulus),
+        ("reference-slip", reference),
+    ];
+    let common = common.into_iter();
+    let given = common.filter(|(name, _)| law.parameter(name).is_some());
+    let given: Vec<_> = given.chain(own.iter().copied()).collect();
+    law.build(&given).expect("admissible")
+}
+
+/// Law with equal parameters as a material and as a law along axes.
+struct Pair {
+    name: &'static str,
+    material: Box<dyn Hyperelastic>,
+    law: Box<dyn FlowLaw>,
+    confinement: f64,
+}
+
+/// All laws; those along axes with elastic moduli and pressures multiplied by a scale where the reference configuration is under pressure.
+fn pairs(scale: f64) -> Vec<Pair> {
+    let e = elasticity(1.0);
+    let pair = |name, own: &[(&str, f64)], law: Box<dyn FlowLaw>| Pair {
+        name,
+        material: material(name, own),
+        law,
+        confinement: if name == "cam-clay" { PRESSURE } else { 0.0 },
+    };
+    let prager = DruckerPrager::new(G, e.poisson_ratio(), 0.5, 0.2, hardening());
+    let coulomb = MohrCoulomb::new(e, 25.0, 8.0, hardening());
+    let cap = EllipticCap::new(e, STRENGTH[0], [0.5, 3.0], 0.04);
+    let clay = CamClay::new(elasticity(scale), 1.1, 2.5 * scale, 0.05);
+    let gurson = Gurson::new(e, 0.02, [1.5, 1.1], hardening());
+    let kinematic = Kinematic::new(e, 8.0, 3.0, hardening());
+    let damage = ScalarDamage::new(e, hardening());
+    vec![
+        pair(
+            "drucker-prager",
+            &[("friction", 0.5), ("dilatancy", 0.2)],
+            Box::new(prager.expect("a law")),
+        ),
+        pair(
+            "mohr-coulomb",
+            &[("friction-angle", 25.0), ("dilation-angle", 8.0)],
+            Box::new(coulomb.expect("a law")),
+        ),
+        pair(
+            "cap",
+            &[
+                ("cap-start", 0.5),
+                ("preconsolidation", 3.0),
+                ("compressibility", 0.04),
+            ],
+            Box::new(cap.expect("a law")),
+        ),
+        pair(
+            "cam-clay",
+            &[
+                ("critical-slope", 1.1),
+                ("preconsolidation", 2.5),
+                ("compressibility", 0.05),
+                ("confinement", PRESSURE),
+            ],
+            Box::new(clay.expect("a law")),
+        ),
+        pair(
+            "gurson",
+            &[("voids", 0.02), ("q1", 1.5), ("q2", 1.1)],
+            Box::new(gurson.expect("a law")),
+        ),
+        pair(
+            "kinematic",
+            &[("kinematic-modulus", 8.0), ("recovery", 3.0)],
+            Box::new(kinematic.expect("a law")),
+        ),
+        pair("damage", &[], Box::new(damage.expect("a law"))),
+    ]
+}
+
+fn gradient(f: &Matrix3<f64>) -> DeformationGradient {
+    DeformationGradient::new(f.transpose().into()).expect("a deformation gradient")
+}
+
+fn at(material: &dyn Hyperelastic, f: &Matrix3<f64>) -> Response {
+    material.response(&gradient(f)).expect("a response")
+}
+
+fn difference(a: &FourthOrder, b: &FourthOrder) -> f64 {
+    (0..81)
+        .map(|n| (n / 27, n / 9 % 3, n / 3 % 3, n % 3))
+        .map(|place| (a[place] - b[place]).abs())
+        .fold(0.0, f64::max)
+}
+
+/// Logarithmic strains beyond yield, without symmetry and under some pressure, along turned axes, and a rotation of the body.
+fn state(numbers: &mut Numbers, size: f64) -> (Matrix3<f64>, Matrix3<f64>) {
+    let axes = numbers.rotation();
+    let strains =
+        (Vector3::new(0.5, -0.1, -1.0) + Vector3::from_fn(|_, _| numbers.next()) * 0.2) * size;
+    let stretch = axes * Matrix3::from_diagonal(&strains.map(f64::exp)) * axes.transpose();
+    let logarithm = axes * Matrix3::from_diagonal(&strains) * axes.transpose();
+    (numbers.rotation() * stretch, logarithm)
+}
+
+#[test]
+fn drucker_prager_is_its_closed_form_return_mapping_on_proportional_paths() {
+    let law = pairs(1.0).swap_remove(0);
+    let e = elasticity(1.0);
+    let other = DruckerPrager::new(G, e.poisson_ratio(), 0.5, 0.2, hardening()).expect("a law");
+    let mut numbers = Numbers(7);
+    for size in [1e-3, 0.03, 0.1, 0.3] {
+        let (f, _) = state(&mut numbers, size);
+        let update = other.finite_update(&gradient(&f), &FiniteState::default());
+        let update = update.expect("a step");
+        let own = at(&*law.material, &f);
+        let stress = (own.first_piola - update.first_piola()).amax();
+        assert!(stress < 1e-8, "{size}: {stress}");
+        let tangent = update.continuum_tangent().expect("flow");
+        assert!(difference(&own.tangent, &tangent) < 1e-7 * G, "{size}");
+    }
+}
+
+/// Paths of constant strain ratios, on which `localize` and the commands of particles have one answer.
+#[test]
+fn every_law_has_the_acoustic_tensors_of_its_loading_path() {
+    // At finite strain `follow` measures the stress per volume of the stress-free state.
+    let scale = (-PRESSURE / K).exp();
+    let mut numbers = Numbers(8);
+    for pair in pairs(scale) {
+        let mut count = 0;
+        for (path, load) in [
+            (LoadingPath::PureShear, Load::Tension),
+            (LoadingPath::UniaxialStrain, Load::Compression),
+            (LoadingPath::UniaxialStrain, Load::Tension),
+        ] {
+            let loading = Loading {
+                path,
+                load,
+                strains: Strains::Finite,
+                bands: Bands::Bulk,
+                confinement: pair.confinement,
+                strain_ratio: 0.0,
+                slip: 0.03,
+            };
+            let Ok(found) = follow(&*pair.law, &loading) else {
+                continue;
+            };
+            for point in found.points.iter().skip(1).step_by(17) {
+                let f = Matrix3::from_diagonal(&Vector3::from(point.strain).map(f64::exp));
+                let own = match pair.material.response(&gradient(&f)) {
+                    Ok(own) => own,
+                    // Two principal stresses are equal in uniaxial strain.
+                    Err(error) if pair.name == "mohr-coulomb" => {
+                        assert_eq!(path, LoadingPath::UniaxialStrain);
+                        assert!(error.to_string().contains("corner"), "{error}");
+                        continue;
+                    }
+                    Err(error) => panic!("{} {path:?}: {error}", pair.name),
+                };
+                let cauchy = own.cauchy().diagonal() - Vector3::from(point.stress);
+                assert!(cauchy.amax() < 1e-7, "{} {path:?}: {cauchy}", pair.name);
+                let n = numbers.rotation().column(0).into_owned();
+                let told = point.moduli.acoustic_tensor(&n);
+                let spatial = own.spatial_tangent();
+                let acoustic = Matrix3::from_fn(|i, k| {
+                    (0..9)
+                        .map(|m| (m / 3, m % 3))
+                        .map(|(j, l)| spatial[(i, j, k, l)] * n[j] * n[l])
+                        .sum()
+                });
+                // `follow` has Kirchhoff stress per volume of the stress-free state.
+                let volume = f.determinant() * if pair.confinement > 0.0 { scale } else { 1.0 };
+                let error = (acoustic * volume - told).amax();
+                assert!(error < 1e-6 * G, "{} {path:?}: {error:e}", pair.name);
+                count += 1;
+            }
+        }
+        assert!(count >= 10, "{}: {count}", pair.name);
+    }
+}
+
+/// Internal state of the tensor update: inverse plastic metric (of damage: the identity), slip and internal variables.
+struct Inner {
+    metric: Matrix3<f64>,
+    slip: f64,
+    internal: Vector3<f64>,
+    has_yielded: bool,
+}
+
+/// One explicit step to a deformation gradient: principal axes of the trial state, flow of the law in them. Returns the Kirchhoff stress.
+///
+/// The axes are in the order of the trial strains, so internal variables of an axis stay with it.
+fn step(pair: &Pair, inner: &mut Inner, f: &Matrix3<f64>) -> Matrix3<f64> {
+    let trial = SymmetricEigen::new(f * inner.metric * f.transpose());
+    let mut order = [0, 1, 2];
+    order.sort_by(|a, b| trial.eigenvalues[*b].total_cmp(&trial.eigenvalues[*a]));
+    let axes = Matrix3::from_fn(|i, j| trial.eigenvectors[(i, order[j])]);
+    let strain = Vector3::from_fn(|i, _| 0.5 * trial.eigenvalues[order[i]].ln());
+    let law = &pair.law;
+    let elasticity = law.unloading(inner.slip);
+    let offset = Vector3::repeat(pair.confinement);
+    let mut stress = elasticity.stress(&strain) - offset;
+    if !inner.has_yielded {
+        inner.internal = law.start(&stress).0;
+    }
+    let excess = law.excess(&stress, inner.slip, &inner.internal);
+    if excess > 0.0 {
+        inner.has_yielded = true;
+        // Iterations of the cutting plane: each linearizes flow and yield function at the current stress.
+        for _ in 0..30 {
+            let flow = law
+                .flow(&stress, inner.slip, &inner.internal)
+                .expect("flow");
+            let excess = law.excess(&stress, inner.slip, &inner.internal);
+            // Scale of the yield function: its slope along the normal.
+            let h = 1e-6;
+            let scale = (law.excess(&(stress + flow.normal * h), inner.slip, &inner.internal)
+                - law.excess(&(stress - flow.normal * h), inner.slip, &inner.internal))
+                / (2.0 * h * flow.normal.norm_squared());
+            let rate = excess / scale / (flow.hardening + flow.per_slip * flow.relaxation());
+            stress -= flow.elasticity.stress(&flow.direction) * (flow.per_slip * rate);
+            inner.slip += rate;
+            inner.internal += flow.internal * rate;
+            if excess.abs() < 1e-14 {
+                break;
+            }
+        }
+        if pair.name != "damage" {
+            let elastic = elasticity.strain(&(stress + offset));
+            let b =
+                axes * Matrix3::from_diagonal(&elastic.map(|e| (2.0 * e).exp())) * axes.transpose();
+            let inverse = f.try_inverse().expect("regular");
+            inner.metric = inverse * b * inverse.transpose();
+        }
+    }
+    axes * Matrix3::from_diagonal(&stress) * axes.transpose()
+}
+
+/// State at the end of a path in small steps of the tensor update.
+fn walked(pair: &Pair, logarithm: &Matrix3<f64>, steps: u32) -> (Matrix3<f64>, Inner) {
+    let mut inner = Inner {
+        metric: Matrix3::identity(),
+        slip: 0.0,
+        internal: Vector3::zeros(),
+        has_yielded: false,
+    };
+    let spectrum = SymmetricEigen::new(*logarithm);
+    let mut stress = Matrix3::zeros();
+    for count in 1..=steps {
+        let part = f64::from(count) / f64::from(steps);
+        let values = spectrum.eigenvalues.map(|value| (part * value).exp());
+        let u = spectrum.eigenvectors
+            * Matrix3::from_diagonal(&values)
+            * spectrum.eigenvectors.transpose();
+        stress = step(pair, &mut inner, &u);
+    }
+    (stress, inner)
+}
+
+#[test]
+fn every_law_is_the_limit_of_small_steps_and_its_tangents_belong_to_the_next_step() {
+    let mut numbers = Numbers(9);
+    for pair in pairs(1.0) {
+        for size in [0.03, 0.08] {
+            let (f, logarithm) = state(&mut numbers, size);
+            let u = {
+                let c = SymmetricEigen::new(logarithm);
+                let values = c.eigenvalues.map(f64::exp);
+                c.eigenvectors * Matrix3::from_diagonal(&values) * c.eigenvectors.transpose()
+            };
+            let turn = f * u.try_inverse().expect("regular");
+            let own = at(&*pair.material, &f);
+            // Richardson extrapolation of steps of first order.
+            let [coarse, fine] = [2000, 4000].map(|steps| walked(&pair, &logarithm, steps));
+            let stress = fine.0 * 2.0 - coarse.0;
+            let told = own.first_piola * f.transpose();
+            let error = (turn * stress * turn.transpose() - told).amax();
+            assert!(error < 2e-5, "{} {size}: {error:e}", pair.name);
+
+            // Steps in random directions, in the sense in which flow continues; the reversed step unloads.
+            let unloading = pair.material.unloading_tangent(&gradient(&f));
+            let unloading = unloading.expect("a tangent").expect("flow");
+            let inner = fine.1;
+            let (mut flowed, mut unloaded) = (0, 0);
+            for _ in 0..12 {
+                let change = Matrix3::from_fn(|_, _| numbers.next());
+                let h = 1e-6;
+                let stepped = |sign: f64| {
+                    let mut copy = Inner { ..inner };
+                    let next = u + change * (sign * h);
+                    let kirchhoff = step(&pair, &mut copy, &next);
+                    let inverse = next.try_inverse().expect("regular");
+                    (kirchhoff * inverse.transpose(), copy.slip > inner.slip)
+                };
+                // Stress at the state itself, with the error of the steps.
+                let base = {
+                    let mut copy = Inner { ..inner };
+                    step(&pair, &mut copy, &u) * u.try_inverse().expect("regular").transpose()
+                };
+                let spun = turn * change;
+                for sign in [1.0, -1.0] {
+                    let (next, flows) = stepped(sign);
+                    let tangent = match flows {
+                        true => &own.tangent,
+                        false => &unloading,
+                    };
+                    let rate = Matrix3::from_fn(|i, j| {
+                        (0..9)
+                            .map(|m| (m / 3, m % 3))
+                            .map(|(k, l)| tangent[(i, j, k, l)] * spun[(k, l)])
+                            .sum::<f64>()
+                    });
+                    let found = turn * (next - base) / (sign * h);
+                    let error = (found - rate).amax();
+                    assert!(error < 3e-3 * G, "{} {size} {flows}: {error:e}", pair.name);
+                    match flows {
+                        true => flowed += 1,
+                        false => unloaded += 1,
+                    }
+                }
+            }
+            assert!(
+                flowed > 2 && unloaded > 2,
+                "{}: {flowed} {unloaded}",
+                pair.name
+            );
+        }
+    }
+}
+
+#[test]
+fn elastic_states_have_one_tangent_and_yield_where_the_law_does() {
+    let mut numbers = Numbers(10);
+    for pair in pairs(1.0) {
+        let (f, _) = state(&mut numbers, 1e-3);
+        let unloading = pair.material.unloading_tangent(&gradient(&f));
+        assert_eq!(unloading.expect("a tangent"), None, "{}", pair.name);
+        let own = at(&*pair.material, &f);
+        let pressure = own.cauchy().trace() / -3.0;
+        assert!((pressure - pair.confinement).abs() < 0.5, "{}", pair.name);
+    }
+    let names = |law: &&onset::material::Law| !law.name.starts_with("hypoelastic");
+    assert_eq!(library().iter().filter(names).count(), 2 + pairs(1.0).len());
+}
+
+/// The thickness of a sheet keeps its faces free in both tangents.
+#[test]
+fn a_sheet_unloads_with_free_faces() {
+    let sheet = PlaneStress::new(material("drucker-prager", &[]), 2).expect("a sheet");
+    let f = DeformationGradient::from_stretches([1.03, 0.99, 1.0]).expect("a state");
+    let unloading = sheet.unloading_tangent(&f).expect("a tangent");
+    let unloading = unloading.expect("flow");
+    let own = sheet.response(&f).expect("a response");
+    let whole = material("drucker-prager", &[]);
+    let elastic = whole.unloading_tangent(&own.deformation);
+    let elastic = elastic.expect("a tangent").expect("flow");
+    for (i, j, k, l) in [(0, 0, 0, 0), (0, 0, 1, 1), (1, 1, 1, 1), (0, 1, 0, 1)] {
+        let across = match (i == j, k == l) {
+            (true, true) => elastic[(i, j, 2, 2)] * elastic[(2, 2, k, l)] / elastic[(2, 2, 2, 2)],
+            _ => 0.0,
+        };
+        let expected = elastic[(i, j, k, l)] - across;
+        assert!((unloading[(i, j, k, l)] - expected).abs() < 1e-9 * G);
+    }
+    assert!(difference(&own.tangent, &unloading) > 1e-2 * G);
+}
+
+#[test]
+fn states_that_cannot_be_reached_are_refused_with_the_reason() {
+    let told = |name: &str, own: &[(&str, f64)], stretches: [f64; 3]| {
+        let f = DeformationGradient::from_stretches(stretches).expect("a state");
+        let error = material(name, own).response(&f).expect_err("a refusal");
+        error.to_string()
+    };
+    // Hydrostatic tension meets the apex of the cone.
+    let apex = told("drucker-prager", &[("friction", 0.5)], [1.1; 3]);
+    assert!(apex.contains("no deviator"), "{apex}");
+    let corner = told("mohr-coulomb", &[], [1.05, 1.0, 1.0]);
+    assert!(corner.contains("corner"), "{corner}");
+    let none = told(
+        "gurson",
+        &[
+            ("voids", 0.3),
+            ("residual", 0.0),
+            ("hardening-modulus", 0.0),
+        ],
+        [1.5, 0.9, 1.0],
+    );
+    assert!(
+        none.contains("exhausted") || none.contains("does not determine"),
+        "{none}"
+    );
+    let law = library().iter().find(|law| law.name == "cam-clay");
+    let error = law.expect("a law").build(&[("confinement", 200.0)]);
+    let error = error.err().expect("a refusal").to_string();
+    assert!(error.contains("does not yield"), "{error}");
+    let law = library().iter().find(|law| law.name == "drucker-prager");
+    let error = law.expect("a law").build(&[("reference-slip", 1e-5)]);
+    let error = error.err().expect("a refusal").to_string();
+    assert!(error.contains("softens too fast"), "{error}");
+}
+
+/// Softening without friction: long waves of the tangent vanish where `h` falls to the critical modulus, and the elastic tangent keeps its wave speeds.
+#[test]
+fn a_softening_law_loses_ellipticity_for_loading_but_not_for_unloading() {
+    let law = material(
+        "drucker-prager",
+        &[("friction", 0.0), ("dilatancy", 0.0), ("confinement", 0.0)],
+    );
+    let smallest = |tangent: FourthOrder, own: &Response| {
+        let response = Response {
+            tangent,
+            ..own.clone()
+        };
+        Stiffness::<3>::of(&response).minimum().eigenvalue.re
+    };
+    let f = Matrix3::from_diagonal(&Vector3::new(1.1, 1.0 / 1.1, 1.0));
+    let own = at(&*law, &f);
+    let unloading = law.unloading_tangent(&gradient(&f)).expect("a tangent");
+    assert!(smallest(own.tangent.clone(), &own) < -1e-3 * G);
+    assert!(smallest(unloading.expect("flow"), &own) > 0.5 * G);
+}
