@@ -9,6 +9,7 @@ use onset::kinematics::{DeformationGradient, KinematicsError};
 use onset::material::Hyperelastic;
 use onset::method::MethodError;
 use onset::motion::{BodyError, Fault};
+use onset::plasticity::Unloading;
 use onset::verdict::PathError;
 use std::sync::Arc;
 use thiserror::Error;
@@ -442,6 +443,24 @@ impl Problem {
             settings,
             material,
         })
+    }
+
+    /// Returns the problem for increments that unload a state that flows.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when the method is invalid.
+    pub(crate) fn unloading(&self) -> Result<Self, ProblemError> {
+        let law = Arc::new(Unloading(Arc::clone(&self.material)));
+        Self::with_law(self.settings.clone(), law)
+    }
+
+    /// Returns true if increments that unload a state meet another tangent than those that continue its loading.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when the material cannot be evaluated there.
+    pub(crate) fn unloads(&self, f: &DeformationGradient) -> Result<bool, ProblemError> {
+        let tangent = self.material.unloading_tangent(f);
+        Ok(tangent.map_err(MethodError::from)?.is_some())
     }
 
     /// Returns the problem with the cell of the settings instead of the primitive cell, for patches.

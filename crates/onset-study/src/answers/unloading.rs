@@ -8,10 +8,8 @@ use crate::number::{told, told_below, vector};
 use crate::settings::Units;
 use nalgebra::{SVector, SymmetricEigen};
 use onset::kinematics::DeformationGradient;
-use onset::plasticity::Unloading;
 use onset::verdict::{Assessment, Mechanism, Verdict};
 use serde::Serialize;
-use std::sync::Arc;
 
 /// Verdict on a state that flows, with the elastic tangent of increments that unload it.
 ///
@@ -38,12 +36,10 @@ impl UnloadingAnswer {
         problem: &Problem,
         f: &DeformationGradient,
     ) -> Result<Option<Self>, ProblemError> {
-        let tangent = problem.material.unloading_tangent(f);
-        if tangent.map_err(onset::method::MethodError::from)?.is_none() {
+        if !problem.unloads(f)? {
             return Ok(None);
         }
-        let law = Arc::new(Unloading(Arc::clone(&problem.material)));
-        let problem = Problem::with_law(problem.settings.clone(), law)?;
+        let problem = problem.unloading()?;
         let assessment = problem.analysis.assess(f)?;
         let spectrum = &assessment.spectrum;
         let step = Some(spectrum.critical_time_step()).filter(|step| step.is_finite());

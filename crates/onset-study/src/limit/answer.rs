@@ -12,9 +12,11 @@ use crate::number::told;
 use crate::output::{Files, picture, text};
 use crate::range::spread;
 use crate::settings::{Effective, Settings, Units};
+use onset::analysis::Analysis;
 use onset::cancel::Scope;
+use onset::method::MethodError;
 use onset::time_step::{Integrator, undamped_time_step};
-use onset::verdict::Verdict;
+use onset::verdict::{Assessment, Verdict};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -139,13 +141,11 @@ impl Search<'_> {
         let (analysis, f) = (&*problem.analysis, &self.strain.0);
         let assessment = analysis.assess(f)?;
         let transferred = analysis.transferred(f)?;
-        let step = match &transferred {
-            Some(waves) => waves.critical_time_step(),
-            None if analysis.is_damped() => {
-                analysis.critical_time_step(f, self.question.integrator)?
-            }
-            None => undamped_time_step(self.question.integrator, assessment.spectrum.maximum_omega),
-        };
+        let mut step = self.step(analysis, &assessment)?;
+        if problem.unloads(f)? {
+            let stiffer = problem.unloading()?.analysis;
+            step = step.min(self.step(&*stiffer, &stiffer.assess(f)?)?);
+        }
         let body = BodyStepAnswer::new(&problem, f)?;
         // The step of the body is the limit of central differences, and is rescaled for the integrator.
         let share = self.question.integrator.undamped_reach()
@@ -161,6 +161,22 @@ impl Search<'_> {
             isolated_point_time_step: transferred.and_then(|waves| waves.isolated_point()),
             note: None,
             is_refined: false,
+        })
+    }
+
+    /// Critical step of an analysis at the state.
+    fn step(
+        &self,
+        analysis: &dyn Analysis,
+        assessment: &Assessment<3>,
+    ) -> Result<f64, MethodError> {
+        let integrator = self.question.integrator;
+        Ok(match analysis.transferred(&self.strain.0)? {
+            Some(waves) => waves.critical_time_step(),
+            None if analysis.is_damped() => {
+                analysis.critical_time_step(&self.strain.0, integrator)?
+            }
+            None => undamped_time_step(integrator, assessment.spectrum.maximum_omega),
         })
     }
 

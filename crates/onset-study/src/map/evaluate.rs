@@ -17,6 +17,8 @@ pub struct Evaluator {
     settings: Settings,
     /// Analysis, or `None` if the support holds too few or too many particles in the reference configuration.
     analysis: Option<Box<dyn Analysis>>,
+    /// Analysis for increments that unload, whose waves limit the time step of a law that yields; `None` for other laws.
+    unloading: Option<Box<dyn Analysis>>,
     /// `rho c^2`, the scale of acoustic eigenvalues; stress.
     stiffness: f64,
     /// Largest magnitude of a measure near zero; `None` if no proofs are requested.
@@ -36,14 +38,25 @@ impl Evaluator {
     /// # Errors
     /// [`ProblemError`] if the settings are not admissible.
     pub fn new(settings: Settings, map: &MapSettings, many: bool) -> Result<Self, ProblemError> {
+        let prepared = |analysis: Box<dyn Analysis>| match many {
+            true => analysis.for_many_states(),
+            false => Ok(analysis),
+        };
+        let mut unloading = None;
         let analysis = match Problem::new(settings.clone()) {
-            Ok(problem) => Some(problem.analysis),
+            Ok(problem) => {
+                if settings.material.model.yields() {
+                    unloading = Some(prepared(problem.unloading()?.analysis)?);
+                }
+                Some(problem.analysis)
+            }
             Err(ProblemError::Method { source }) if source.is_about_support() => None,
             Err(error) => return Err(error),
         };
         let mut evaluator = Self {
             settings,
             analysis: None,
+            unloading,
             stiffness: f64::NAN,
             tolerance: map.certify.then_some(map.tolerance),
             integrator: map.integrator,
@@ -56,10 +69,7 @@ impl Evaluator {
         evaluator.stiffness = analysis.speed_squared()? * evaluator.settings.discretization.density;
         evaluator.is_damped = analysis.is_damped();
         evaluator.is_transferred = analysis.is_transferred();
-        evaluator.analysis = Some(match many {
-            true => analysis.for_many_states()?,
-            false => analysis,
-        });
+        evaluator.analysis = Some(prepared(analysis)?);
         Ok(evaluator)
     }
 
@@ -71,10 +81,42 @@ impl Evaluator {
         let Some(analysis) = self.analysis.as_deref() else {
             return states.iter().map(|_| Ok(Record::UNDEFINED)).collect();
         };
+        let unloading = self.unloading.as_deref();
+        let mut unloading = unloading.map(|own| (own, own.states(states).into_iter()));
         let records = states.iter().zip(analysis.states(states));
         records
-            .map(|(f, surveyed)| self.record(analysis, f, surveyed))
+            .map(|(f, surveyed)| {
+                let mut record = self.record(analysis, f, surveyed)?;
+                let faster = unloading
+                    .as_mut()
+                    .and_then(|(own, states)| Some((*own, states.next()?)));
+                if let Some((own, Ok(state))) = faster {
+                    let step = match self.is_transferred {
+                        true => own.transferred(f)?.map(|waves| waves.critical_time_step()),
+                        false => Some(self.time_step(own, f, &state)?),
+                    };
+                    // An undefined step is not a number, which the minimum leaves out.
+                    let step = step.unwrap_or(f64::INFINITY).min(record.critical_time_step);
+                    record.critical_time_step = if step.is_finite() { step } else { f64::NAN };
+                }
+                Ok(record)
+            })
             .collect()
+    }
+
+    /// Critical time step of the integrator for the waves of a state; infinite if nothing oscillates.
+    fn time_step(
+        &self,
+        analysis: &dyn Analysis,
+        f: &DeformationGradient,
+        state: &SurveyedState<3>,
+    ) -> Result<f64, MethodError> {
+        if self.is_damped {
+            return analysis.critical_time_step(f, self.integrator);
+        }
+        // The state holds the time step of central differences.
+        let reach = Integrator::CentralDifferences.undamped_reach();
+        Ok(state.critical_time_step() * (self.integrator.undamped_reach() / reach))
     }
 
     fn record(
@@ -86,14 +128,8 @@ impl Evaluator {
         match surveyed {
             Ok(state) => {
                 let mut record = self.surveyed(&state);
-                if self.is_damped {
-                    let step = analysis.critical_time_step(f, self.integrator)?;
-                    record.critical_time_step = if step.is_finite() { step } else { f64::NAN };
-                } else {
-                    // The record holds the time step of central differences.
-                    let reach = Integrator::CentralDifferences.undamped_reach();
-                    record.critical_time_step *= self.integrator.undamped_reach() / reach;
-                }
+                let step = self.time_step(analysis, f, &state)?;
+                record.critical_time_step = if step.is_finite() { step } else { f64::NAN };
                 if self.is_transferred {
                     record = self.in_discrete_time(analysis, f, record)?;
                 }
@@ -135,7 +171,6 @@ impl Evaluator {
     }
 
     fn surveyed(&self, state: &SurveyedState<3>) -> Record {
-        let step = state.critical_time_step();
         let record = Record {
             finding: Finding {
                 verdict: Some(state.verdict),
@@ -146,7 +181,6 @@ impl Evaluator {
             is_long_wave: Some(state.is_long_wave),
             lowest_omega_squared: state.lowest_omega_squared,
             growth_rate: state.growth_rate,
-            critical_time_step: if step.is_finite() { step } else { f64::NAN },
             measures: [f64::NAN, state.scaled_minimum, state.long_wave_minimum],
             ..Record::UNDEFINED
         };
