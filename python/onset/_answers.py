@@ -358,6 +358,11 @@ class State(_Moving):
         return cast("dict[str, Any] | None", self._fields["discretization"]["finite_bodies"])
 
     @property
+    def unloading(self) -> dict[str, Any] | None:
+        """Verdict, growth rate and critical time step for disturbances that unload a state that flows; ``None`` for other states."""
+        return cast("dict[str, Any] | None", self._fields.get("unloading"))
+
+    @property
     def cauchy(self) -> Floats:
         """Cauchy stress ``P F^T / det F``, shape (3, 3); stress."""
         return np.array(self._fields["material"]["cauchy"], dtype=np.float64)
