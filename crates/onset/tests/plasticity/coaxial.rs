@@ -389,7 +389,7 @@ fn elastic_states_have_one_tangent_and_yield_where_the_law_does() {
 /// The thickness of a sheet keeps its faces free in both tangents.
 #[test]
 fn a_sheet_unloads_with_free_faces() {
-    let sheet = PlaneStress::new(material("drucker-prager", &[]), 2).expect("a sheet");
+    let sheet = PlaneStress::new(material("drucker-prager", &[]).into(), 2).expect("a sheet");
     let f = DeformationGradient::from_stretches([1.03, 0.99, 1.0]).expect("a state");
     let unloading = sheet.unloading_tangent(&f).expect("a tangent");
     let unloading = unloading.expect("flow");
