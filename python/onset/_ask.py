@@ -1333,6 +1333,22 @@ def zoo(name: str | None = None) -> Zoo | Report:
     ----------
     name
         Name of a report, for example ``trixi-371-cubic``; all reports are listed if omitted.
+
+    Returns
+    -------
+    Zoo or Report
+        The list, or the report with its answer, its remedy and the answer with the remedy.
+
+    Raises
+    ------
+    InputError
+        If no report has the name.
+
+    Examples
+    --------
+    >>> report = onset.zoo("trixi-371-cubic")
+    >>> isinstance(report, onset.Report)
+    True
     """
     answer = _onset.zoo(name)
     return Zoo(answer) if name is None else Report(answer)

@@ -118,8 +118,14 @@ def _pairs(points: Sequence[Any]) -> Floats:
 def _edges(data: Mapping[str, Any], panel: Mapping[str, Any]) -> list[Floats]:
     """Edges of the cells of a map, even in the scale of each axis."""
     counts = {"x": data["columns"], "y": data["rows"]}
-    spaced = {"linear": np.linspace, "log10": np.geomspace}
-    return [spaced[panel[name]["scale"]](*data[name], count + 1) for name, count in counts.items()]
+
+    def edges(name: str, count: int) -> Floats:
+        low, high = data[name]
+        if panel[name]["scale"] == "log10":
+            return np.geomspace(low, high, count + 1, dtype=np.float64)
+        return np.linspace(low, high, count + 1, dtype=np.float64)
+
+    return [edges(name, count) for name, count in counts.items()]
 
 
 def _regions(data: Mapping[str, Any], panel: Mapping[str, Any], ax: Axes) -> None:
@@ -196,7 +202,8 @@ def _label(data: Mapping[str, Any], _: Mapping[str, Any], ax: Axes) -> None:
     from matplotlib.patheffects import withStroke
 
     rim = [withStroke(linewidth=2.0, foreground="white")]
-    ax.text(*data["at"], data["text"], color=data["color"], ha="center", va="center", clip_on=True, path_effects=rim)
+    x, y = data["at"]
+    ax.text(x, y, data["text"], color=data["color"], ha="center", va="center", clip_on=True, path_effects=rim)
 
 
 def _rule(data: Mapping[str, Any], _: Mapping[str, Any], ax: Axes) -> None:

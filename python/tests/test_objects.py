@@ -97,7 +97,8 @@ def test_figures_are_drawn_with_native_axes(of_every_kind: list[Kind]) -> None:
             for curve in curves:
                 points = np.array(curve["points"], dtype=float)
                 assert any(own.shape == points.shape and np.array_equal(own, points, equal_nan=True) for own in drawn)
-        legend = [text.get_text() for own in right.legends for text in own.get_texts()]
+        legends = [*right.legends, *(own for axes in panels if (own := axes.get_legend()))]
+        legend = [text.get_text() for own in legends for text in own.get_texts()]
         assert legend == [entry["name"] for entry in told["legend"]]
         figure.canvas.draw()
         pyplot.close("all")

@@ -3,7 +3,7 @@
 use super::notes::{is_fluid, notes_on_law};
 use super::path::{CrossingAnswer, PathAnswer};
 use super::problem::{Problem, ProblemError, Strain};
-use super::state::{StateAnswer, rows};
+use super::state::rows;
 use crate::criteria::{EndAnswer, imposed_label};
 use crate::csv::Table;
 use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
@@ -15,7 +15,7 @@ use onset::criteria::{
     Lateral, Loading, LoadingError, LoadingPath, LoadingSection, Mode, Range, is_isotropic,
 };
 use onset::kinematics::{DeformationGradient, DeformationPath, StraightPath};
-use onset::verdict::Verdict;
+use onset::verdict::{SurveyedState, Verdict};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt;
@@ -290,6 +290,8 @@ fn reached(path: &LoadingPath<'_>, imposed: f64) -> (f64, Option<String>) {
 const SCALED_ROUNDING: f64 = 1e-12;
 /// Number of states along a path.
 const SAMPLES: usize = 97;
+/// Number of states that are evaluated together.
+const GROUP: usize = 8;
 
 /// A state on a path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -303,9 +305,9 @@ pub struct PathSample {
     /// Response of the law; `None` if it cannot be evaluated.
     #[serde(skip)]
     pub material: Option<MaterialSample>,
-    /// Answer for the state; `None` if the method or the law cannot be evaluated.
+    /// Verdict and measures of the state; `None` if the method or the law cannot be evaluated.
     #[serde(skip)]
-    pub state: Option<StateAnswer>,
+    pub state: Option<SurveyedState<3>>,
 }
 
 /// Response of the law at a state on a path, even if the method is undefined there.
@@ -344,8 +346,8 @@ pub struct PathSamples {
     pub settings: Effective,
 }
 
-fn softest(state: &StateAnswer) -> f64 {
-    let scaled = state.discretization.minimum_scaled;
+fn softest(state: &SurveyedState<3>) -> f64 {
+    let scaled = state.scaled_minimum;
     if scaled.abs() > SCALED_ROUNDING {
         scaled
     } else {
@@ -378,19 +380,25 @@ impl PathSamples {
             };
             Ok((states, followed))
         })?;
-        let sample = |(s, f): &(f64, DeformationGradient)| PathSample {
-            parameter: *s,
-            abscissa: followed.abscissa(*s).1,
-            deformation_gradient: *problem.found(f).components(),
-            material: MaterialSample::of(problem, f),
-            state: StateAnswer::new(problem, &Strain::from(*f)).ok(),
-        };
         let scope = Scope::current();
+        // States of a group are evaluated together.
+        let group = |states: &[(f64, DeformationGradient)]| {
+            let deformations: Vec<DeformationGradient> = states.iter().map(|(_, f)| *f).collect();
+            let surveyed = problem.analysis.states(&deformations);
+            let samples = states.iter().zip(surveyed).map(|((s, f), state)| PathSample {
+                parameter: *s,
+                abscissa: followed.abscissa(*s).1,
+                deformation_gradient: *problem.found(f).components(),
+                material: MaterialSample::of(problem, f),
+                state: state.ok(),
+            });
+            samples.collect::<Vec<_>>()
+        };
         Ok(Self {
             abscissa: followed.abscissa(0.0).0,
             samples: states
-                .par_iter()
-                .map(|own| scope.run(|| sample(own)))
+                .par_chunks(GROUP)
+                .flat_map_iter(|states| scope.run(|| group(states)))
                 .collect(),
             settings: problem.settings.effective(),
         })
@@ -398,8 +406,9 @@ impl PathSamples {
 
     /// The states as CSV.
     pub fn csv(&self) -> String {
-        let of_state =
-            |sample: &PathSample, value: fn(&StateAnswer) -> f64| sample.state.as_ref().map(value);
+        let of_state = |sample: &PathSample, value: fn(&SurveyedState<3>) -> f64| {
+            sample.state.as_ref().map(value)
+        };
         let stress =
             |sample: &PathSample, i: usize, j: usize| Some(sample.material.as_ref()?.cauchy[i][j]);
         Table::new(&self.samples, self.settings.units())
@@ -411,10 +420,10 @@ impl PathSamples {
             })
             .with("minimum_scaled", "1", move |own| of_state(own, softest))
             .with("minimum_omega_squared", "1/time^2", move |own| {
-                of_state(own, |state| state.discretization.minimum_omega_squared.re)
+                of_state(own, |state| state.lowest_omega_squared)
             })
             .with("growth_rate", "1/time", move |own| {
-                of_state(own, |state| state.discretization.growth_rate)
+                of_state(own, |state| state.growth_rate)
             })
             .with("minimum_acoustic_eigenvalue", "stress", |own| {
                 Some(own.material.as_ref()?.minimum_acoustic_eigenvalue)
