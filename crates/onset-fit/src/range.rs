@@ -47,6 +47,15 @@ impl Mode {
         }
     }
 
+    /// What the tests of this loading measure: stretches, amounts of shear or volume ratios.
+    pub fn measures(self) -> &'static str {
+        match self {
+            Self::SimpleShear => "amounts of shear",
+            Self::Volumetric => "volume ratios",
+            _ => "stretches",
+        }
+    }
+
     /// Returns the loading with the given name, or `None`.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|own| own.name() == name)

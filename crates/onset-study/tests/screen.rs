@@ -248,6 +248,60 @@ fn order_of_frames_and_particles_and_lost_columns_do_not_matter() {
     );
 }
 
+/// LAMMPS sorts no rows by itself.
+#[test]
+fn rows_in_another_order_without_numbers_of_particles_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.dump");
+    let without = shuffled(&NOTCH.path());
+    let mut without: Vec<String> = without.lines().map(str::to_owned).collect();
+    let mut is_atom = false;
+    for line in &mut without {
+        if line.starts_with("ITEM:") {
+            is_atom = line.starts_with("ITEM: ATOMS");
+            *line = line.replace("ATOMS id ", "ATOMS ");
+        } else if is_atom && let Some((_, others)) = line.split_once(' ') {
+            *line = others.to_owned();
+        }
+    }
+    std::fs::write(&path, without.join("\n") + "\n").expect("written");
+    let error = Recording::open(&NOTCH.source(path), 2, false).expect_err("a refusal");
+    let error = error.to_string();
+    assert!(
+        error.contains("no numbers of particles") && error.contains("id in LAMMPS"),
+        "{error}"
+    );
+}
+
+/// Far from the origin six digits leave a tenth of the spacing.
+#[test]
+fn rounding_of_positions_is_not_reported_as_short_waves() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.dump");
+    let moved = shuffled(&HEALTHY.path());
+    let mut is_atom = false;
+    let moved = moved.lines().map(|line| {
+        if line.starts_with("ITEM:") {
+            is_atom = line.starts_with("ITEM: ATOMS");
+        } else if is_atom {
+            let mut words: Vec<String> = line.split(' ').map(str::to_owned).collect();
+            let x: f64 = words[2].parse().expect("a number");
+            words[2] = format!("{:.1}", x + 20_000.0);
+            return words.join(" ");
+        }
+        line.to_owned()
+    });
+    let moved: Vec<String> = moved.collect();
+    std::fs::write(&path, moved.join("\n") + "\n").expect("written");
+    let answer = HEALTHY.screened(&HEALTHY.source(path));
+    assert_eq!(answer.cause, Cause::None, "{answer}");
+    assert!(
+        answer.notes[0].contains("positions are rounded to 0.1 spacings"),
+        "{:?}",
+        answer.notes
+    );
+}
+
 #[test]
 fn the_recommended_time_step_is_stable() {
     let answer = NOTCH.answer();

@@ -385,13 +385,16 @@ impl PathSamples {
         let group = |states: &[(f64, DeformationGradient)]| {
             let deformations: Vec<DeformationGradient> = states.iter().map(|(_, f)| *f).collect();
             let surveyed = problem.analysis.states(&deformations);
-            let samples = states.iter().zip(surveyed).map(|((s, f), state)| PathSample {
-                parameter: *s,
-                abscissa: followed.abscissa(*s).1,
-                deformation_gradient: *problem.found(f).components(),
-                material: MaterialSample::of(problem, f),
-                state: state.ok(),
-            });
+            let samples = states
+                .iter()
+                .zip(surveyed)
+                .map(|((s, f), state)| PathSample {
+                    parameter: *s,
+                    abscissa: followed.abscissa(*s).1,
+                    deformation_gradient: *problem.found(f).components(),
+                    material: MaterialSample::of(problem, f),
+                    state: state.ok(),
+                });
             samples.collect::<Vec<_>>()
         };
         Ok(Self {

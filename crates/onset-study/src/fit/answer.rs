@@ -21,7 +21,7 @@ pub struct TestAnswer {
     pub mode: Mode,
     /// Number of measured points.
     pub points: usize,
-    /// Smallest and largest stretch.
+    /// Smallest and largest stretch; in simple shear the amount of shear, in volumetric tests the volume ratio.
     pub stretches: [f64; 2],
 }
 
@@ -719,9 +719,10 @@ impl fmt::Display for FitAnswer {
         for own in &self.tests {
             writeln!(
                 formatter,
-                "test        {}: {} at stretches from {} to {}",
+                "test        {}: {} at {} from {} to {}",
                 own.name,
                 counted(own.points, "point"),
+                own.mode.measures(),
                 short(own.stretches[0]),
                 short(own.stretches[1])
             )?;

@@ -185,7 +185,7 @@ impl FitAnswer {
             ),
             (
                 "stable, beyond the range",
-                crate::figure::Color::hex(0xeeeeee),
+                crate::figure::Color::hex(0xe6ecf6),
             ),
             ("lost", crate::figure::Color::hex(0xd9895f)),
         ];

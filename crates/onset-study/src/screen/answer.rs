@@ -250,8 +250,26 @@ impl ScreenAnswer {
                 hint: format!("set discretization.spacing={}", told(found)),
             });
         }
+        // Rounded positions have short waves of their own.
+        let rounding = run.rounding / spacing;
+        let is_coarse = rounding > question.threshold;
+        let question = &Question {
+            threshold: question.threshold.max(rounding),
+            ..question.clone()
+        };
         let course = follow(problem, question, run, frames, sink)?;
-        Ok(Self::of(problem, question, recording, course))
+        let mut answer = Self::of(problem, question, recording, course);
+        if is_coarse {
+            answer.notes.insert(
+                0,
+                format!(
+                    "positions are rounded to {} spacings, below which no short waves can be seen: this is the threshold here; more digits, or positions near \
+                     the origin, show them earlier",
+                    told(rounding)
+                ),
+            );
+        }
+        Ok(answer)
     }
 
     fn of(

@@ -1,7 +1,7 @@
 //! Runs read from the output files of a code.
 
 use super::{Frame, Run, ScreenError};
-use crate::number::counted;
+use crate::number::{counted, told};
 use onset_frames::{Cells, Frame as Read, Quantity, Reading, Recognized, Series};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -11,6 +11,8 @@ use std::str::FromStr;
 const RIGID: f64 = 1e-5;
 /// Largest number of different displacements of the held particles of one kind: two or more grips.
 const GRIPS: usize = 6;
+/// Median motion between frames, in spacings and without the mean motion, at which rows are not those of the same particles.
+const JUMP_SPACINGS: f64 = 3.0;
 /// Smallest number of particles in a face that moves rigidly.
 const LEAST_FACE: usize = 3;
 /// Distance of a lattice position, in spacings, within which reference positions are regular.
@@ -169,6 +171,28 @@ fn flat(x: &[f64; 3], dimension: usize) -> [f64; 3] {
     std::array::from_fn(|i| if i < dimension { x[i] } else { 0.0 })
 }
 
+/// Median motion of the rows from a frame to the next, without the mean motion.
+fn median_jump(from: &Read, to: &Read) -> f64 {
+    let moved = from.position.iter().zip(&to.position);
+    let moved: Vec<[f64; 3]> = moved
+        .map(|(a, b)| std::array::from_fn(|i| b[i] - a[i]))
+        .collect();
+    let count = moved.len().max(1) as f64;
+    let mean: [f64; 3] =
+        std::array::from_fn(|i| moved.iter().map(|own| own[i]).sum::<f64>() / count);
+    let mut sizes: Vec<f64> = moved
+        .iter()
+        .map(|own| {
+            (0..3)
+                .map(|i| (own[i] - mean[i]).powi(2))
+                .sum::<f64>()
+                .sqrt()
+        })
+        .collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes.get(sizes.len() / 2).copied().unwrap_or(0.0)
+}
+
 impl Recording {
     /// Reads all frames once, checks them, and returns the particles in the reference configuration with the series of frames.
     ///
@@ -188,6 +212,8 @@ impl Recording {
         let mut last: Option<Read> = None;
         let mut time = f64::NEG_INFINITY;
         let mut has_others = false;
+        // Without numbers particles are told apart by the order of the rows.
+        let mut jump: f64 = 0.0;
         for frame in series.by_ref() {
             onset::cancel::checkpoint();
             let mut frame = frame?;
@@ -220,6 +246,11 @@ impl Recording {
             own.interval = own.interval.max(now - time);
             time = now;
             own.frames += 1;
+            if own.identity.is_none()
+                && let Some(last) = &last
+            {
+                jump = jump.max(median_jump(last, &frame));
+            }
             last = Some(frame);
         }
         own.times[1] = time;
@@ -235,6 +266,15 @@ impl Recording {
         let (reference, is_first) = own.reference(source, &first)?;
         let reference: Vec<[f64; 3]> = reference.iter().map(|x| flat(x, dimension)).collect();
         own.spacing = spacing(&reference, dimension);
+        if jump > JUMP_SPACINGS * own.spacing {
+            return Err(wrong(
+                format!(
+                    "the file has no numbers of particles, and half of the rows move by more than {} spacings from a frame to the next: the rows are not in the same order in all frames",
+                    told((jump / own.spacing).floor())
+                ),
+                "write the number of each particle (id in LAMMPS), or sort the rows (dump_modify sort id)",
+            ));
+        }
         let cells = first.cells.as_ref().filter(|_| has_elements);
         let cells = cells.map(|cells| elements(cells, dimension));
         let cells = cells.filter(|cells| !cells.is_empty());
@@ -245,9 +285,13 @@ impl Recording {
             .iter()
             .flatten()
             .fold(0.0_f64, |most, x| most.max(x.abs()));
-        let rounding = own
-            .digits
-            .map_or(0.0, |digits| largest * 10.0_f64.powi(-(digits as i32)));
+        // The last digit of the largest position.
+        let rounding = match own.digits {
+            Some(digits) if largest > 0.0 => {
+                10.0_f64.powf(largest.log10().floor() + 1.0 - f64::from(digits))
+            }
+            _ => 0.0,
+        };
         // Volumes of the first frame belong to its positions.
         let volumes = first.volume.filter(|_| is_first);
         let volumes = volumes.filter(|all| all.iter().all(|volume| *volume > 0.0));

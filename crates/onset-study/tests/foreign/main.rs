@@ -470,6 +470,79 @@ fn incomplete_python_models_are_refused_with_their_place() {
     }
 }
 
+/// felupe adds the energies of `a & b`.
+#[test]
+fn materials_of_a_script_are_told_apart_and_sums_are_refused() {
+    let read = |text: &str, material: Option<&str>| {
+        law_of(
+            Program::Felupe,
+            "a script",
+            text,
+            material,
+            &["material.kappa=10"],
+        )
+    };
+    for (text, fact) in [
+        (
+            "umat = fem.Hyperelastic(fem.neo_hooke, mu=1.0) & fem.Hyperelastic(fem.ogden, mu=[0.5], alpha=[-2.0])",
+            "a sum, of neo_hooke and ogden",
+        ),
+        (
+            "umat = fem.NeoHooke(mu=1.0, bulk=50.0) & fem.Volumetric(bulk=5000.0)",
+            "several bulk moduli",
+        ),
+        (
+            "umat = fem.Hyperelastic(fem.finite_strain_viscoelastic, mu=1.0, eta=2.0) & \\\n fem.Hyperelastic(fem.neo_hooke, mu=1.0)",
+            "depends on the history",
+        ),
+    ] {
+        let error = read(text, None).expect_err(text).to_string();
+        assert!(error.contains(fact), "{error}");
+    }
+    let two = "from felupe import yeoh\n'''umat = fem.Hyperelastic(fem.neo_hooke, mu=9.0)'''\n\
+               a = fem.Hyperelastic(fem.mooney_rivlin, C10=0.4, C01=0.1) & fem.Volumetric(bulk=50.0)\n\
+               b = fem.Hyperelastic(fem.neo_hooke, mu=7.) & fem.Volumetric(bulk=5000.0)\n";
+    let notes = |material| {
+        let read = law_of(Program::Felupe, "a script", two, material, &[]).expect("a law");
+        read.notes.join("\n")
+    };
+    let first = notes(None);
+    assert!(
+        first.contains("material a (1 of 2; --material chooses)"),
+        "{first}"
+    );
+    let second = notes(Some("b"));
+    assert!(second.contains("material b (2 of 2"), "{second}");
+    let unknown = law_of(Program::Felupe, "a script", two, Some("c"), &[]).expect_err("no c");
+    assert!(
+        unknown.to_string().contains("its materials: a, b"),
+        "{unknown}"
+    );
+    let softened = "fem.OgdenRoxburgh(fem.NeoHooke(mu=1, bulk=2), r=3, m=1, beta=0)";
+    let softened = law_of(Program::Felupe, "a script", softened, None, &[]).expect("a law");
+    assert!(
+        softened
+            .notes
+            .join("\n")
+            .contains("OgdenRoxburgh, softening by unloading (line 1)")
+    );
+}
+
+#[test]
+fn constants_of_ansys_for_a_second_temperature_are_refused() {
+    let of = |text: &str| law_of(Program::Ansys, "a deck", text, None, &[]);
+    let one = "TB,HYPER,1,1,2,NEO\nTBTEMP,20\nTBDATA,1,0.8,0.02\n";
+    let notes = of(one).expect("a law").notes.join("\n");
+    assert!(notes.contains("TBTEMP,20 (line 2)"), "{notes}");
+    let two = format!("{one}TBTEMP,80\nTBDATA,1,0.7,0.02\n");
+    let error = of(&two).expect_err("two temperatures").to_string();
+    assert!(error.contains("several temperatures"), "{error}");
+    // Temperatures of another material are not part of this one.
+    let other = format!("{one}TB,HYPER,2,1,2,NEO\nTBTEMP,80\nTBDATA,1,0.7,0.02\n");
+    let notes = of(&other).expect("a law").notes.join("\n");
+    assert!(!notes.contains("TBTEMP,80"), "{notes}");
+}
+
 /// Nominal stress of a test with a traction-free second direction, `P_11 - P_33 F_33/F_11`, at constant volume.
 fn nominal(law: &dyn Hyperelastic, stretches: [f64; 3]) -> f64 {
     let f = DeformationGradient::from_stretches(stretches).expect("stretches");

@@ -188,10 +188,11 @@ impl<'a> Field<'a> {
         Some(State::of_response(response, self.isotropic).strong_ellipticity(0.0))
     }
 
-    /// Value of the measure, minus infinity if the law is not defined at the state.
+    /// Value of the measure, minus infinity if the law is not defined at the state. A value that is zero to rounding is positive: with a stiffness against
+    /// changes of volume that is huge at large strain, rounding alone would take the sign of the softest shear.
     fn value(&self, logarithms: [f64; 3]) -> f64 {
         self.measure(logarithms)
-            .map_or(f64::NEG_INFINITY, |measure| measure.value)
+            .map_or(f64::NEG_INFINITY, |measure| measure.value + measure.zero)
     }
 
     /// Returns the largest box whose skew is the tangent of `angle`; its inside is searched if `checked`.

@@ -22,6 +22,37 @@ fn blatz_ko_is_elliptic_in_boxes_whose_ends_have_the_ratio_2_plus_sqrt_3() {
     assert_close(widest.high / widest.low, ratio, 1e-10);
 }
 
+/// Polyconvex laws whose stiffness against changes of volume exceeds that of shear by any factor within the range: rounding of the former is no loss.
+#[test]
+fn rounding_of_a_huge_bulk_stiffness_limits_no_box() {
+    let range = |low, high| Range::new(low, high).expect("a range");
+    for (name, given, range) in [
+        ("murnaghan", &[][..], Range::default()),
+        (
+            "hyperfoam",
+            &[("alpha1", 2.0), ("beta1", 9.5)][..],
+            range(0.2, 5.0),
+        ),
+        (
+            "hyperfoam",
+            &[("alpha1", 2.0), ("beta1", 24.5)][..],
+            range(0.5, 2.0),
+        ),
+    ] {
+        let law = Law::named(name)
+            .expect("a law")
+            .build(given)
+            .expect("admissible");
+        let safe = safe_box(&*law, 1.0, &range).expect("elliptic");
+        assert_eq!(
+            (safe.low_end, safe.high_end),
+            (BoxEnd::Range, BoxEnd::Range),
+            "{name}"
+        );
+        assert_eq!(safe.critical, None, "{name}");
+    }
+}
+
 /// The neo-Hookean law is elliptic while `mu + g(J)/(smallest stretch)^2 > 0`, `g = mu + lambda (1 - ln J)`. At the largest volume of a box all
 /// stretches are `h`. If one stretch is smaller, the volume is smaller and the factor larger: the worst value of `h^2 x` over the smallest stretch `x` limits the
 /// box.

@@ -147,6 +147,25 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
                 relaxation.part = Some(*sum);
             }
             continue;
+        } else if field(0) == "TBTEMP" {
+            // The constants that follow belong to another temperature.
+            if let Some(table) = found
+                .as_ref()
+                .filter(|table| is_open && !table.constants.is_empty())
+            {
+                return Err(Trouble::new(
+                    n + 1,
+                    format!(
+                        "the law has constants for several temperatures; these follow those of line {}",
+                        table.line
+                    ),
+                    "keep the constants of one temperature",
+                ));
+            }
+            if is_open {
+                unread.parts.push((format!("TBTEMP,{}", field(1)), n + 1));
+            }
+            continue;
         } else if !field(0).is_empty() && field(0) != "TBDATA" && !field(0).starts_with(['/', '*'])
         {
             unread

@@ -233,7 +233,7 @@ pub fn law_of(
         Program::Radioss => radioss::read(text, material),
         Program::Febio => febio::read(text, material),
         Program::Ansys => ansys::read(text, material),
-        Program::Felupe | Program::Hyperelastic => python::read(program, text),
+        Program::Felupe | Program::Hyperelastic => python::read(program, text, material),
     };
     let law = law.map_err(|trouble| trouble.at(name))?;
     let origin = || place(name, law.line);

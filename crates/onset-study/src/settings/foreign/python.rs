@@ -5,6 +5,7 @@
 //! runs.
 
 use super::law::{Energy, ForeignLaw, SQUARE, Volume, extended_tube, named, van_der_waals};
+use super::unread::Chosen;
 use super::write::{Block, Form, Refusal, Sheet, order, ordered};
 use super::{Program, Trouble};
 
@@ -77,23 +78,66 @@ struct Call {
     bulk: Option<f64>,
 }
 
-/// Reads the first model of a text.
-pub(super) fn read(program: Program, text: &str) -> Result<ForeignLaw, Trouble> {
+/// Statement of a script with models.
+struct Statement<'t> {
+    /// Variable to which the statement assigns; empty without one.
+    name: &'t str,
+    text: &'t str,
+    start: usize,
+    /// Models in the statement, with their places in the script.
+    models: Vec<(usize, &'static Model)>,
+}
+
+/// Reads a material of a text, by default the first one.
+pub(super) fn read(
+    program: Program,
+    text: &str,
+    material: Option<&str>,
+) -> Result<ForeignLaw, Trouble> {
     let text = without_comments(text);
     let (package, models) = match program {
         Program::Hyperelastic => ("hyperelastic", HYPERELASTIC),
         _ => ("felupe", FELUPE),
     };
-    let words = words(&text);
-    let found = words.iter().find_map(|(place, word)| {
-        let model = models.iter().find(|(name, _)| name == word)?;
-        Some((*place, model))
-    });
-    let Some((place, (name, make))) = found else {
-        return Err(no_model(package, models, &words, &text));
+    let materials = materials(&text, models);
+    let names = || materials.iter().map(|own| own.name).collect::<Vec<_>>();
+    let place = match material {
+        None => 0,
+        Some(wanted) => materials
+            .iter()
+            .position(|own| own.name == wanted)
+            .ok_or_else(|| {
+                Trouble::new(
+                    1,
+                    format!(
+                        "no material of the script is called {wanted}; its materials: {}",
+                        names().join(", ")
+                    ),
+                    "name one of them with --material",
+                )
+            })?,
     };
-    let line = line_of(&text, place);
-    if let Some((place, _)) = words
+    let Some(own) = materials.get(place) else {
+        return Err(no_model(package, models, &words(&text), &text));
+    };
+    let (place_of_model, (name, make)) = own.models[0];
+    let line = line_of(&text, place_of_model);
+    let own_words = words(own.text);
+    let refused = own_words.iter().find_map(|(place, word)| {
+        let reason = FELUPE_REFUSED.iter().find(|(name, _)| name == word)?;
+        Some((line_of(&text, own.start + place), reason))
+    });
+    if let Some((line, (name, reason))) = refused {
+        return Err(not_supported(line, name, reason));
+    }
+    if let [_, (_, (second, _)), ..] = own.models[..] {
+        return Err(Trouble::new(
+            line,
+            format!("the material is a sum, of {name} and {second}"),
+            "one model is read with one volumetric part; type the energy of a sum with --energy",
+        ));
+    }
+    if let Some((place, _)) = words(&text)
         .iter()
         .find(|(_, word)| ["DeformationSpace", "Deformation"].contains(word))
     {
@@ -103,14 +147,89 @@ pub(super) fn read(program: Program, text: &str) -> Result<ForeignLaw, Trouble> 
             "supported: models of the distortional part, DistortionalSpace",
         ));
     }
-    let arguments = arguments(&text, place + name.len(), line)?;
-    let bulk = bulk(&text, line)?;
-    make(&Call {
+    let arguments = arguments(&text, place_of_model + name.len(), line)?;
+    // A bulk modulus elsewhere in the script belongs to its only material.
+    let bulk = match bulks(own.text, line)?[..] {
+        [] if materials.len() == 1 => bulks(&text, line)?.first().copied(),
+        [] => None,
+        [one] => Some(one),
+        _ => {
+            return Err(Trouble::new(
+                line,
+                "the material has several bulk moduli, which add up",
+                "give their sum as one bulk modulus",
+            ));
+        }
+    };
+    let mut law = make(&Call {
         line,
         title: format!("{name} of {package}"),
         arguments,
         bulk,
-    })
+    })?;
+    let softening = own_words.iter().find(|(_, word)| *word == "OgdenRoxburgh");
+    law.unread.parts.extend(softening.map(|(place, word)| {
+        (
+            format!("{word}, softening by unloading"),
+            line_of(&text, own.start + place),
+        )
+    }));
+    law.unread.material = (materials.len() > 1).then(|| Chosen {
+        name: own.name.to_owned(),
+        place,
+        count: materials.len(),
+    });
+    Ok(law)
+}
+
+/// Statements with models. Imports are no materials.
+fn materials<'t>(text: &'t str, models: &'static [Model]) -> Vec<Statement<'t>> {
+    let mut depth = 0_i32;
+    let mut start = 0;
+    let mut found = Vec::new();
+    for (place, letter) in text.char_indices().chain([(text.len(), '\n')]) {
+        match letter {
+            '(' | '[' | '{' => depth += 1,
+            ')' | ']' | '}' => depth -= 1,
+            // A backslash continues the line.
+            '\n' if place < text.len() && (depth > 0 || text[..place].ends_with('\\')) => {}
+            '\n' | ';' => {
+                let own = &text[start..place];
+                let is_import = ["import ", "from "]
+                    .iter()
+                    .any(|word| own.trim_start().starts_with(word));
+                let of_model = |(at, word): (usize, &str)| {
+                    let model = models.iter().find(|(name, _)| *name == word)?;
+                    Some((start + at, model))
+                };
+                let own_models: Vec<_> = words(own).into_iter().filter_map(of_model).collect();
+                if !is_import && !own_models.is_empty() {
+                    let name = own.split_once('=').map_or("", |(name, _)| name.trim());
+                    let is_name = |name: &str| {
+                        name.chars()
+                            .all(|letter| letter.is_alphanumeric() || letter == '_')
+                    };
+                    found.push(Statement {
+                        name: if is_name(name) { name } else { "" },
+                        text: own,
+                        start,
+                        models: own_models,
+                    });
+                }
+                (start, depth) = (place + letter.len_utf8().min(text.len() - place), 0);
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+fn not_supported(line: usize, name: &str, reason: &str) -> Trouble {
+    Trouble::new(
+        line,
+        format!("{name} of felupe is not supported: {reason}"),
+        "choose another law, or type its energy with --energy",
+    )
 }
 
 /// Error for a text without a known model.
@@ -125,11 +244,7 @@ fn no_model(
         (package == "felupe").then_some((*place, reason))
     });
     if let Some((place, (name, reason))) = refused {
-        return Trouble::new(
-            line_of(text, place),
-            format!("{name} of felupe is not supported: {reason}"),
-            "choose another law, or type its energy with --energy",
-        );
+        return not_supported(line_of(text, place), name, reason);
     }
     let names: Vec<&str> = models.iter().map(|(name, _)| *name).collect();
     let is_gent = words
@@ -154,18 +269,31 @@ fn no_model(
     }
 }
 
-/// Blanks out the comments of a text, so that positions stay valid.
+/// Blanks out the comments and the texts in triple quotes, so that positions stay valid.
 fn without_comments(text: &str) -> String {
-    let mut is_comment = false;
-    text.chars()
-        .map(|letter| {
-            is_comment = (is_comment || letter == '#') && letter != '\n';
-            match is_comment {
-                true => ' ',
-                false => letter,
+    let mut kept = String::with_capacity(text.len());
+    let mut rest = text;
+    let first = |rest: &str| {
+        let begins = ["#", "\"\"\"", "'''"].map(|mark| Some((rest.find(mark)?, mark)));
+        begins.into_iter().flatten().min()
+    };
+    while let Some((begin, mark)) = first(rest) {
+        let (before, own) = rest.split_at(begin);
+        let end = match mark {
+            "#" => own.find('\n'),
+            quotes => own[3..].find(quotes).map(|end| end + 6),
+        };
+        let (blank, after) = own.split_at(end.unwrap_or(own.len()));
+        kept.push_str(before);
+        for letter in blank.chars() {
+            match letter {
+                '\n' => kept.push('\n'),
+                _ => kept.extend(std::iter::repeat_n(' ', letter.len_utf8())),
             }
-        })
-        .collect()
+        }
+        rest = after;
+    }
+    kept + rest
 }
 
 /// Names in a text with their positions.
@@ -260,9 +388,9 @@ fn numbers(value: &str, name: &str, line: usize) -> Result<Vec<f64>, Trouble> {
         .collect()
 }
 
-/// Reads `bulk=` from any part of the text, as in `Volumetric(bulk=...)` and solid bodies.
-fn bulk(text: &str, line: usize) -> Result<Option<f64>, Trouble> {
-    let stated = words(text).into_iter().find_map(|(place, word)| {
+/// Values of `bulk=` in a text, as in `Volumetric(bulk=...)` and solid bodies.
+fn bulks(text: &str, line: usize) -> Result<Vec<f64>, Trouble> {
+    let stated = words(text).into_iter().filter_map(|(place, word)| {
         let value = text[place + word.len()..].trim_start().strip_prefix('=')?;
         (word == "bulk").then(|| {
             value
@@ -271,10 +399,11 @@ fn bulk(text: &str, line: usize) -> Result<Option<f64>, Trouble> {
                 .unwrap_or_default()
         })
     });
-    let numbers = stated
-        .map(|value| numbers(value, "bulk", line))
-        .transpose()?;
-    Ok(numbers.and_then(|numbers| numbers.first().copied()))
+    let mut found = Vec::new();
+    for value in stated {
+        found.extend(numbers(value, "bulk", line)?);
+    }
+    Ok(found)
 }
 
 impl Call {
