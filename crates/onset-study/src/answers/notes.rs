@@ -18,8 +18,11 @@ const PROBE_STRETCHES: [f64; 3] = [1.1, 1.0, 0.95];
 /// Notes on a law: stress at `F = 1`, no shear stiffness, a negative Poisson's ratio, a path-dependent tangent, and the block of another program that
 /// was read.
 pub fn notes_on_law(settings: &MaterialSettings, material: &dyn Hyperelastic) -> Vec<String> {
+    // A pressure that the user asks for is no surprise.
+    let mut parameters = settings.model.parameters().iter();
+    let is_confined = parameters.any(|own| own.name == "confinement");
     let notes = [
-        stress_at_rest(material),
+        stress_at_rest(material).filter(|_| !is_confined),
         fluid(material),
         auxetic(settings, material),
         note_on_path(settings.model),

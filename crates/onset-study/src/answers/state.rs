@@ -433,13 +433,14 @@ fn answer(
     }
     let discretization = discretization_answer(problem, assessment, weakest, f)?;
     let mut notes = notes(&problem.settings, &*problem.material);
+    // The reason that a reader of an unstable state looks for comes first.
+    notes.splice(0..0, band(problem, assessment, f));
     notes.extend(waves_in_the_plane(problem, strain));
     notes.extend(buckling(
         &*problem.material,
         response,
         problem.settings.units(),
     ));
-    notes.extend(band(problem, assessment, f));
     let discrete_time = discretization.discrete_time.as_ref();
     notes.extend(
         discrete_time.and_then(|own| note(own, discretization.stable, problem.settings.units())),
