@@ -18,7 +18,7 @@ const PROBE_STRETCHES: [f64; 3] = [1.1, 1.0, 0.95];
 /// Notes on a law: stress at `F = 1`, no shear stiffness, a negative Poisson's ratio, a path-dependent tangent, and the block of another program that
 /// was read.
 pub fn notes_on_law(settings: &MaterialSettings, material: &dyn Hyperelastic) -> Vec<String> {
-    // A pressure that the user asks for is no surprise.
+    // The pressure of the reference configuration is a parameter of these laws.
     let mut parameters = settings.model.parameters().iter();
     let is_confined = parameters.any(|own| own.name == "confinement");
     let notes = [

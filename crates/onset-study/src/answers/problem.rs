@@ -454,7 +454,7 @@ impl Problem {
         Self::with_law(self.settings.clone(), law)
     }
 
-    /// Returns true if increments that unload a state meet another tangent than those that continue its loading.
+    /// Returns true if the tangents of loading and of unloading differ at a state.
     ///
     /// # Errors
     /// [`ProblemError`] when the material cannot be evaluated there.

@@ -433,7 +433,7 @@ fn answer(
     }
     let discretization = discretization_answer(problem, assessment, weakest, f)?;
     let mut notes = notes(&problem.settings, &*problem.material);
-    // The reason that a reader of an unstable state looks for comes first.
+    // The cause of an instability is the first note.
     notes.splice(0..0, band(problem, assessment, f));
     notes.extend(waves_in_the_plane(problem, strain));
     notes.extend(buckling(

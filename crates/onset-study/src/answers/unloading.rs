@@ -60,7 +60,10 @@ impl UnloadingAnswer {
             None => self.verdict.title().to_owned(),
         };
         let growth = match self.growth_rate > 0.0 {
-            true => format!(", growth rate {}", units.of(told(self.growth_rate), "1/s")),
+            true => {
+                let rate = told(self.growth_rate);
+                format!(", growth rate {}", units.of(rate, "1/s"))
+            }
             false => String::new(),
         };
         let time = |step: f64| units.of(told_below(step), "s");
@@ -108,7 +111,7 @@ pub(super) fn band(
             let length = std::f64::consts::TAU / k;
             let spacing = problem.settings.discretization.spacing;
             format!(
-                "here the fastest wave has the length {}, {} spacings, whatever the spacing is",
+                "here the fastest wave has the length {}, {} spacings, for any spacing",
                 units.of(told(length), "m"),
                 told(length / spacing)
             )

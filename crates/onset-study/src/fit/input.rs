@@ -172,7 +172,7 @@ impl Tests {
                 }
             };
             for (mut test, unit) in found {
-                // Changes of volume have a range of their own.
+                // The range of stretches does not restrict volumetric tests.
                 let range = reading.range.filter(|_| test.mode != Mode::Volumetric);
                 if let Some([low, high]) = range {
                     let mode = test.mode;

@@ -250,7 +250,7 @@ impl ScreenAnswer {
                 hint: format!("set discretization.spacing={}", told(found)),
             });
         }
-        // Rounded positions have short waves of their own.
+        // Rounding of positions has the form of short waves.
         let rounding = run.rounding / spacing;
         let is_coarse = rounding > question.threshold;
         let question = &Question {
@@ -263,8 +263,8 @@ impl ScreenAnswer {
             answer.notes.insert(
                 0,
                 format!(
-                    "positions are rounded to {} spacings, below which no short waves can be seen: this is the threshold here; more digits, or positions near \
-                     the origin, show them earlier",
+                    "positions are rounded to {} spacings, which is the threshold of short waves in this answer; with more digits, or positions near the origin, the \
+                     threshold is lower",
                     told(rounding)
                 ),
             );

@@ -11,7 +11,7 @@ use std::str::FromStr;
 const RIGID: f64 = 1e-5;
 /// Largest number of different displacements of the held particles of one kind: two or more grips.
 const GRIPS: usize = 6;
-/// Median motion between frames, in spacings and without the mean motion, at which rows are not those of the same particles.
+/// Median motion between frames, in spacings and without the mean motion, at which the rows are in another order.
 const JUMP_SPACINGS: f64 = 3.0;
 /// Smallest number of particles in a face that moves rigidly.
 const LEAST_FACE: usize = 3;
@@ -212,7 +212,7 @@ impl Recording {
         let mut last: Option<Read> = None;
         let mut time = f64::NEG_INFINITY;
         let mut has_others = false;
-        // Without numbers particles are told apart by the order of the rows.
+        // Without numbers the order of the rows identifies the particles.
         let mut jump: f64 = 0.0;
         for frame in series.by_ref() {
             onset::cancel::checkpoint();

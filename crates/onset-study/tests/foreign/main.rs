@@ -472,7 +472,7 @@ fn incomplete_python_models_are_refused_with_their_place() {
 
 /// felupe adds the energies of `a & b`.
 #[test]
-fn materials_of_a_script_are_told_apart_and_sums_are_refused() {
+fn materials_of_a_script_are_chosen_by_name_and_sums_are_refused() {
     let read = |text: &str, material: Option<&str>| {
         law_of(Program::Felupe, "a script", text, material, &[])
     };

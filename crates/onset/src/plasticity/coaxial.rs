@@ -1,6 +1,6 @@
 //! Isotropic laws that flow as materials of a discretization: soils, rocks, porous metals and damage.
 //!
-//! The laws are those of [`super::FlowLaw`], at finite strain: `F = F_e F_p`, Hencky's law `tau = C : e_e` for the Kirchhoff stress with the
+//! The laws implement [`super::FlowLaw`]. At finite strain `F = F_e F_p`, with Hencky's law `tau = C : e_e` for the Kirchhoff stress with the
 //! logarithmic elastic strain `e_e = 1/2 ln F_e F_e^T`, and a yield function and a direction of flow in the stress `tau` (J. C. Simo, *Comput. Methods
 //! Appl. Mech. Engrg.* 99 (1992) 61). Damage reduces `C` instead. The reference configuration may be under an initial pressure `p`; `tau` is then
 //! measured per unit of the volume under pressure.
@@ -15,8 +15,8 @@
 //!
 //! `F_jJ F_lL A_iJkL = a_ijkl - (C:P)_ij (Q:C)_kl / (h + Q:C:P)`
 //!
-//! for loading that continues, which has no major symmetry if `P` and `Q` differ (nonassociated flow), and `a_ijkl` for unloading. Both are limits of
-//! what a perturbed state does. With associated flow the first is R. Hill's linear comparison solid (*J. Mech. Phys. Solids* 6 (1958) 236), and a
+//! for loading that continues, which has no major symmetry if `P` and `Q` differ (nonassociated flow), and `a_ijkl` for unloading. The response to a
+//! perturbation lies between both. With associated flow the first is R. Hill's linear comparison solid (*J. Mech. Phys. Solids* 6 (1958) 236), and a
 //! state that is stable for it is stable.
 
 use super::finite::{SpatialModuli, inverse};
@@ -32,7 +32,7 @@ use nalgebra::{Matrix3, SVector, Vector3};
 
 /// Relative error of the stress along a path.
 const ACCURACY: f64 = 1e-10;
-/// Excess in units of the strength up to which a state counts as elastic after it has unloaded, above the error of the integration.
+/// Largest excess, in units of the strength, of an elastic state after unloading. It exceeds the error of the integration.
 const YIELD_TOLERANCE: f64 = 1e-8;
 /// Largest number of times that a path unloads.
 const MOST_UNLOADINGS: usize = 100;

@@ -56,7 +56,7 @@ pub(super) const DRUCKER_PRAGER: Law = Law {
 
 /// Domain of laws that flow.
 pub(super) const DOMAIN: &str =
-    "all J > 0; monotonic, proportional paths from F = 1; tangent of continued flow";
+    "all J > 0, on monotonic, proportional paths from F = 1; tangent of continued flow";
 
 /// Isotropic elasticity with the yield surface and flow rule of Drucker and Prager.
 ///

@@ -103,7 +103,7 @@ const LIBRARY: &[Law] = &[
 
 /// A law for increments that unload: its stress, and the tangent of unloading where the law flows.
 ///
-/// A disturbance of a flowing state loads in some places and unloads in others. The tangents of both are limits of what it meets.
+/// A disturbance of a flowing state loads in some places and unloads in others. The tangents of both bound its response.
 pub struct Unloading(pub Arc<dyn Hyperelastic>);
 
 impl Hyperelastic for Unloading {

@@ -22,7 +22,8 @@ fn blatz_ko_is_elliptic_in_boxes_whose_ends_have_the_ratio_2_plus_sqrt_3() {
     assert_close(widest.high / widest.low, ratio, 1e-10);
 }
 
-/// Polyconvex laws whose stiffness against changes of volume exceeds that of shear by any factor within the range: rounding of the former is no loss.
+/// The laws are polyconvex. Within the range the stiffness against changes of volume exceeds the shear stiffness by many orders of magnitude, and its rounding exceeds the
+/// smallest acoustic eigenvalue.
 #[test]
 fn rounding_of_a_huge_bulk_stiffness_limits_no_box() {
     let range = |low, high| Range::new(low, high).expect("a range");

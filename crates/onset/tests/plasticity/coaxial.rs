@@ -163,7 +163,7 @@ fn drucker_prager_is_its_closed_form_return_mapping_on_proportional_paths() {
     }
 }
 
-/// Paths of constant strain ratios, on which `localize` and the commands of particles have one answer.
+/// On paths of constant strain ratios `localize` and the commands of particles have one answer.
 #[test]
 fn every_law_has_the_acoustic_tensors_of_its_loading_path() {
     // At finite strain `follow` measures the stress per volume of the stress-free state.

@@ -156,7 +156,7 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
                 return Err(Trouble::new(
                     n + 1,
                     format!(
-                        "the law has constants for several temperatures; these follow those of line {}",
+                        "the law has constants for several temperatures, the first ones for the table of line {}",
                         table.line
                     ),
                     "keep the constants of one temperature",

@@ -80,7 +80,7 @@ struct Call {
 
 /// Statement of a script with models.
 struct Statement<'t> {
-    /// Variable to which the statement assigns; empty without one.
+    /// Name of the assigned variable; empty without an assignment.
     name: &'t str,
     text: &'t str,
     start: usize,
@@ -182,7 +182,7 @@ pub(super) fn read(
     Ok(law)
 }
 
-/// Statements with models. Imports are no materials.
+/// Statements with models, except imports.
 fn materials<'t>(text: &'t str, models: &'static [Model]) -> Vec<Statement<'t>> {
     let mut depth = 0_i32;
     let mut start = 0;

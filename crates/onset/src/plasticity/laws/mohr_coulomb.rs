@@ -38,7 +38,7 @@ pub(in super::super) const MOHR_COULOMB: Law = Law {
         SLIP,
         CONFINEMENT,
     ],
-    domain: "all J > 0; monotonic, proportional paths from F = 1 along which no two of the extreme and the intermediate principal stress become equal during flow; tangent of \
+    domain: "all J > 0, on monotonic, proportional paths from F = 1 along which no two of the extreme and the intermediate principal stress become equal during flow; tangent of \
              continued flow",
     source: "Mohr-Coulomb in the form of Vermeer and de Borst, Heron 29(3) (1984); defaults: typical of a soft rock, MPa",
     make: |p| {
