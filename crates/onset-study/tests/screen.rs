@@ -253,20 +253,29 @@ fn order_of_frames_and_particles_and_lost_columns_do_not_matter() {
 fn rows_in_another_order_without_numbers_of_particles_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("run.dump");
-    let without = shuffled(&NOTCH.path());
-    let mut without: Vec<String> = without.lines().map(str::to_owned).collect();
-    let mut is_atom = false;
-    for line in &mut without {
-        if line.starts_with("ITEM:") {
-            is_atom = line.starts_with("ITEM: ATOMS");
-            *line = line.replace("ATOMS id ", "ATOMS ");
-        } else if is_atom && let Some((_, others)) = line.split_once(' ') {
-            *line = others.to_owned();
-        }
-    }
-    std::fs::write(&path, without.join("\n") + "\n").expect("written");
-    let error = Recording::open(&NOTCH.source(path), 2, false).expect_err("a refusal");
-    let error = error.to_string();
+    let text = shuffled(&NOTCH.path());
+    let head = "ITEM: ATOMS id ";
+    let frames = text.split("ITEM: TIMESTEP\n").skip(1);
+    let without = frames.enumerate().map(|(n, frame)| {
+        let (before, atoms) = frame.split_once(head).expect("particles");
+        let (columns, atoms) = atoms.split_once('\n').expect("columns");
+        let mut atoms: Vec<&str> = atoms
+            .lines()
+            .filter_map(|line| Some(line.split_once(' ')?.1))
+            .collect();
+        // Another order in each frame.
+        let count = atoms.len();
+        atoms = (0..count)
+            .map(|own| atoms[own * (2 * n + 101) % count])
+            .collect();
+        format!(
+            "ITEM: TIMESTEP\n{before}ITEM: ATOMS {columns}\n{}\n",
+            atoms.join("\n")
+        )
+    });
+    std::fs::write(&path, without.collect::<String>()).expect("written");
+    let error = Recording::open(&NOTCH.source(path), 2, false).err();
+    let error = error.expect("a refusal").to_string();
     assert!(
         error.contains("no numbers of particles") && error.contains("id in LAMMPS"),
         "{error}"

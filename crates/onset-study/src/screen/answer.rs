@@ -30,6 +30,8 @@ const SAFETY_FACTOR: f64 = 0.9;
 const EXPLAINING_EXPONENT: f64 = 1.0;
 /// Smallest growth exponent before the observation in a body that is then destroyed.
 const DESTROYED_BODY_EXPONENT: f64 = 0.5;
+/// Smallest amplitude of short waves that rounding of positions does not cause, in units of the last digit.
+const ROUNDING_FACTOR: f64 = 2.0;
 /// Ratio of short waves to the threshold at which a body is destroyed.
 const DESTROYED_BODY_RATIO: f64 = 10.0;
 /// Smallest growth of short waves that are still below the threshold but follow a prediction.
@@ -252,9 +254,10 @@ impl ScreenAnswer {
         }
         // Rounding of positions has the form of short waves.
         let rounding = run.rounding / spacing;
-        let is_coarse = rounding > question.threshold;
+        let floor = ROUNDING_FACTOR * rounding;
+        let is_coarse = floor > question.threshold;
         let question = &Question {
-            threshold: question.threshold.max(rounding),
+            threshold: question.threshold.max(floor),
             ..question.clone()
         };
         let course = follow(problem, question, run, frames, sink)?;
@@ -263,9 +266,9 @@ impl ScreenAnswer {
             answer.notes.insert(
                 0,
                 format!(
-                    "positions are rounded to {} spacings, which is the threshold of short waves in this answer; with more digits, or positions near the origin, the \
-                     threshold is lower",
-                    told(rounding)
+                    "positions are rounded to {} spacings, so that the threshold of short waves is {}; with more digits, or positions near the origin, it is lower",
+                    told(rounding),
+                    told(floor)
                 ),
             );
         }

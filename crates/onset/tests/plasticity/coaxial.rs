@@ -418,7 +418,11 @@ fn states_that_cannot_be_reached_are_refused_with_the_reason() {
     // Hydrostatic tension meets the apex of the cone.
     let apex = told("drucker-prager", &[("friction", 0.5)], [1.1; 3]);
     assert!(apex.contains("no deviator"), "{apex}");
-    let corner = told("mohr-coulomb", &[], [1.05, 1.0, 1.0]);
+    let corner = told(
+        "mohr-coulomb",
+        &[("friction-angle", 10.0)],
+        [0.95, 1.0, 1.0],
+    );
     assert!(corner.contains("corner"), "{corner}");
     let law = library().iter().find(|law| law.name == "cam-clay");
     let error = law.expect("a law").build(&[("confinement", 200.0)]);
