@@ -26,7 +26,7 @@ fn a_yielding_metal_has_the_stress_of_its_path_and_the_tangent_of_continued_flow
     assert_close(cauchy(0) - cauchy(1), root * (0.4 + slip), 1e-9);
     let notes = hardening["notes"].to_string();
     assert!(
-        notes.contains("elastic-plastic") && notes.contains("continued plastic loading"),
+        notes.contains("elastic-plastic") && notes.contains("tangent of continued loading"),
         "{notes}"
     );
     assert_eq!(hardening["material"]["elliptic"], true);
