@@ -27,7 +27,10 @@ after(async () => {
 });
 
 /** Opens a page and records every console message, and every request that leaves the machine. */
-async function open({ hash = "", size = SIZES.wide, dark = false, shown = token(server.address), beside } = {}) {
+/** A question of a kernel method, whose answers are fast. */
+const KERNEL = "#set=material.model%3Dblatz-ko&set=discretization.frame%3Deulerian&stretch=1.2,1&axis=stretch-1,0.9,2&axis=stretch-2,0.9,2";
+
+async function open({ hash = KERNEL, size = SIZES.wide, dark = false, shown = token(server.address), beside } = {}) {
   const context = beside?.context() ?? (await chrome.newContext({ viewport: { width: size[0], height: size[1] }, colorScheme: dark ? "dark" : "light" }));
   const page = await context.newPage();
   const [messages, asked] = [[], []];
@@ -329,7 +332,7 @@ test("the zoo opens with one choice, in one and three dimensions too", options, 
 });
 
 test("a question can be taken along", options, async () => {
-  const { page, close } = await open();
+  const { page, close } = await open({ hash: "" });
   await finest(page);
   for (const [form, expected] of [["toml", "[[axes]]"], ["command", "onset state --stretch 2,1 --set material.model=blatz-ko"], ["python", "onset.Method(\"material-points\", grid_functions=\"quadratic-spline\")"]]) {
     await page.click(`button[data-form="${form}"]`);
@@ -402,7 +405,7 @@ test("the legend names boundaries only if the window has some", options, async (
 });
 
 test("the page opens on a map with physical and numerical parts, and no word of a table breaks", options, async () => {
-  const { page, close } = await open();
+  const { page, close } = await open({ hash: "" });
   await finest(page);
   const names = (await page.locator("#legend li").allTextContents()).join();
   for (const verdict of ["physical", "numerical", "stable"]) assert.ok(names.includes(verdict), names);
