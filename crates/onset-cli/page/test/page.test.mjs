@@ -33,6 +33,8 @@ const KERNEL = "#set=material.model%3Dblatz-ko&set=discretization.frame%3Deuleri
 async function open({ hash = KERNEL, size = SIZES.wide, dark = false, shown = token(server.address), beside } = {}) {
   const context = beside?.context() ?? (await chrome.newContext({ viewport: { width: size[0], height: size[1] }, colorScheme: dark ? "dark" : "light" }));
   const page = await context.newPage();
+  // Without a graphics card a picture of three dimensions takes long.
+  page.setDefaultTimeout(120_000);
   const [messages, asked] = [[], []];
   page.on("console", (message) => messages.push(message.text()));
   page.on("pageerror", (error) => messages.push(String(error)));
