@@ -86,10 +86,11 @@ impl Evaluator {
         let records = states.iter().zip(analysis.states(states));
         records
             .map(|(f, surveyed)| {
-                let mut record = self.record(analysis, f, surveyed)?;
+                // Taken first, so that an error of a state leaves the others in step.
                 let faster = unloading
                     .as_mut()
                     .and_then(|(own, states)| Some((*own, states.next()?)));
+                let mut record = self.record(analysis, f, surveyed)?;
                 if let Some((own, Ok(state))) = faster {
                     let step = match self.is_transferred {
                         true => own.transferred(f)?.map(|waves| waves.critical_time_step()),
