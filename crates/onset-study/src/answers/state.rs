@@ -663,11 +663,16 @@ impl StateAnswer {
 
     /// The verdict with its mechanism.
     pub(super) fn named_verdict(&self) -> String {
-        let verdict = self.verdict.title();
-        match self.mechanism {
-            Some(mechanism) => format!("{verdict} ({})", mechanism.name()),
-            None => verdict.to_owned(),
-        }
+        named(self.verdict, self.mechanism)
+    }
+}
+
+/// A verdict with its mechanism.
+pub(super) fn named(verdict: Verdict, mechanism: Option<Mechanism>) -> String {
+    let verdict = verdict.title();
+    match mechanism {
+        Some(mechanism) => format!("{verdict} ({})", mechanism.name()),
+        None => verdict.to_owned(),
     }
 }
 

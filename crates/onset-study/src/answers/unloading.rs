@@ -3,7 +3,7 @@
 use super::finite_body::FiniteBodyAnswer;
 use super::mode::{critical_mode, finite_wave_vector};
 use super::problem::{Problem, ProblemError};
-use super::state::list;
+use super::state::{list, named};
 use crate::number::{told, told_below, vector};
 use crate::settings::Units;
 use nalgebra::{SVector, SymmetricEigen};
@@ -55,10 +55,7 @@ impl UnloadingAnswer {
 
     /// The answer in one line.
     pub(super) fn words(&self, units: Units) -> String {
-        let verdict = match self.mechanism {
-            Some(mechanism) => format!("{} ({})", self.verdict.title(), mechanism.name()),
-            None => self.verdict.title().to_owned(),
-        };
+        let verdict = named(self.verdict, self.mechanism);
         let growth = match self.growth_rate > 0.0 {
             true => {
                 let rate = told(self.growth_rate);

@@ -12,11 +12,12 @@ use crate::number::told;
 use crate::output::{Files, picture, text};
 use crate::range::spread;
 use crate::settings::{Effective, Settings, Units};
-use onset::analysis::Analysis;
+use onset::analysis::{Analysis, SteppedWaves};
+use onset::bloch::SpectrumSummary;
 use onset::cancel::Scope;
 use onset::method::MethodError;
 use onset::time_step::{Integrator, undamped_time_step};
-use onset::verdict::{Assessment, Verdict};
+use onset::verdict::Verdict;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -141,10 +142,12 @@ impl Search<'_> {
         let (analysis, f) = (&*problem.analysis, &self.strain.0);
         let assessment = analysis.assess(f)?;
         let transferred = analysis.transferred(f)?;
-        let mut step = self.step(analysis, &assessment)?;
+        let mut step = self.step(analysis, transferred.as_deref(), &assessment.spectrum)?;
         if problem.unloads(f)? {
             let stiffer = problem.unloading()?.analysis;
-            step = step.min(self.step(&*stiffer, &stiffer.assess(f)?)?);
+            let waves = stiffer.transferred(f)?;
+            let of_stiffer = self.step(&*stiffer, waves.as_deref(), &stiffer.spectrum(f)?)?;
+            step = step.min(of_stiffer);
         }
         let body = BodyStepAnswer::new(&problem, f)?;
         // The step of the body is the limit of central differences, and is rescaled for the integrator.
@@ -168,15 +171,16 @@ impl Search<'_> {
     fn step(
         &self,
         analysis: &dyn Analysis,
-        assessment: &Assessment<3>,
+        transferred: Option<&dyn SteppedWaves>,
+        spectrum: &SpectrumSummary<3>,
     ) -> Result<f64, MethodError> {
         let integrator = self.question.integrator;
-        Ok(match analysis.transferred(&self.strain.0)? {
+        Ok(match transferred {
             Some(waves) => waves.critical_time_step(),
             None if analysis.is_damped() => {
                 analysis.critical_time_step(&self.strain.0, integrator)?
             }
-            None => undamped_time_step(integrator, assessment.spectrum.maximum_omega),
+            None => undamped_time_step(integrator, spectrum.maximum_omega),
         })
     }
 

@@ -55,13 +55,14 @@ impl FourthOrder {
     pub fn pulled_back(&self, f: &DeformationGradient) -> Self {
         // The determinant of a checked deformation gradient is positive.
         let inverse = f.matrix().try_inverse().unwrap_or_else(Matrix3::zeros);
-        let jacobian = f.jacobian();
-        let half =
-            Self::from_fn(|i, m, k, l| (0..3).map(|j| inverse[(m, j)] * self[(i, j, k, l)]).sum());
-        Self::from_fn(|i, m, k, n| {
-            let sum: f64 = (0..3).map(|l| inverse[(n, l)] * half[(i, m, k, l)]).sum();
-            jacobian * sum
-        })
+        let (jacobian, own) = (f.jacobian(), self.with_material_indices(&inverse));
+        Self::from_fn(|i, m, k, n| jacobian * own[(i, m, k, n)])
+    }
+
+    /// Transforms the second and the fourth index by a matrix: `m_Jj m_Ll T_ijkl`.
+    pub(crate) fn with_material_indices(&self, m: &Matrix3<f64>) -> Self {
+        let half = Self::from_fn(|i, a, k, l| (0..3).map(|j| m[(a, j)] * self[(i, j, k, l)]).sum());
+        Self::from_fn(|i, a, k, b| (0..3).map(|l| m[(b, l)] * half[(i, a, k, l)]).sum())
     }
 
     /// Transforms all four indices by a matrix: `m_iI m_jJ m_kK m_lL T_IJKL`.

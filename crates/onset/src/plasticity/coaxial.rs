@@ -23,6 +23,7 @@ use super::finite::{SpatialModuli, inverse};
 use super::flow::{Elasticity, Flow, FlowLaw};
 use super::integration::{Stop, Stopped, integrate};
 use super::spectral::Spectral;
+use super::walk::bisect;
 use super::{Hardening, PlasticityError};
 use crate::kinematics::DeformationGradient;
 use crate::material::{
@@ -203,19 +204,9 @@ impl<L: FlowLaw> Coaxial<L> {
                     flow: None,
                 });
             }
-            let (mut low, mut high) = (reached, 1.0);
-            for _ in 0..200 {
-                let middle = 0.5 * (low + high);
-                if middle <= low || middle >= high {
-                    break;
-                }
-                match is_elastic(middle) {
-                    true => low = middle,
-                    false => high = middle,
-                }
-            }
-            internal = of(&at(high));
-            match self.flowed(&joined(&at(high), slip, &internal), strain, high) {
+            let yielding = bisect(reached, 1.0, is_elastic);
+            internal = of(&at(yielding));
+            match self.flowed(&joined(&at(yielding), slip, &internal), strain, yielding) {
                 Ok(end) => {
                     let (stress, slip, internal) = split(&end);
                     let flow = match law.faces(&internal) {

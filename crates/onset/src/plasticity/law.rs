@@ -34,7 +34,7 @@ pub(super) const DRUCKER_PRAGER: Law = Law {
         SLIP,
         CONFINEMENT,
     ],
-    domain: DOMAIN,
+    domain: "all J > 0, on monotonic, proportional paths from F = 1; tangent of continued flow",
     symmetry: Symmetry::Isotropic,
     stressed_reference: None,
     small_strains: "shear modulus mu, bulk modulus kappa",
@@ -53,10 +53,6 @@ pub(super) const DRUCKER_PRAGER: Law = Law {
         coaxial(law, p[8])
     },
 };
-
-/// Domain of laws that flow.
-pub(super) const DOMAIN: &str =
-    "all J > 0, on monotonic, proportional paths from F = 1; tangent of continued flow";
 
 /// Isotropic elasticity with the yield surface and flow rule of Drucker and Prager.
 ///

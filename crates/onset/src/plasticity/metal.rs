@@ -23,6 +23,7 @@
 
 use super::integration::{Stop, Stopped, integrate};
 use super::spectral::Spectral;
+use super::walk::bisect;
 use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
 use crate::material::{
@@ -325,20 +326,9 @@ impl Metal {
     /// Solution `e` of `trial - 3 mu e = sigma_y(e)`, whose left side decreases faster.
     fn slip_of_trial(&self, trial: f64) -> Result<f64, MaterialError> {
         let excess = |slip: f64| trial - 3.0 * self.mu * slip - self.flow_stress.at(slip);
-        let (mut low, mut high) = (0.0, trial / (3.0 * self.mu));
-        for _ in 0..200 {
-            let middle = 0.5 * (low + high);
-            if middle <= low || middle >= high {
-                break;
-            }
-            if excess(middle) > 0.0 {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        self.has_strength(high)?;
-        Ok(high)
+        let slip = bisect(0.0, trial / (3.0 * self.mu), |slip| excess(slip) > 0.0);
+        self.has_strength(slip)?;
+        Ok(slip)
     }
 
     fn has_strength(&self, slip: f64) -> Result<(), MaterialError> {
@@ -437,7 +427,7 @@ impl Metal {
             deformation: *f,
             energy: own.energy,
             first_piola: own.first_piola * inverse.transpose(),
-            tangent: with_material_indices(&own.tangent, inverse),
+            tangent: own.tangent.with_material_indices(inverse),
         };
         let continued = FourthOrder::from_fn(|i, j, k, l| {
             unloading.tangent[(i, j, k, l)] - q[(i, j)] * q[(k, l)] / stiffness
@@ -487,18 +477,11 @@ impl Metal {
             deformation: *f,
             energy: own.energy,
             first_piola: own.first_piola * self.frame.transpose(),
-            tangent: with_material_indices(&own.tangent, &self.frame),
+            tangent: own.tangent.with_material_indices(&self.frame),
         };
         let (unloading, continued) = self.along_axes(&state)?;
         Ok((back(unloading), continued.map(back)))
     }
-}
-
-/// Tangent `m_Jj A_ijkl m_Ll`, with its second and fourth index transformed by a matrix.
-fn with_material_indices(tangent: &FourthOrder, m: &Matrix3<f64>) -> FourthOrder {
-    let half =
-        FourthOrder::from_fn(|i, j, k, b| (0..3).map(|a| tangent[(i, a, k, b)] * m[(j, a)]).sum());
-    FourthOrder::from_fn(|i, j, k, l| (0..3).map(|b| half[(i, j, k, b)] * m[(l, b)]).sum())
 }
 
 impl Hyperelastic for Metal {

@@ -216,7 +216,7 @@ fn materials<'t>(text: &'t str, models: &'static [Model]) -> Vec<Statement<'t>> 
                         models: own_models,
                     });
                 }
-                (start, depth) = (place + letter.len_utf8().min(text.len() - place), 0);
+                (start, depth) = (place + 1, 0);
             }
             _ => {}
         }
