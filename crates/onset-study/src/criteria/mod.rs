@@ -299,6 +299,8 @@ pub struct KinkAnswer {
     pub mean_stress: f64,
     /// Jump of the second derivative of the energy with respect to `J` at constant isochoric deformation. Units of stress.
     pub bulk_tangent: f64,
+    /// Whether the stress drops along the loading, so that increments across the kink are unstable.
+    pub is_concave: bool,
 }
 
 impl KinkAnswer {
@@ -311,6 +313,7 @@ impl KinkAnswer {
             largest_stress,
             mean_stress,
             bulk_tangent,
+            is_concave,
             ..
         } = kink;
         Self {
@@ -321,6 +324,7 @@ impl KinkAnswer {
             largest_stress,
             mean_stress,
             bulk_tangent,
+            is_concave,
         }
     }
 }
@@ -803,7 +807,11 @@ fn kink(kink: &KinkAnswer, mode: Mode) -> String {
             "step of the energy at {place}: the energy jumps by {energy}, so that the law has no stress there"
         ),
         Discontinuity::JumpOfStress => format!(
-            "jump of the stress at {place} (kink of the energy): the Cauchy stress jumps by up to {stress}, its mean by {mean}"
+            "jump of the stress at {place} (kink of the energy): the Cauchy stress jumps by up to {stress}, its mean by {mean}{}",
+            match kink.is_concave {
+                true => "; it drops along the loading, so that increments across it are unstable",
+                false => "",
+            }
         ),
         Discontinuity::KinkOfStress => format!(
             "kink of the stress at {place}: the tangent jumps by {:.2} %, d2W/dJ2 by {bulk}; a limit there is one-sided",

@@ -2,8 +2,8 @@
 
 use super::root::{bracket_zero, dip};
 use super::{
-    Criterion, Jump, JumpSearch, LARGEST_RATIO, LoadingPath, Measure, PathState, Witness, kinks,
-    ratio_of_stretches,
+    Criterion, Jump, JumpSearch, Kink, LARGEST_RATIO, LoadingPath, Measure, PathState, Witness,
+    kinks, ratio_of_stretches,
 };
 use crate::algebra::{Each, sort_by_value};
 use nalgebra::Vector3;
@@ -47,6 +47,11 @@ pub struct Track {
 }
 
 impl Event {
+    /// Path parameter `s = ln lambda` of the change.
+    fn place(&self) -> f64 {
+        self.stretch.ln()
+    }
+
     /// Marks the event as an upper bound of the distance from the reference configuration.
     fn upper_bound(self) -> Self {
         Self {
@@ -77,6 +82,8 @@ const RESOLUTION: f64 = 1e-14;
 const AT_REFERENCE: f64 = 1e-9;
 /// Finite-difference step of the slope of a measure, in `ln lambda`.
 const SLOPE_STEP: f64 = 1e-5;
+/// Distance behind a kink, in `ln lambda`, at which the law behind it is judged.
+const BEHIND_KINK: f64 = 1e-10;
 /// Tolerance of a local minimum, relative to the interval.
 const DIP: f64 = 2e-11;
 
@@ -84,7 +91,8 @@ const DIP: f64 = 2e-11;
 ///
 /// The criterion is evaluated at the states of the path, local minima of the measure between the states are refined, and each change of sign is
 /// bracketed to rounding. States whose principal stretches differ by a factor above 1e4 do not count. A criterion that is lost and regained between
-/// two states is overlooked unless the states show a local minimum.
+/// two states is overlooked unless the states show a local minimum. At a [concave kink](super::Kink::is_concave) of the energy every criterion of
+/// increments is lost, and regained at the same stretch if it holds behind the kink.
 ///
 /// ```
 /// use onset::material::BlatzKo;
@@ -176,10 +184,49 @@ pub fn follow(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Op
             .max(undetermined(path, criterion, place, &mut value));
         events.push(found);
     }
+    lose_at_concave_kinks(path, criterion, tension, holds_at_start, &mut events);
     Some(Track {
         holds_at_start,
         events,
     })
+}
+
+/// Adds the concave kinks of the energy at which a criterion of increments fails and holds on both sides: the stress drops there.
+fn lose_at_concave_kinks(
+    path: &LoadingPath<'_>,
+    criterion: Criterion,
+    tension: bool,
+    holds_at_start: bool,
+    events: &mut Vec<Event>,
+) {
+    for kink in kinks(path).iter().filter(|kink| kink.is_concave) {
+        let place = kink.near_side();
+        if (place > 0.0) != tension {
+            continue;
+        }
+        let state = path.state(place);
+        let Some(witness) = state.and_then(|state| criterion.across(&state, &kink.first_piola))
+        else {
+            continue;
+        };
+        // Changes at the kink itself are replaced by the changes that follow from both sides.
+        events.retain(|event| (event.place() - place).abs() > BEHIND_KINK);
+        let before = events
+            .iter()
+            .filter(|event| event.place().abs() < place.abs());
+        let last = before.max_by(|a, b| a.place().abs().total_cmp(&b.place().abs()));
+        let held = last.map_or(holds_at_start, |last| last.change == Change::Regained);
+        let behind = path.state(place + BEHIND_KINK.copysign(place));
+        let behind = behind.and_then(|state| criterion.measure(&state));
+        let [low, high] = kink.sides;
+        let lost = held.then(|| event(true, low, high, witness));
+        let regained = behind
+            .filter(Measure::holds)
+            .map(|_| event(false, low, high, witness));
+        events.extend(lost.into_iter().chain(regained));
+    }
+    // The order of events at one place is kept.
+    sort_by_value(events, |event| event.place().abs());
 }
 
 /// Shift of a change of sign at `s`, in `ln lambda`, that rounding can cause.
@@ -239,6 +286,11 @@ fn event(lost: bool, before: f64, behind: f64, witness: Witness) -> Event {
 const STRIDE: usize = 8;
 /// Additional searches for finite jumps, at these fractions of the way before the loss of ellipticity.
 const BEFORE_LOSS: [f64; 4] = [0.02, 5e-3, 1e-3, 1e-5];
+/// Additional searches before a drop of the stress, in units of the distance at which the gain of a jump across it vanishes for a law that is linear on
+/// both sides. Halfway such a jump usually gains.
+const BEFORE_DROP: [f64; 3] = [0.9, 0.5, 0.1];
+/// Amplitudes at which descents across a drop of the stress start, relative to the best one where the gain vanishes.
+const ACROSS_DROP: [f64; 3] = [1.0, 0.5, 0.2];
 /// Largest number of changes to another family of jumps once no jump of the current family lowers the energy.
 const FAMILIES: usize = 6;
 /// Largest number of growing outward steps to a state at which interval arithmetic proves that the jump lowers the energy.
@@ -248,8 +300,9 @@ const OUTWARD: i32 = 22;
 ///
 /// Finite jumps are searched for at every eighth state up to the `elliptic` limit, where infinitesimal jumps lower the energy, closely before that limit,
 /// and on both sides of jumps and kinks of the law ([`kinks`](super::kinks())). Where the stress drops with the stretch, jumps across the drop lower
-/// the energy before it. Behind a step up of the energy, jumps back lower the energy. The first jump found is followed back to its break-even point, where the
-/// search is repeated for other families. Nothing is searched beyond the limit.
+/// the energy before it; the search begins with jumps that are best for a law that is linear on both sides of the drop. Behind a step up of the energy,
+/// jumps back lower the energy. The first jump found is followed back to its break-even point, where the search is repeated for other families. Nothing is
+/// searched beyond the limit.
 ///
 /// Other jumps may lower the energy nearer to the reference configuration, so the limit is an upper bound of the distance up to which the law is
 /// rank-one convex. Its tolerance refers to the jump reported. Interval arithmetic proves that this jump lowers the energy at the limit if the law provides enclosures
@@ -273,6 +326,10 @@ pub fn follow_jumps(path: &LoadingPath<'_>, elliptic: &Track, reach: f64, tensio
             _ => None,
         }),
         beside_kinks: kinks(path).iter().flat_map(|kink| kink.sides).collect(),
+        drops: kinks(path)
+            .iter()
+            .filter_map(|kink| Drop::of(path, kink))
+            .collect(),
     };
     let places = jumps.places(elliptic, tension);
     for (n, place) in places.iter().enumerate() {
@@ -310,6 +367,45 @@ struct Jumps<'p, 'a> {
     wave: Option<(Vector3<f64>, Vector3<f64>)>,
     /// Parameters of the states on both sides of the jumps and kinks of the law.
     beside_kinks: Vec<f64>,
+    /// Drops of the stress along the path.
+    drops: Vec<Drop>,
+}
+
+/// Drop of the stress at a concave kink, with the jump across it that gains most where the law is linear on both sides.
+///
+/// At a distance `d` before the drop the jump `a (x) N` gains `-[P] : (a (x) N) - a . Q(N) a / 2 - c d`, where `c d` is the work of the drop over the
+/// distance. The best amplitude is `a = -Q(N)^-1 [P] N`, and the gain vanishes at the distance at which `c d` equals half of `-[P] : (a (x) N)`.
+struct Drop {
+    /// Parameter of the kink.
+    place: f64,
+    /// Distance in the parameter at which the gain vanishes.
+    distance: f64,
+    amplitude: Vector3<f64>,
+    direction: Vector3<f64>,
+}
+
+impl Drop {
+    fn of(path: &LoadingPath<'_>, kink: &Kink) -> Option<Self> {
+        let place = Some(kink.near_side()).filter(|_| kink.is_concave)?;
+        let state = path.at(place)?;
+        let (gain, direction, amplitude) = path
+            .ask(&state)
+            .best_jump_across(&kink.first_piola, false)?;
+        let distance = gain * state.pace() / -kink.first_piola.dot(&state.rate);
+        (distance > 0.0 && distance.is_finite()).then_some(Self {
+            place,
+            distance,
+            amplitude,
+            direction,
+        })
+    }
+
+    /// Returns true if jumps across the drop may lower the energy at a parameter.
+    fn is_near(&self, s: f64) -> bool {
+        (s > 0.0) == (self.place > 0.0)
+            && s.abs() <= self.place.abs()
+            && (s - self.place).abs() < 2.0 * self.distance
+    }
 }
 
 impl Jumps<'_, '_> {
@@ -329,7 +425,14 @@ impl Jumps<'_, '_> {
         });
         let kinks = self.beside_kinks.iter().copied();
         let kinks = kinks.filter(|s| (*s > 0.0) == tension);
-        let places = along.chain(before).chain(kinks);
+        let drops = self.drops.iter();
+        let drops = drops.filter(|drop| (drop.place > 0.0) == tension);
+        let drops = drops.flat_map(|drop| {
+            let toward = drop.distance.copysign(drop.place);
+            BEFORE_DROP.map(|part| drop.place - part * toward)
+        });
+        let drops = drops.filter(|s| (*s > 0.0) == tension);
+        let places = along.chain(before).chain(kinks).chain(drops);
         let mut places: Vec<f64> = places.filter(|s| within(*s)).collect();
         sort_by_value(&mut places, |place| place.abs());
         places.dedup();
@@ -341,6 +444,18 @@ impl Jumps<'_, '_> {
         let state = self.path.at(s)?;
         let found = self.search.lowest_beside(&state.response, self.wave);
         let is_beside = self.beside_kinks.contains(&s);
+        let drops = self.drops.iter().filter(|drop| drop.is_near(s));
+        let across = drops.flat_map(|drop| {
+            ACROSS_DROP.map(|part| {
+                let amplitude = drop.amplitude * part;
+                self.search
+                    .descend_from(&state.response, amplitude, &drop.direction)
+            })
+        });
+        let found = found
+            .into_iter()
+            .chain(across.flatten())
+            .min_by(|a, b| a.excess.total_cmp(&b.excess));
         found.filter(Jump::gains).or_else(|| {
             let longest = is_beside.then(|| self.search.longest(&state.response));
             longest.flatten()

@@ -73,13 +73,18 @@ const STIFF: f64 = 1e8;
 
 /// Bulk modulus of a law in the reference configuration, if it counts as infinite.
 pub(super) fn huge_bulk_modulus(material: &dyn Hyperelastic) -> Option<f64> {
+    bulk_modulus_above(material, STIFF)
+}
+
+/// Bulk modulus of a law in the reference configuration, if its ratio to the shear modulus exceeds a number.
+pub(super) fn bulk_modulus_above(material: &dyn Hyperelastic, ratio: f64) -> Option<f64> {
     if material.dimension() < 3 || material.is_path_dependent() {
         return None;
     }
     let response = material.undeformed().ok()?;
     let shear = response.tangent[(0, 1, 0, 1)];
     let bulk = response.tangent[(0, 0, 0, 0)] - shear * (4.0 / 3.0);
-    (shear > ACOUSTIC_ROUNDING * bulk && bulk > STIFF * shear).then_some(bulk)
+    (shear > ACOUSTIC_ROUNDING * bulk && bulk > ratio * shear).then_some(bulk)
 }
 
 /// Adds the volume change that carries the pressure of a law with a finite bulk modulus, relative to the stress `other` of the same shape.

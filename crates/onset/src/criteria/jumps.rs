@@ -1,5 +1,6 @@
 //! Finite jumps of the deformation gradient that lower the energy.
 
+use super::incompressible::bulk_modulus_above;
 use super::{Witness, principal_axes};
 use crate::algebra::{Each, array_of, sort_by_value};
 use crate::kinematics::DeformationGradient;
@@ -51,7 +52,7 @@ impl Jump {
 /// Jumps lead only to states with principal stretches up to the reach, since many laws lack growth at enormous strains. A descent that meets the
 /// reach continues along it, among jumps whose largest stretch equals the reach. Such jumps along the same axes are starts too, because the lowest of
 /// them are oblique. In compression jumps are bounded only by the energy, since `J` cannot fall below zero, where laws without growth toward `J = 0`
-/// have their lowest jumps.
+/// have their lowest jumps. For nearly incompressible laws volume-preserving jumps are searched for too, and followed downhill among all jumps.
 ///
 /// A jump that lowers the energy disproves rank-one convexity, to rounding or, if [`JumpSearch::proves`] returns true, in exact arithmetic. A search
 /// without result proves nothing.
@@ -74,7 +75,13 @@ pub struct JumpSearch<'a> {
     reach: f64,
     incompressible: bool,
     isotropic: bool,
+    /// Whether volume-preserving jumps are searched for where a descent in all variables finds no gain.
+    is_stiff: bool,
 }
+
+/// Ratio of bulk to shear modulus from which volume-preserving jumps are searched for too: beyond it the valleys of the energy may be too narrow for a
+/// descent in all variables.
+const STIFF: f64 = 3e3;
 
 /// Smaller amplitudes, relative to the stretch, count as infinitesimal: their excess equals the excess of a wave.
 const INFINITESIMAL_AMPLITUDE: f64 = 1e-3;
@@ -99,7 +106,7 @@ const SMALLEST_VOLUME_RATIO: f64 = 1e-7;
 /// Smaller ratios of the volumes after and before a jump count as collapse.
 const COLLAPSE_VOLUME_RATIO: f64 = 1e-3;
 /// Axes of a cube: normals of its faces, its edges and its corners.
-const AXES: [[f64; 3]; 13] = [
+pub(super) const AXES: [[f64; 3]; 13] = [
     [1.0, 0.0, 0.0],
     [0.0, 1.0, 0.0],
     [0.0, 0.0, 1.0],
@@ -129,7 +136,16 @@ impl<'a> JumpSearch<'a> {
             reach,
             incompressible: false,
             isotropic: false,
+            is_stiff: bulk_modulus_above(material, STIFF).is_some(),
         }
+    }
+
+    /// Search among volume-preserving jumps, if the law is nearly incompressible.
+    fn preserving_volume(&self) -> Option<Self> {
+        (self.is_stiff && !self.incompressible).then_some(Self {
+            incompressible: true,
+            ..*self
+        })
     }
 
     /// Declares the law isotropic: only one of several jumps that are mirror images in the principal axes is tried.
@@ -188,9 +204,35 @@ impl<'a> JumpSearch<'a> {
         }
         let inside = starts.iter();
         let inside = inside.filter_map(|(_, start)| self.descent(state, *start));
-        along_edge
-            .chain(inside)
-            .min_by(|a, b| a.excess.total_cmp(&b.excess))
+        let all = along_edge.chain(inside);
+        let own = all.min_by(|a, b| a.excess.total_cmp(&b.excess));
+        self.or_preserving_volume(state, own, |search| search.lowest_beside(state, wave))
+    }
+
+    /// Searches among volume-preserving jumps too, if the law is nearly incompressible and a given jump gains nothing.
+    fn or_preserving_volume(
+        &self,
+        state: &Response,
+        own: Option<Jump>,
+        search: impl FnOnce(&Self) -> Option<Jump>,
+    ) -> Option<Jump> {
+        if own.as_ref().is_some_and(Jump::gains) {
+            return own;
+        }
+        let preserving = self.preserving_volume();
+        let found = preserving.and_then(|own| search(&own));
+        let relaxed = found.and_then(|jump| self.relaxed(state, jump));
+        let both = own.into_iter().chain(relaxed);
+        both.min_by(|a, b| a.excess.total_cmp(&b.excess))
+    }
+
+    /// Follows a volume-preserving jump to the bottom of its valley among all jumps.
+    fn relaxed(&self, state: &Response, jump: Jump) -> Option<Jump> {
+        let a = self.free(state, jump.amplitude, &jump.direction);
+        let relaxed = self.descent(state, joined(&a, &jump.direction));
+        relaxed
+            .filter(|relaxed| relaxed.excess < jump.excess)
+            .or(Some(jump))
     }
 
     /// Returns the longest jump along the axes of the search that lowers the energy. Near a step of the energy and before a concave kink every descent
@@ -265,9 +307,21 @@ impl<'a> JumpSearch<'a> {
 
     /// Follows a jump of a nearby state to the bottom of its valley; `None` if the jump becomes infinitesimal.
     pub fn descend(&self, state: &Response, start: &Jump) -> Option<Jump> {
-        let n = start.direction;
-        let a = self.free(state, start.amplitude, &n);
-        self.descent(state, joined(&a, &n))
+        self.descend_from(state, start.amplitude, &start.direction)
+    }
+
+    /// Follows a jump, given by amplitude and unit normal, to the bottom of its valley; `None` if the jump becomes infinitesimal.
+    pub(super) fn descend_from(
+        &self,
+        state: &Response,
+        amplitude: Vector3<f64>,
+        n: &Vector3<f64>,
+    ) -> Option<Jump> {
+        let own = self.descent(state, joined(&self.free(state, amplitude, n), n));
+        self.or_preserving_volume(state, own, |search| {
+            let a = search.admitted(state, amplitude, n);
+            search.descent(state, joined(&a, n))
+        })
     }
 
     /// Returns true if interval arithmetic proves that a jump lowers the energy.

@@ -38,8 +38,20 @@ pub struct Kink {
     pub mean_stress: f64,
     /// Jump of the second derivative of the energy with respect to `J` at constant isochoric deformation. Units of stress.
     pub bulk_tangent: f64,
+    /// Whether the stress drops along the loading: the energy is concave across the kink, so that increments across it do negative work.
+    pub is_concave: bool,
+    /// Jump of the first Piola-Kirchhoff stress. Units of stress.
+    pub(super) first_piola: Matrix3<f64>,
     /// Parameters `ln lambda` of the states on the two sides.
     pub(super) sides: [f64; 2],
+}
+
+impl Kink {
+    /// Side of the kink that is nearer to the reference configuration, as a parameter `ln lambda`.
+    pub(super) fn near_side(&self) -> f64 {
+        let [low, high] = self.sides;
+        if low.abs() <= high.abs() { low } else { high }
+    }
 }
 
 /// Smallest reported jumps of energy, stress and tangent, relative to the tangent.
@@ -87,7 +99,7 @@ fn found(path: &LoadingPath<'_>) -> Vec<Kink> {
             let ends = [states[n].clone(), states[n + 1].clone()];
             found.extend(narrowed(path, order, ends).and_then(|[low, high]| {
                 let sides = [low.parameter, high.parameter];
-                between(&low.response, &high.response, sides)
+                between(&low.response, &high.response, &low.rate, sides)
             }));
         }
     }
@@ -211,26 +223,32 @@ fn at_end(path: &LoadingPath<'_>, states: &[PathState], end: &PathEnd, sense: f6
     let last = states.last()?;
     let beyond = last.response.deformation.matrix() + last.rate * (STEP_BEYOND_END * sense);
     let mut there = path.respond(&beyond)?;
-    // Subtract the smooth change over the step.
     let step = beyond - last.response.deformation.matrix();
     let along = Matrix3::from_fn(|i, j| {
         let terms =
             (0..9).map(|n| last.response.tangent[(i, j, n / 3, n % 3)] * step[(n / 3, n % 3)]);
         terms.sum::<f64>()
     });
-    there.energy -= (last.response.first_piola + along * 0.5).dot(&step);
+    // What remains of the changes are the jumps. The stress may jump anywhere within the step, so that the work of the step lies between the works of
+    // the two stresses.
     there.first_piola -= along;
+    let curved = 0.5 * along.dot(&step);
+    let works = [&last.response, &there].map(|side| side.first_piola.dot(&step) + curved);
+    let risen = there.energy - last.response.energy;
+    there.energy -= risen
+        .max(works[0].min(works[1]))
+        .min(works[0].max(works[1]));
     there.deformation = last.response.deformation;
     let sides = [last.parameter; 2];
     let kink = match sense > 0.0 {
-        true => between(&last.response, &there, sides),
-        false => between(&there, &last.response, sides),
+        true => between(&last.response, &there, &last.rate, sides),
+        false => between(&there, &last.response, &last.rate, sides),
     };
     kink.filter(|kink| kink.kind != Discontinuity::KinkOfStress)
 }
 
-/// Jump between two states that are almost equal.
-fn between(low: &Response, high: &Response, sides: [f64; 2]) -> Option<Kink> {
+/// Jump between two states that are almost equal; `rate` is the rate of the deformation gradient along the loading.
+fn between(low: &Response, high: &Response, rate: &Matrix3<f64>, sides: [f64; 2]) -> Option<Kink> {
     let jumps = [0, 1, 2].each(|order: usize| {
         let ((a, scale), (b, other)) = (quantity(low, order), quantity(high, order));
         distance(&a, &b) / scale.max(other)
@@ -238,6 +256,7 @@ fn between(low: &Response, high: &Response, sides: [f64; 2]) -> Option<Kink> {
     let order = (0..3).find(|order| jumps[*order] > REPORTED_JUMPS[*order])?;
     let middle = 0.5 * (sides[0] + sides[1]);
     let stress = high.cauchy() - low.cauchy();
+    let first_piola = high.first_piola - low.first_piola;
     Some(Kink {
         stretch: if middle.abs() < WIDTH {
             1.0
@@ -254,6 +273,8 @@ fn between(low: &Response, high: &Response, sides: [f64; 2]) -> Option<Kink> {
         largest_stress: stress.amax(),
         mean_stress: stress.trace() / 3.0,
         bulk_tangent: bulk_tangent(high) - bulk_tangent(low),
+        is_concave: order == 1 && first_piola.dot(rate) < 0.0,
+        first_piola,
         sides,
     })
 }

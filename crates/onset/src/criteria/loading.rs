@@ -234,6 +234,14 @@ impl Loading {
         &free[..own]
     }
 
+    /// Returns true if the states depend on stretches that are solved for; of incompressible response only a sheared cell with two free faces does.
+    fn solves_for_states(self, material: &dyn Hyperelastic, volume: Volume) -> bool {
+        match volume {
+            Volume::Changes => !self.free_of(material).is_empty(),
+            _ => (self.mode, self.lateral) == (Mode::SimpleShear, Lateral::Free),
+        }
+    }
+
     /// Imposed part of `F` at `s = ln lambda`, with its derivative with respect to `s`. Free directions have length 1.
     pub(super) fn imposed(self, s: f64) -> (Matrix3<f64>, Matrix3<f64>) {
         let stretch = s.exp();
@@ -325,7 +333,7 @@ pub struct PathState {
     pub parameter: f64,
     /// Energy, stress and tangent, with the deformation gradient.
     pub response: Response,
-    /// Rate `dF` along the loading, free directions included, by the arc length of `s` and the logarithms of the free stretches.
+    /// Rate `dF` along the loading toward larger `s`, free directions included, by the arc length of `s` and the logarithms of the free stretches.
     pub rate: Matrix3<f64>,
     /// Logarithms of the free stretches, in the order of the axes.
     lateral: Vector2<f64>,
@@ -337,6 +345,14 @@ impl PathState {
     /// Logarithms of the free stretches, and `s`.
     fn place(&self) -> Vector3<f64> {
         self.lateral.push(self.parameter)
+    }
+
+    /// Change of `s` for a unit arc length of [`PathState::rate`].
+    pub(super) fn pace(&self) -> f64 {
+        match self.tangent.norm() {
+            0.0 => 1.0,
+            norm => self.tangent.z.abs() / norm,
+        }
     }
 
     /// Returns true if the chord to another state lies along the branch at both ends: no other branch and no fold between them.
@@ -815,9 +831,9 @@ fn branch(
                     length = 2.0 * tried;
                     continue;
                 }
-                // Without free faces nothing is solved for, so the law has states arbitrarily close to the jump.
+                // Where nothing is solved for, the law has states arbitrarily close to the jump.
                 Err(Missing::Law(source))
-                    if source.is_of_a_jump() && loading.free_of(material).is_empty() =>
+                    if source.is_of_a_jump() && !loading.solves_for_states(material, volume) =>
                 {
                     target -= BESIDE_JUMP * step;
                     length = f64::INFINITY;
@@ -961,6 +977,8 @@ fn solve(
                 true => tangent.direction(&branch).ok_or(Missing::Equilibrium)?,
                 false => branch,
             };
+            // Toward larger stretches, on both sides of the reference configuration.
+            let on = if on.z < 0.0 { -on } else { on };
             let mut rate = imposed_rate * on.z;
             for (n, axis) in free.iter().enumerate() {
                 rate[(*axis, *axis)] = on[n] * f[(*axis, *axis)];
@@ -1035,9 +1053,9 @@ fn isochoric(
             let size = correction.abs();
             if size <= 4.0 * f64::EPSILON || (size < 1e-8 && size >= 0.5 * last) {
                 state.response = settled(response);
-                state.rate = rate + along * slope;
                 state.lateral = Vector2::new(own, -own);
                 state.tangent = Vector3::new(slope, -slope, 1.0).normalize();
+                state.rate = (rate + along * slope) * state.tangent.z;
                 return Ok(state);
             }
             last = size;

@@ -52,7 +52,7 @@ pub use loading::{
 };
 pub use polyconvexity::{Knowledge, Polyconvexity, polyconvexity};
 
-use crate::algebra::{Each, array_of};
+use crate::algebra::{Each, array_of, directions};
 use crate::continuum::{ACOUSTIC_ROUNDING as ZERO, Stiffness};
 use crate::kinematics::DeformationGradient;
 use crate::material::{Hyperelastic, MaterialError, Response, cofactor};
@@ -388,6 +388,40 @@ impl Criterion {
     }
 }
 
+impl Criterion {
+    /// Returns the perturbation across a concave kink of the energy that violates a criterion of increments; `None` for conditions on the stress alone,
+    /// and if no admitted increment leads across the kink. `jump` is the jump of `P` along a loading through the state.
+    fn across(self, state: &State, jump: &Matrix3<f64>) -> Option<Witness> {
+        match self {
+            Self::StrongEllipticity | Self::PlaneEllipticity => {
+                let (_, n, a) = state.best_jump_across(jump, self == Self::PlaneEllipticity)?;
+                Some(wave(&n, &a.normalize()))
+            }
+            Self::Hill => {
+                let rates = state.admitted(&forms::all_rates());
+                state.deformation_across(&rates, jump)
+            }
+            Self::HillRotationFree => {
+                let rates = state.admitted(&state.rotation_free_rates());
+                state.deformation_across(&rates, jump)
+            }
+            Self::Drucker | Self::TrueStressMonotonicity => {
+                state.strain_across(&forms::symmetric_rates(), jump)
+            }
+            Self::DruckerAbaqus => state.strain_across(&state.axial_rates(), jump),
+            Self::LoadMaximum => state.rate.map(|rate| deformation(&(rate / rate.norm()))),
+            Self::RankOneConvexity | Self::BakerEricksen | Self::OrderedForces | Self::Surface => {
+                None
+            }
+        }
+    }
+}
+
+/// Smallest part of a jump of the stress along admitted increments that counts, relative to the jump.
+const ACROSS: f64 = 1e-6;
+/// Largest number of steps uphill to the best jump across a drop of the stress.
+const UPHILL: usize = 60;
+
 /// Rounding error of a form that is zero, relative to the largest component of the tangent.
 const NEUTRAL: f64 = 3e-14;
 /// Rounding error relative to the largest component of the tangent for equal stretches. Between axes of different stretch it grows with their ratio,
@@ -546,33 +580,114 @@ impl State {
         Measure {
             value,
             neutral: NEUTRAL * self.form.magnitude(),
-            ..self.of(value, Witness::DeformationRate { rate: rows(&rate) })
+            ..self.of(value, deformation(&rate))
         }
     }
 
     fn hill_rotation_free(&self) -> Measure {
+        let rates = self.admitted(&self.rotation_free_rates());
+        let (value, rate) = self.form.smallest(&rates);
+        self.of(value, deformation(&rate))
+    }
+
+    /// Orthonormal rates `R S` of the deformation gradient with `S` symmetric.
+    fn rotation_free_rates(&self) -> [Matrix3<f64>; 6] {
         let rotation = self.left * self.right.transpose();
-        let rates = forms::symmetric_rates().each(|s| rotation * s);
-        let (value, rate) = self.form.smallest(&self.admitted(&rates));
-        self.of(value, Witness::DeformationRate { rate: rows(&rate) })
+        forms::symmetric_rates().each(|s| rotation * s)
     }
 
     fn drucker(&self) -> Measure {
-        match self.free_faces {
-            None => self.jaumann(&forms::symmetric_rates()),
-            Some(_) => self.jaumann(&orthogonal_to(
-                &forms::symmetric_rates(),
-                &Matrix3::identity(),
-            )),
-        }
+        self.jaumann(&self.strains(&forms::symmetric_rates()))
     }
 
     fn drucker_abaqus(&self) -> Measure {
-        let rates = self.axial_rates();
+        self.jaumann(&self.strains(&self.axial_rates()))
+    }
+
+    /// Orthonormal rates of deformation that the response admits: all of them, or the volume-preserving subspace.
+    fn strains(&self, rates: &[Matrix3<f64>]) -> Vec<Matrix3<f64>> {
         match self.free_faces {
-            None => self.jaumann(&rates),
-            Some(_) => self.jaumann(&orthogonal_to(&rates, &Matrix3::identity())),
+            None => rates.to_vec(),
+            Some(_) => orthogonal_to(rates, &Matrix3::identity()),
         }
+    }
+
+    /// Unit combination of orthonormal rates of the deformation gradient along which a jump of the stress does the largest negative work.
+    fn deformation_across(&self, rates: &[Matrix3<f64>], jump: &Matrix3<f64>) -> Option<Witness> {
+        largest_along(rates, jump).map(|rate| deformation(&rate))
+    }
+
+    /// Unit combination of orthonormal rates of deformation along which a jump of the stress does the largest negative work.
+    fn strain_across(&self, rates: &[Matrix3<f64>], jump: &Matrix3<f64>) -> Option<Witness> {
+        let rates = self.within(&self.strains(rates));
+        let tau = jump * self.response.deformation.matrix().transpose();
+        largest_along(&rates, &tau).map(|rate| Witness::StrainRate { rate: rows(&rate) })
+    }
+
+    /// Gain, normal `N` and amplitude `a` of the jump `a (x) N` that lowers the energy most where the stress jumps by `jump` and the law is linear on
+    /// both sides: the maximum of `-[P] : (a (x) N) - a . Q(N) a / 2`. `None` if no admitted jump gains.
+    fn best_jump_across(
+        &self,
+        jump: &Matrix3<f64>,
+        planar: bool,
+    ) -> Option<(f64, Vector3<f64>, Vector3<f64>)> {
+        let planar = planar || self.in_plane;
+        let cofactor = cofactor(&self.response.deformation.matrix());
+        let stiffness = Stiffness::<3>::of(&self.response).symmetric_part();
+        let best = |n: Vector3<f64>| {
+            let (mut q, mut drop) = (stiffness.acoustic_tensor(&n), jump * n);
+            if planar {
+                q.fill_row(2, 0.0);
+                q.fill_column(2, 0.0);
+                q[(2, 2)] = 1.0;
+                drop[2] = 0.0;
+            }
+            let inverse = q.cholesky()?.inverse();
+            let mut a = -inverse * drop;
+            let mut pressure = 0.0;
+            if self.free_faces.is_some() {
+                let normal = cofactor * n;
+                let along = inverse * normal;
+                pressure = normal.dot(&a) / normal.dot(&along);
+                a -= along * pressure;
+            }
+            Some((-0.5 * drop.dot(&a), n, a, pressure))
+        };
+        let axes = jumps::AXES.map(|axis| (self.right * Vector3::from(axis)).normalize());
+        let axes = axes.into_iter().filter(|n| !planar || n[2] == 0.0);
+        let sampled = match planar {
+            true => directions::<2>().into_iter().map(|n| n.push(0.0)).collect(),
+            false => directions::<3>(),
+        };
+        let all = axes.chain(sampled).filter_map(best);
+        let mut found = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        // By the envelope theorem the gain changes with N by -[P]^T a - (a . A a) N, and by the multiplier of constant volume, a . cof F N = 0.
+        let mut length = 0.1;
+        for _ in 0..UPHILL {
+            let (_, n, a, pressure) = found;
+            let stress = Matrix3::from_fn(|i, j| {
+                let terms = (0..9).map(|m| {
+                    let (k, l) = (m / 3, m % 3);
+                    self.response.tangent[(i, j, k, l)] * a[k] * n[l]
+                });
+                terms.sum::<f64>()
+            });
+            let mut slope = -(jump + stress + cofactor * pressure).transpose() * a;
+            slope -= n * n.dot(&slope);
+            if planar {
+                slope[2] = 0.0;
+            }
+            let Some(step) = slope.try_normalize(1e-9 * found.0) else {
+                break;
+            };
+            match best((n + step * length).normalize()).filter(|next| next.0 > found.0) {
+                Some(next) => (found, length) = (next, 1.5 * length),
+                None => length *= 0.3,
+            }
+        }
+        let (gain, n, a, _) = found;
+        let counts = (jump * n).dot(&a).abs() > ACROSS * jump.norm() * a.norm();
+        (gain > 0.0 && counts).then_some((gain, n, a))
     }
 
     /// Smallest `(tau° : D - (tau : D) tr D) / J` over symmetric `D`.
@@ -630,9 +745,20 @@ impl State {
 
     fn load_maximum(&self, rate: &Matrix3<f64>) -> Measure {
         let value = self.form.at(rate, rate);
-        let unit = rate / rate.norm();
-        self.of(value, Witness::DeformationRate { rate: rows(&unit) })
+        self.of(value, deformation(&(rate / rate.norm())))
     }
+}
+
+/// Rate of the deformation gradient as a witness.
+fn deformation(rate: &Matrix3<f64>) -> Witness {
+    Witness::DeformationRate { rate: rows(rate) }
+}
+
+/// Unit combination of orthonormal tensors along which a tensor is largest; `None` if it has no part along them.
+fn largest_along(basis: &[Matrix3<f64>], tensor: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+    let part: Matrix3<f64> = basis.iter().map(|own| own * own.dot(tensor)).sum();
+    let norm = part.norm();
+    (norm > ACROSS * tensor.norm()).then(|| part / norm)
 }
 
 /// Left and right principal axes in the columns of two rotations; the coordinate axes if `F` is diagonal.

@@ -319,6 +319,33 @@ fn a_huge_bulk_modulus_is_a_regular_limit() {
     }
 }
 
+/// Limits of finite jumps differ from the limits of the incompressible law by `mu/kappa`: the valleys of the energy among volume-preserving jumps become narrow, and
+/// are followed.
+#[test]
+fn finite_jumps_of_nearly_incompressible_laws_tend_to_the_incompressible_limit() {
+    let jumps = |path: &LoadingPath<'_>, tension: bool| {
+        let elliptic = follow(path, Criterion::StrongEllipticity, tension).expect("defined");
+        follow_jumps(path, &elliptic, 10.0, tension).limit()
+    };
+    for (kept_loading, mode, lateral) in [
+        (UNIAXIAL, Mode::Uniaxial, Lateral::Free),
+        (PLANAR, Mode::Planar, Lateral::PlaneStress),
+    ] {
+        let soft = law("hencky", &[("mu", 1.0), ("kappa", 1.0)]);
+        let incompressible = kept(&*soft, kept_loading);
+        for kappa in [1e3, 1e6] {
+            let own = law("hencky", &[("mu", 1.0), ("kappa", kappa)]);
+            let own = path(&*own, mode, lateral);
+            for tension in [true, false] {
+                let expected = jumps(&incompressible, tension).expect("a limit");
+                let limit = jumps(&own, tension).expect("a limit");
+                let off = (limit / expected - 1.0).abs();
+                assert!(off < 3.0 / kappa, "{mode:?} {kappa:e}: {limit} {expected}");
+            }
+        }
+    }
+}
+
 /// Compares the part of the tangent on volume-preserving increments with a law whose bulk modulus leaves it all digits.
 #[test]
 fn rounding_of_volume_changes_does_not_affect_isochoric_increments() {

@@ -1,7 +1,13 @@
 //! Kinks of laws along loadings.
 
-use onset::criteria::{Lateral, Loading, LoadingPath, Mode, Range, is_isotropic, kinks};
-use onset::material::Law;
+use nalgebra::{Matrix3, Vector3};
+use onset::criteria::{
+    Change, Criterion, Discontinuity, Lateral, Loading, LoadingPath, Mode, PathEnd, Range, Witness,
+    follow, follow_jumps, is_isotropic, kinks,
+};
+use onset::formula::Formula;
+use onset::kinematics::DeformationGradient;
+use onset::material::{Hyperelastic, Law};
 
 fn found(name: &str, mode: Mode, lateral: Lateral) -> Vec<f64> {
     let law = Law::named(name)
@@ -49,4 +55,269 @@ fn tension_only_fibers_have_kinks_where_they_switch() {
         let strain = l.powf(-2.0 / 3.0) * (l * l * cosine + 1.0 - cosine) - 1.0;
         assert!(strain.abs() < 1e-9, "{l}: {strain}");
     }
+}
+
+/// Rubber whose stress drops where `I1` exceeds 3.5, and the law beyond the drop.
+fn softening() -> [Formula; 2] {
+    let law = "10*(I1-3-2*ln(J)) + 20*(J-1)^2";
+    [
+        format!("{law} - 0.3*macaulay(I1-3.5)"),
+        format!("{law} - 0.3*(I1-3.5)"),
+    ]
+    .map(|text| Formula::parse(&text).expect("a formula"))
+}
+
+/// Loadings of the softening law; each meets the drop of the stress.
+const LOADINGS: [(Mode, Lateral); 5] = [
+    (Mode::Uniaxial, Lateral::Free),
+    (Mode::Uniaxial, Lateral::Held),
+    (Mode::Equibiaxial, Lateral::PlaneStress),
+    (Mode::Planar, Lateral::PlaneStrain),
+    (Mode::SimpleShear, Lateral::Free),
+];
+
+fn with_path<T>(
+    law: &dyn Hyperelastic,
+    (mode, lateral): (Mode, Lateral),
+    ask: impl FnOnce(&LoadingPath<'_>) -> T,
+) -> T {
+    let range = Range::new(0.5, 2.0).expect("a range");
+    let loading = Loading { mode, lateral };
+    ask(&LoadingPath::new(law, true, loading, &range).expect("a path"))
+}
+
+/// At a concave kink the stress drops along the loading: increments across it do negative work in every sense that admits them.
+#[test]
+fn every_criterion_of_increments_is_lost_at_a_concave_kink() {
+    let [law, _] = softening();
+    let law = law.with(&[]).expect("no parameters");
+    with_path(&law, (Mode::Uniaxial, Lateral::Held), |path| {
+        let drop = 1.5_f64.sqrt();
+        for criterion in [
+            Criterion::StrongEllipticity,
+            Criterion::PlaneEllipticity,
+            Criterion::HillRotationFree,
+            Criterion::Drucker,
+            Criterion::DruckerAbaqus,
+            Criterion::TrueStressMonotonicity,
+            Criterion::LoadMaximum,
+        ] {
+            let track = follow(path, criterion, true).expect("defined");
+            let [lost, regained, ..] = track.events[..] else {
+                panic!("{criterion:?}: {track:?}");
+            };
+            assert_eq!(
+                (lost.change, regained.change),
+                (Change::Lost, Change::Regained)
+            );
+            for event in [lost, regained] {
+                assert!(
+                    (event.stretch - drop).abs() < 1e-9,
+                    "{criterion:?}: {event:?}"
+                );
+            }
+        }
+        for criterion in [Criterion::BakerEricksen, Criterion::StrongEllipticity] {
+            let track = follow(path, criterion, false).expect("defined");
+            assert!(track.events.is_empty(), "{criterion:?}: {track:?}");
+        }
+        let Some(Witness::Wave { direction, .. }) =
+            follow(path, Criterion::StrongEllipticity, true)
+                .and_then(|track| track.witness().copied())
+        else {
+            panic!("a wave");
+        };
+        assert!((direction[0] - 1.0).abs() < 1e-5, "{direction:?}");
+    });
+    let stiffening = Formula::parse("10*(I1-3-2*ln(J)) + 20*(J-1)^2 + 0.3*macaulay(I1-3.5)")
+        .and_then(|law| law.with(&[]))
+        .expect("a law");
+    with_path(&stiffening, (Mode::Uniaxial, Lateral::Held), |path| {
+        assert!(kinks(path).iter().all(|kink| !kink.is_concave));
+        let track = follow(path, Criterion::StrongEllipticity, true).expect("defined");
+        assert!(track.events.is_empty(), "{track:?}");
+    });
+}
+
+/// With free faces the branch ends at the drop, on both sides of the reference configuration.
+#[test]
+fn a_drop_of_the_stress_in_shear_with_free_faces_is_not_a_step_of_the_energy() {
+    let [law, _] = softening();
+    let law = law.with(&[]).expect("no parameters");
+    for lateral in [Lateral::Free, Lateral::PlaneStress] {
+        with_path(&law, (Mode::SimpleShear, lateral), |path| {
+            let found = kinks(path);
+            assert_eq!(found.len(), 2, "{lateral:?}: {found:?}");
+            for kink in found {
+                assert_eq!(
+                    kink.kind,
+                    Discontinuity::JumpOfStress,
+                    "{lateral:?}: {kink:?}"
+                );
+                assert!(kink.is_concave, "{lateral:?}: {kink:?}");
+            }
+        });
+    }
+}
+
+/// Lowest energy that a jump across the drop gains, by Newton's method for the amplitude on the far side and a search over the normals.
+fn lowest_gain(laws: [&dyn Hyperelastic; 2], f: &DeformationGradient) -> f64 {
+    let [law, far] = laws;
+    let here = law.response(f).expect("finite");
+    let gain = |n: &Vector3<f64>| {
+        let mut a = Vector3::zeros();
+        for _ in 0..7 {
+            let there = f.matrix() + a * n.transpose();
+            let there = DeformationGradient::new(std::array::from_fn(|i| {
+                std::array::from_fn(|j| there[(i, j)])
+            }));
+            let response = far.response(&there.ok()?).ok()?;
+            let stiffness = Matrix3::from_fn(|i, k| {
+                (0..9)
+                    .map(|m| response.tangent[(i, m / 3, k, m % 3)] * n[m / 3] * n[m % 3])
+                    .sum::<f64>()
+            });
+            let off = (response.first_piola - here.first_piola) * n;
+            a -= stiffness.try_inverse()? * off;
+        }
+        let there = f.matrix() + a * n.transpose();
+        let there = DeformationGradient::new(std::array::from_fn(|i| {
+            std::array::from_fn(|j| there[(i, j)])
+        }));
+        let after = far.response(&there.ok()?).ok()?;
+        Some(after.energy - here.energy - a.dot(&(here.first_piola * n)))
+    };
+    let mut best = (f64::INFINITY, Vector3::x());
+    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    for m in 0..60 {
+        let height = (f64::from(m) + 0.5) / 60.0;
+        let radius = (1.0 - height * height).sqrt();
+        let (sine, cosine) = (golden * f64::from(m)).sin_cos();
+        let n = Vector3::new(radius * cosine, radius * sine, height);
+        best = gain(&n)
+            .filter(|gain| *gain < best.0)
+            .map_or(best, |gain| (gain, n));
+    }
+    let mut size = 0.05;
+    while size > 1e-7 {
+        let before = best.0;
+        for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
+            for step in [axis * size, axis * -size] {
+                let n = (best.1 + step).normalize();
+                best = gain(&n)
+                    .filter(|gain| *gain < best.0)
+                    .map_or(best, |gain| (gain, n));
+            }
+        }
+        if best.0 == before {
+            size *= 0.5;
+        }
+    }
+    best.0
+}
+
+/// On the far side the law is smooth, so that Newton's method finds the best jump for each normal, without the descent of the search.
+#[test]
+fn jumps_across_a_drop_of_the_stress_are_found_as_soon_as_they_gain() {
+    let [law, far] = softening().map(|law| law.with(&[]).expect("no parameters"));
+    for loading in LOADINGS {
+        with_path(&law, loading, |path| {
+            for tension in [true, false] {
+                let elliptic =
+                    follow(path, Criterion::StrongEllipticity, tension).expect("defined");
+                let Some(limit) = follow_jumps(path, &elliptic, 2.0, tension).limit() else {
+                    assert!(elliptic.limit().is_none(), "{loading:?}");
+                    continue;
+                };
+                let drop = elliptic.limit().expect("a drop").ln();
+                let gains = |s: f64| {
+                    let state = path.at(s).expect("a state");
+                    lowest_gain([&law, &far], &state.response.deformation) < 0.0
+                };
+                // Bisection for the first state from which a jump gains.
+                let (mut low, mut high) = (0.9 * drop, drop - 1e-7 * drop.signum());
+                assert!(!gains(low) && gains(high), "{loading:?}");
+                for _ in 0..14 {
+                    let middle = 0.5 * (low + high);
+                    if gains(middle) {
+                        high = middle
+                    } else {
+                        low = middle
+                    }
+                }
+                let off = limit.ln() - high;
+                assert!(off.abs() < 1e-5, "{loading:?} {tension}: {limit} {off:e}");
+            }
+        });
+    }
+}
+
+fn changes(text: &str, loading: (Mode, Lateral), criterion: Criterion) -> Vec<(Change, f64)> {
+    let law = Formula::parse(text)
+        .and_then(|law| law.with(&[]))
+        .expect("a law");
+    with_path(&law, loading, |path| {
+        let track = follow(path, criterion, true).expect("defined");
+        let events = track.events.iter();
+        events.map(|event| (event.change, event.stretch)).collect()
+    })
+}
+
+/// Behind the kink the criterion may fail by itself, and a second kink may lie where it fails already.
+#[test]
+fn a_criterion_is_regained_behind_a_concave_kink_only_where_it_holds() {
+    let smooth = "10*(I1-3-2*ln(J)) + 20*(J-1)^2";
+    let held = (Mode::Uniaxial, Lateral::Held);
+    let kinks = [1.5_f64.sqrt(), 3.0_f64.sqrt()];
+    let twice = format!("{smooth} - 0.3*macaulay(I1-3.5) - 0.3*macaulay(I1-5)");
+    let found = changes(&twice, held, Criterion::StrongEllipticity);
+    let expected = [
+        (Change::Lost, kinks[0]),
+        (Change::Regained, kinks[0]),
+        (Change::Lost, kinks[1]),
+        (Change::Regained, kinks[1]),
+    ];
+    assert_eq!(found.len(), 4, "{found:?}");
+    for ((change, stretch), (expected, place)) in found.iter().zip(expected) {
+        assert_eq!(*change, expected, "{found:?}");
+        assert!((stretch - place).abs() < 1e-9, "{found:?}");
+    }
+    // Between the kinks the criterion fails by itself, and is not regained at the second one.
+    let found = changes(&twice, held, Criterion::HillRotationFree);
+    let lost: Vec<Change> = found.iter().map(|(change, _)| *change).collect();
+    assert_eq!(
+        lost,
+        [Change::Lost, Change::Regained, Change::Lost],
+        "{found:?}"
+    );
+    let softer = format!("{smooth} - 0.3*macaulay(I1-3.5) - 20*macaulay(I1-3.5)^2");
+    let found = changes(&softer, held, Criterion::StrongEllipticity);
+    assert_eq!(found[0].0, Change::Lost, "{found:?}");
+    assert!(
+        found.len() == 1 || found[1].1 > kinks[0] + 1e-6,
+        "{found:?}"
+    );
+}
+
+/// The states of a sheared incompressible sheet are known on both sides of the kink.
+#[test]
+fn incompressible_shear_passes_a_concave_kink() {
+    let [law, _] = softening();
+    let law = law.with(&[]).expect("no parameters");
+    let loading = Loading {
+        mode: Mode::SimpleShear,
+        lateral: Lateral::PlaneStress,
+    };
+    let range = Range::new(0.5, 2.0).expect("a range");
+    let path = LoadingPath::incompressible(&law, loading, &range).expect("a path");
+    assert_eq!(path.tension_end, PathEnd::Range);
+    let found = kinks(&path);
+    assert!(
+        found.len() == 2 && found.iter().all(|kink| kink.is_concave),
+        "{found:?}"
+    );
+    let track = follow(&path, Criterion::StrongEllipticity, true).expect("defined");
+    // I1 = 3 + gamma^2.
+    let gamma = Mode::SimpleShear.imposed(track.limit().expect("a limit").ln());
+    assert!((gamma - 0.5_f64.sqrt()).abs() < 1e-9, "{gamma}");
 }
