@@ -16,7 +16,8 @@
 //!
 //! `(w_i - w_j) / (h_i - h_j) = integral over 0 < t < 1 of 1/2 (W_ii + W_jj - 2 W_ij)`, `W_ij = d^2 W / dh_i dh_j`,
 //!
-//! which has no quotient. It is evaluated by Gauss-Legendre quadrature where the two stretches are close; elsewhere the quotient is used.
+//! which has no quotient. It is evaluated by Gauss-Legendre quadrature where the two stretches are close. Elsewhere, and where the integrand varies too
+//! much for the quadrature, as with exponents of a hundred, the quotient is used.
 
 use crate::algebra::{Each, array_of};
 use crate::kinematics::DeformationGradient;
@@ -36,7 +37,7 @@ pub trait PrincipalEnergy {
 }
 
 /// Eigenvalues of `C` with a smaller relative difference count as close. At this difference the quotient has lost less than two digits, and the error
-/// of the five-point quadrature is less than `1e-15`.
+/// of the five-point quadrature is less than `1e-15` for exponents of the stretches up to ten.
 const RELATIVE_EIGENVALUE_DISTANCE: f64 = 0.05;
 
 /// Points of the Gauss-Legendre rule of order 10 on `(0, 1)` from its midpoint on, with weights. The rule and the integrand are symmetric about the
@@ -117,9 +118,10 @@ impl Expansion {
         let [w, e] = [local.slopes(), eigenvalues];
         let shear = PAIRS.each(|(i, j)| {
             let is_close = (e[i] - e[j]).abs() <= RELATIVE_EIGENVALUE_DISTANCE * (e[i] + e[j]);
-            let quotient = match is_close {
-                true => mean_curvature(energy, eigenvalues, (i, j)) * logarithmic(e[i], e[j]),
-                false => local.difference((i, j)) / (e[i] - e[j]),
+            let curvature = is_close.then(|| mean_curvature(energy, eigenvalues, (i, j)));
+            let quotient = match curvature.flatten() {
+                Some(mean) => mean * logarithmic(e[i], e[j]),
+                None => local.difference((i, j)) / (e[i] - e[j]),
             };
             0.25 * (quotient * (1.0 / e[i] + 1.0 / e[j]) - (w[i] + w[j]) / (e[i] * e[j]))
         });
@@ -484,12 +486,16 @@ fn logarithmic(a: f64, b: f64) -> f64 {
     0.5 * ratio / b
 }
 
-/// Mean of `1/2 (W_ii + W_jj - 2 W_ij)` over the segment that exchanges two logarithmic stretches.
+/// Largest part of the integrand of [`mean_curvature`] that is of fourth degree, relative to the whole. For `cosh(k u)`, the integrand of a power of the
+/// stretches, it is reached at `k = 0.8`, where the error of the quadrature is `1e-14`.
+const QUARTIC: f64 = 1e-3;
+
+/// Mean of `1/2 (W_ii + W_jj - 2 W_ij)` over the segment that exchanges two logarithmic stretches; `None` if the quadrature does not resolve it.
 fn mean_curvature(
     energy: &impl PrincipalEnergy,
     eigenvalues: [f64; 3],
     (i, j): (usize, usize),
-) -> f64 {
+) -> Option<f64> {
     let (a, b) = (eigenvalues[i], eigenvalues[j]);
     let at = |t: f64| {
         let mut between = eigenvalues;
@@ -499,9 +505,18 @@ fn mean_curvature(
         0.5 * (local.curvature(i, i) + local.curvature(j, j)) - local.curvature(i, j)
     };
     if a == b {
-        return at(0.0);
+        return Some(at(0.0));
     }
-    RULE.iter().map(|(t, weight)| weight * at(*t)).sum()
+    let values = RULE.each(|(t, _)| at(t));
+    let squares = RULE.each(|(t, _)| (t - 0.5) * (t - 0.5));
+    let slope = |n: usize| (values[n] - values[0]) / squares[n];
+    let quartic = (slope(2) - slope(1)) / (squares[2] - squares[1]) * 0.5_f64.powi(4);
+    let largest = values
+        .iter()
+        .fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    let parts = RULE.iter().zip(values);
+    (quartic.abs() <= QUARTIC * largest)
+        .then(|| parts.map(|((_, weight), value)| weight * value).sum())
 }
 
 /// Eigenvalues and eigenvectors (in columns) of a symmetric matrix by Jacobi rotations, with small relative errors of small eigenvalues of positive

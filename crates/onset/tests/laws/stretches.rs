@@ -83,6 +83,40 @@ fn tangents_are_exact_to_rounding_whether_stretches_coincide_or_not() {
     }
 }
 
+/// Energy `sum lambda^exponent + sum lambda^2`.
+struct Power(i32);
+
+impl PrincipalEnergy for Power {
+    fn of_stretches<R: Real>(&self, stretches: [R; 3]) -> R {
+        let [a, b, c] = stretches.map(|own| own.powi(self.0) + own.powi(2));
+        a + b + c
+    }
+}
+
+impl StrainEnergy for Power {
+    fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
+        energy_of_stretches(self, f)
+    }
+}
+
+#[test]
+fn the_tangent_between_close_stretches_is_accurate_for_exponents_of_some_hundred() {
+    for exponent in [4, 30, 100, 200, 400, -300] {
+        for apart in [0.09, 0.05, 0.03, 0.01, 3e-3, 1e-3, 1e-5, 1e-9] {
+            let (a, b) = (0.97, 0.97 * (1.0 + apart));
+            let f = DeformationGradient::from_stretches([a, b, 1.1]).expect("admissible");
+            let tangent = Power(exponent).response(&f).expect("finite").tangent;
+            // A_1212 = (l_1 W_1 - l_2 W_2) / (l_1^2 - l_2^2).
+            let p = f64::from(exponent);
+            let ratio = ((b - a) / a).ln_1p();
+            let squares = (2.0 * ratio).exp_m1();
+            let expected = p * a.powi(exponent - 2) * (p * ratio).exp_m1() / squares + 2.0;
+            let error = (tangent[(0, 1, 0, 1)] / expected - 1.0).abs();
+            assert!(error < 2e-12, "{exponent} {apart:e}: {error:e}");
+        }
+    }
+}
+
 /// `C^SE_1212 = 2 (g_1 - g_2) / (e_1 - e_2)` of `sum (ln lambda)^2`, where `g = ln e / (2 e)`: for `e_2 = e_1 (1 + d)` it is
 /// `(ln(1 + d) / d - ln e_1) / (e_1^2 (1 + d))` in a form that loses no digits.
 #[test]
