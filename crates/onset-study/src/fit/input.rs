@@ -4,7 +4,7 @@
 
 use crate::input::{self, MOST_TEXT};
 use crate::number::{counted, told, told_with};
-use crate::settings::stress_unit;
+use crate::settings::{fields_of_keyword, stress_unit};
 use onset_fit::{Mode, Point, Test};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -1200,10 +1200,11 @@ impl Table<'_> {
                 continue;
             }
             if text.starts_with('*') {
-                let (keyword, options) = text.split_once(',').unwrap_or((text, ""));
+                let mut fields = fields_of_keyword(text);
+                let keyword = fields.next().unwrap_or_default();
                 let plain: String = keyword.chars().filter(|own| !own.is_whitespace()).collect();
                 if plain.eq_ignore_ascii_case("*MATERIAL") {
-                    let name = options.split(',').find_map(|own| {
+                    let name = fields.find_map(|own| {
                         let (key, name) = own.split_once('=')?;
                         let name = name.trim().trim_matches('"').to_owned();
                         key.trim().eq_ignore_ascii_case("NAME").then_some(name)

@@ -649,6 +649,14 @@ fn ignored_keywords_of_a_deck_are_listed_with_their_lines() {
     let second = notes(Program::Abaqus, deck, Some("b"));
     assert!(second.contains("material B (2 of 2;"), "{second}");
     assert!(law_of(Program::Abaqus, "a deck", deck, Some("C"), &[]).is_err());
+    let quoted = deck.replace("NAME=B", "NAME=\"Rubber, 60 Shore\"");
+    for name in ["Rubber, 60 Shore", "\"Rubber, 60 Shore\""] {
+        let second = notes(Program::Abaqus, &quoted, Some(name));
+        assert!(
+            second.contains("material Rubber, 60 Shore (2 of 2;"),
+            "{second}"
+        );
+    }
     let foam = "*MATERIAL, NAME=FOAM\n*HYPERFOAM, N=1, POISSON=0.1\n0.2, 8.0";
     let refused = law_of(Program::Abaqus, "a deck", foam, None, &[]).expect_err("POISSON");
     assert!(

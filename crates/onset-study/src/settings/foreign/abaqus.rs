@@ -64,7 +64,12 @@ pub(super) fn read(
         None => 0,
         Some(wanted) => names
             .iter()
-            .position(|name| *name == word(wanted))
+            .position(|name| *name == wanted.trim_matches('"'))
+            .or_else(|| {
+                names
+                    .iter()
+                    .position(|name| word(name) == word(&wanted.replace('"', "")))
+            })
             .ok_or_else(|| {
                 Trouble::new(
                     1,
@@ -214,7 +219,7 @@ fn blocks(program: Program, text: &str) -> Vec<Block<'_>> {
         }
         let is_keyword = own.starts_with('*');
         if is_keyword || goes_on {
-            let mut fields = own.trim_start_matches('*').split(',').map(word);
+            let mut fields = fields(own.trim_start_matches('*')).map(word);
             if is_keyword {
                 blocks.push(Block {
                     program,
@@ -248,10 +253,26 @@ fn blocks(program: Program, text: &str) -> Vec<Block<'_>> {
     blocks
 }
 
-/// A word in capitals without spaces; Abaqus ignores case and spaces.
+/// Fields of a keyword line, separated by commas outside of quotation marks.
+pub(crate) fn fields(line: &str) -> impl Iterator<Item = &str> {
+    let mut is_quoted = false;
+    line.split(move |letter: char| {
+        is_quoted ^= letter == '"';
+        letter == ',' && !is_quoted
+    })
+}
+
+/// A word in capitals without spaces; Abaqus ignores case and spaces, except between quotation marks, which are left out.
 fn word(text: &str) -> String {
-    let letters = text.chars().filter(|letter| !letter.is_whitespace());
-    letters.collect::<String>().to_ascii_uppercase()
+    let parts = text.split('"').enumerate().map(|(n, part)| match n % 2 {
+        0 => part
+            .chars()
+            .filter(|letter| !letter.is_whitespace())
+            .collect::<String>()
+            .to_ascii_uppercase(),
+        _ => part.to_owned(),
+    });
+    parts.collect()
 }
 
 impl Block<'_> {

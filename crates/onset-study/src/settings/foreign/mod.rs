@@ -16,6 +16,7 @@ mod radioss;
 mod unread;
 mod write;
 
+pub(crate) use abaqus::fields as fields_of_keyword;
 pub(in crate::settings) use marlow::Table;
 use unread::Unread;
 pub use write::{WriteError, Writing, law_written};
