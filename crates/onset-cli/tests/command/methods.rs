@@ -13,8 +13,7 @@ const RECENT_2D: &str = include_str!("../../../../comparisons/recent-2d.toml");
 
 /// Tested command lines. `STUDY`, `STORE` and `OUT` are replaced by files; `F`, `FROM`, `TO` and `K` by stretches and a wave vector with the
 /// dimension of the method.
-const COMMANDS: [&str; 9] = [
-    "state STUDY --stretch F --json",
+const COMMANDS: [&str; 8] = [
     "state STUDY --stretch F --certify --json",
     "dispersion STUDY --stretch F --wave-vector K --json",
     "path STUDY --from FROM --to TO --json",
@@ -103,15 +102,16 @@ impl Method {
 
     /// Returns true if the command is tested for this method.
     ///
-    /// Tracing takes the same work for a figure and a table, so that it is tested for few methods. In 3D, commands with many states or waves take a
-    /// minute for most methods; they are tested for elements, which represent the others.
+    /// Tracing takes the same work for a figure and a table, and most of the time of all commands in 2D, so that it is tested for few methods. In 3D,
+    /// commands with many states or waves take a minute for most methods; they are tested for elements, which represent the others.
     fn is_asked(&self, line: &str) -> bool {
         let long = ["path", "boundary", "modes"];
-        let is_long = line.contains("traced") || long.iter().any(|word| line.starts_with(word));
+        let is_traced = line.contains("traced") || line.starts_with("boundary");
+        let is_long = is_traced || long.iter().any(|word| line.starts_with(word));
         let is_element = self.value("method") == "finite-elements";
         match self.dimension {
             3 => !is_long || is_element,
-            2 => !line.contains("traced") || is_element,
+            2 => !is_traced || is_element,
             _ => true,
         }
     }
