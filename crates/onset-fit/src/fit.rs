@@ -9,6 +9,7 @@ use crate::range::{
 use crate::solve::{Cut, Problem, Solution};
 use crate::tests_of_specimens::{Equations, Misfit, Test};
 use crate::uncertainty::Uncertainty;
+use nalgebra::DVector;
 use onset::cancel::{Scope, checkpoint};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -424,7 +425,7 @@ impl Search<'_> {
         all.sort_by(|a, b| a.loss.total_cmp(&b.loss));
         let mut distinct: Vec<Solution> = Vec::new();
         for mut own in all {
-            self.sort(&mut own.constants);
+            self.sort(&mut own);
             let is_same = |other: &Solution| {
                 let pairs = own.constants.iter().zip(&other.constants);
                 pairs
@@ -438,17 +439,29 @@ impl Search<'_> {
         distinct
     }
 
-    /// Puts equal terms in the order of their exponents, the largest first.
-    fn sort(&self, constants: &mut [f64]) {
+    /// Puts equal terms in the order of their exponents, the largest first, unless they have different bounds.
+    fn sort(&self, own: &mut Solution) {
         let terms = self.family.terms();
         if terms.len() < 2 || terms[0].shapes.is_empty() || self.is_free.contains(&false) {
             return;
         }
         let width = 1 + terms[0].shapes.len();
-        let mut blocks: Vec<Vec<f64>> = constants.chunks(width).map(<[f64]>::to_vec).collect();
-        blocks.sort_by(|a, b| b[1].total_cmp(&a[1]));
-        for (own, value) in constants.iter_mut().zip(blocks.into_iter().flatten()) {
-            *own = value;
+        if self
+            .bounds
+            .chunks(width)
+            .any(|own| own != &self.bounds[..width])
+        {
+            return;
+        }
+        let mut order: Vec<usize> = (0..own.constants.len() / width).collect();
+        order.sort_by(|a, b| own.constants[b * width + 1].total_cmp(&own.constants[a * width + 1]));
+        let sorted = |values: &[f64]| -> Vec<f64> {
+            let blocks = order.iter().map(|n| &values[n * width..(n + 1) * width]);
+            blocks.flatten().copied().collect()
+        };
+        own.constants = sorted(&own.constants);
+        for gradient in &mut own.active {
+            *gradient = DVector::from_vec(sorted(gradient.as_slice()));
         }
     }
 
@@ -516,6 +529,11 @@ impl Search<'_> {
             .map(|(point, stress)| ((stress - point.stress) / point.stress).powi(2))
             .collect();
         let law = self.numbers(&solution.constants);
+        let at_bounds = self.at_bounds(&solution.constants);
+        let constants = self.family.constants().iter().zip(self.is_free);
+        let varies: Vec<bool> = constants
+            .map(|(own, is_free)| *is_free && !at_bounds.contains(&own.name))
+            .collect();
         Fitted {
             constants: solution.constants.clone(),
             shear_modulus: law.shear_modulus(),
@@ -531,9 +549,10 @@ impl Search<'_> {
                 self.family,
                 self.equations,
                 &solution.constants,
-                self.is_free,
+                &varies,
+                &solution.active,
             ),
-            at_bounds: self.at_bounds(&solution.constants),
+            at_bounds,
             locked: locked(self.family, &solution.constants, &self.patches),
         }
     }

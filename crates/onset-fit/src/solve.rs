@@ -47,6 +47,8 @@ pub(crate) struct Problem<'a> {
 pub(crate) struct Solution {
     pub constants: Vec<f64>,
     pub loss: f64,
+    /// Gradients, with respect to the constants, of the stability constraints that may hold with equality.
+    pub active: Vec<DVector<f64>>,
 }
 
 /// Largest number of steps of one solution.
@@ -55,6 +57,8 @@ const MOST_STEPS: usize = 200;
 const LEAST_GAIN: f64 = 1e-13;
 /// Largest sum of violated constraints, relative to the constants.
 const MOST_VIOLATED: f64 = 1e-6;
+/// Constraints with smaller values, relative to the sum of the magnitudes of their terms, may hold with equality.
+const ACTIVE: f64 = 1e-6;
 /// Fewest constraints for which another thread is worth while.
 const DEMANDS_OF_A_THREAD: usize = 64;
 /// Weight of a violated constraint, relative to the sum of squares at the start.
@@ -97,7 +101,8 @@ impl Problem<'_> {
         self.confine(&mut constants);
         let is_free: Vec<bool> = self.bounds.iter().map(|[low, high]| low < high).collect();
         if self.family.is_linear() {
-            let found = self.of_moduli(&constants, &is_free)?;
+            let mut found = self.of_moduli(&constants, &is_free)?;
+            found.active = self.active(&found.constants);
             return (self.violation(&found.constants) < MOST_VIOLATED).then_some(found);
         }
         constants = self.of_moduli(&constants, &is_free)?.constants;
@@ -153,7 +158,24 @@ impl Problem<'_> {
                 break;
             }
         }
-        (loss.is_finite() && violated < MOST_VIOLATED).then_some(Solution { constants, loss })
+        (loss.is_finite() && violated < MOST_VIOLATED).then(|| Solution {
+            active: self.active(&constants),
+            constants,
+            loss,
+        })
+    }
+
+    /// Gradients of the constraints that may hold with equality.
+    fn active(&self, constants: &[f64]) -> Vec<DVector<f64>> {
+        let (values, slopes) = self.demands(constants);
+        let size = |n: &usize| {
+            let terms = slopes.row(*n).into_iter().zip(constants);
+            terms
+                .map(|(slope, constant)| (slope * constant).abs())
+                .sum::<f64>()
+        };
+        let active = (0..values.len()).filter(|n| values[*n] <= ACTIVE * size(n));
+        active.map(|n| slopes.row(n).transpose()).collect()
     }
 
     fn violation(&self, constants: &[f64]) -> f64 {
@@ -203,6 +225,7 @@ impl Problem<'_> {
         Some(Solution {
             loss: errors.norm_squared(),
             constants: found,
+            active: Vec::new(),
         })
     }
 
