@@ -651,8 +651,8 @@ fn deviations_respect_the_active_stability_constraints() -> Outcome {
         for (n, square) in squares.iter().enumerate() {
             let seen = (square / f64::from(count)).sqrt();
             let told = own.uncertainty.deviations[n] * part;
-            // Eight samples determine a deviation to a quarter, and a constraint that carries less than 0.2 % of the gradient counts as inactive. Without
-            // the constraints the deviations of c01, c11 and c02 of `polynomial-2` are 9 to 350 times as large.
+            // Eight samples determine a deviation to a quarter. Without the constraints the deviations of c01, c11 and c02 of `polynomial-2` are 9 to 350 times as
+            // large.
             assert!(
                 seen / told > 0.25 && seen / told < 2.5,
                 "{name} {n}: {seen:e} {told:e}"
