@@ -102,16 +102,15 @@ impl Method {
 
     /// Returns true if the command is tested for this method.
     ///
-    /// Tracing takes the same work for a figure and a table, and most of the time of all commands in 2D, so that it is tested for few methods. In 3D,
-    /// commands with many states or waves take a minute for most methods; they are tested for elements, which represent the others.
+    /// Tracing takes the same work for a figure and a table, so that it is tested for few methods. In 3D, commands with many states or waves take a
+    /// minute for most methods; they are tested for elements, which represent the others.
     fn is_asked(&self, line: &str) -> bool {
         let long = ["path", "boundary", "modes"];
-        let is_traced = line.contains("traced") || line.starts_with("boundary");
-        let is_long = is_traced || long.iter().any(|word| line.starts_with(word));
+        let is_long = line.contains("traced") || long.iter().any(|word| line.starts_with(word));
         let is_element = self.value("method") == "finite-elements";
         match self.dimension {
             3 => !is_long || is_element,
-            2 => !is_traced || is_element,
+            2 => !line.contains("traced") || is_element,
             _ => true,
         }
     }

@@ -104,7 +104,8 @@ fn respond(material: &dyn Hyperelastic, f: &Matrix3<f64>) -> Result<Response, Ma
     material.response(&DeformationGradient::from_components(components))
 }
 
-/// Ratio of bulk to shear modulus from which the stress may vary too much with the volume for a comparison of work and energy.
+/// Smallest ratio of bulk to shear modulus of a nearly incompressible law: its stress may vary too much with the volume for a comparison of work and
+/// energy.
 const STIFF: f64 = 30.0;
 
 /// Relative tolerance for the symmetry of a tangent. Tangents of laws that are integrated in time, or of user subroutines, are less accurate than

@@ -79,8 +79,8 @@ pub struct JumpSearch<'a> {
     is_stiff: bool,
 }
 
-/// Ratio of bulk to shear modulus from which volume-preserving jumps are searched for too: beyond it the valleys of the energy may be too narrow for a
-/// descent in all variables.
+/// Smallest ratio of bulk to shear modulus of a nearly incompressible law: the valleys of its energy may be too narrow for a descent in all variables, and
+/// volume-preserving jumps are searched for too.
 const STIFF: f64 = 3e3;
 
 /// Smaller amplitudes, relative to the stretch, count as infinitesimal: their excess equals the excess of a wave.

@@ -224,11 +224,7 @@ fn at_end(path: &LoadingPath<'_>, states: &[PathState], end: &PathEnd, sense: f6
     let beyond = last.response.deformation.matrix() + last.rate * (STEP_BEYOND_END * sense);
     let mut there = path.respond(&beyond)?;
     let step = beyond - last.response.deformation.matrix();
-    let along = Matrix3::from_fn(|i, j| {
-        let terms =
-            (0..9).map(|n| last.response.tangent[(i, j, n / 3, n % 3)] * step[(n / 3, n % 3)]);
-        terms.sum::<f64>()
-    });
+    let along = last.response.tangent.contracted(&step);
     // What remains of the changes are the jumps. The stress may jump anywhere within the step, so that the work of the step lies between the works of
     // the two stresses.
     there.first_piola -= along;

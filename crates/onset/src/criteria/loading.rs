@@ -349,10 +349,7 @@ impl PathState {
 
     /// Change of `s` for a unit arc length of [`PathState::rate`].
     pub(super) fn pace(&self) -> f64 {
-        match self.tangent.norm() {
-            0.0 => 1.0,
-            norm => self.tangent.z.abs() / norm,
-        }
+        self.tangent.z.abs()
     }
 
     /// Returns true if the chord to another state lies along the branch at both ends: no other branch and no fold between them.

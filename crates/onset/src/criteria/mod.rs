@@ -386,9 +386,7 @@ impl Criterion {
             Self::LoadMaximum => state.rate.map(|rate| state.load_maximum(&rate)),
         }
     }
-}
 
-impl Criterion {
     /// Returns the perturbation across a concave kink of the energy that violates a criterion of increments; `None` for conditions on the stress alone,
     /// and if no admitted increment leads across the kink. `jump` is the jump of `P` along a loading through the state.
     fn across(self, state: &State, jump: &Matrix3<f64>) -> Option<Witness> {
@@ -665,13 +663,7 @@ impl State {
         let mut length = 0.1;
         for _ in 0..UPHILL {
             let (_, n, a, pressure) = found;
-            let stress = Matrix3::from_fn(|i, j| {
-                let terms = (0..9).map(|m| {
-                    let (k, l) = (m / 3, m % 3);
-                    self.response.tangent[(i, j, k, l)] * a[k] * n[l]
-                });
-                terms.sum::<f64>()
-            });
+            let stress = self.response.tangent.contracted(&(a * n.transpose()));
             let mut slope = -(jump + stress + cofactor * pressure).transpose() * a;
             slope -= n * n.dot(&slope);
             if planar {
@@ -696,10 +688,10 @@ impl State {
         let of_volume = |tau: &Matrix3<f64>, a: &Matrix3<f64>, b: &Matrix3<f64>| {
             -0.5 * (tau.dot(a) * b.trace() + tau.dot(b) * a.trace())
         };
-        let rates = forms::symmetric_rates();
+        let rates = self.strains(&forms::symmetric_rates());
         let measure = match self.free_faces {
             None => self.jaumann_with(&rates, of_volume),
-            Some(_) => self.jaumann(&orthogonal_to(&rates, &Matrix3::identity())),
+            Some(_) => self.jaumann(&rates),
         };
         Measure {
             value: measure.value / jacobian,

@@ -59,6 +59,15 @@ impl FourthOrder {
         Self::from_fn(|i, m, k, n| jacobian * own[(i, m, k, n)])
     }
 
+    /// Double contraction `T_ijkl X_kl` with a matrix.
+    pub(crate) fn contracted(&self, x: &Matrix3<f64>) -> Matrix3<f64> {
+        Matrix3::from_fn(|i, j| {
+            (0..9)
+                .map(|n| self[(i, j, n / 3, n % 3)] * x[(n / 3, n % 3)])
+                .sum()
+        })
+    }
+
     /// Transforms the second and the fourth index by a matrix: `m_Jj m_Ll T_ijkl`.
     pub(crate) fn with_material_indices(&self, m: &Matrix3<f64>) -> Self {
         let half = Self::from_fn(|i, a, k, l| (0..3).map(|j| m[(a, j)] * self[(i, j, k, l)]).sum());

@@ -164,14 +164,16 @@ fn a_drop_of_the_stress_in_shear_with_free_faces_is_not_a_step_of_the_energy() {
 fn lowest_gain(laws: [&dyn Hyperelastic; 2], f: &DeformationGradient) -> f64 {
     let [law, far] = laws;
     let here = law.response(f).expect("finite");
+    let behind = |a: &Vector3<f64>, n: &Vector3<f64>| {
+        let there = f.matrix() + a * n.transpose();
+        let components = std::array::from_fn(|i| std::array::from_fn(|j| there[(i, j)]));
+        far.response(&DeformationGradient::new(components).ok()?)
+            .ok()
+    };
     let gain = |n: &Vector3<f64>| {
         let mut a = Vector3::zeros();
         for _ in 0..7 {
-            let there = f.matrix() + a * n.transpose();
-            let there = DeformationGradient::new(std::array::from_fn(|i| {
-                std::array::from_fn(|j| there[(i, j)])
-            }));
-            let response = far.response(&there.ok()?).ok()?;
+            let response = behind(&a, n)?;
             let stiffness = Matrix3::from_fn(|i, k| {
                 (0..9)
                     .map(|m| response.tangent[(i, m / 3, k, m % 3)] * n[m / 3] * n[m % 3])
@@ -180,11 +182,7 @@ fn lowest_gain(laws: [&dyn Hyperelastic; 2], f: &DeformationGradient) -> f64 {
             let off = (response.first_piola - here.first_piola) * n;
             a -= stiffness.try_inverse()? * off;
         }
-        let there = f.matrix() + a * n.transpose();
-        let there = DeformationGradient::new(std::array::from_fn(|i| {
-            std::array::from_fn(|j| there[(i, j)])
-        }));
-        let after = far.response(&there.ok()?).ok()?;
+        let after = behind(&a, n)?;
         Some(after.energy - here.energy - a.dot(&(here.first_piola * n)))
     };
     let mut best = (f64::INFINITY, Vector3::x());
