@@ -133,20 +133,12 @@ fn endless_work_is_refused_or_cancelled() {
     }
     let steep = "criteria --json --mode simple-shear --set material.model=ogden --set material.alpha2=3579.3 --set material.kappa=1e-3";
     let answer = place.answered(steep);
-    let reasons: Vec<String> = answer["loadings"]
-        .as_array()
-        .expect("loadings")
-        .iter()
-        .flat_map(|loading| {
-            ["compression_end", "tension_end"].map(|end| loading[end]["reason"].to_string())
-        })
-        .collect();
-    assert!(
-        reasons
-            .iter()
-            .any(|reason| reason.contains("the search was stopped")),
-        "{reasons:?}"
-    );
+    for loading in answer["loadings"].as_array().expect("loadings") {
+        for end in ["compression_end", "tension_end"] {
+            let reason = loading[end]["reason"].to_string();
+            assert!(reason.contains("the law ends there"), "{reason}");
+        }
+    }
 }
 
 #[test]

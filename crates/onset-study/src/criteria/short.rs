@@ -1,7 +1,7 @@
 //! Short form of the criteria of a law: four criteria, one line per loading.
 
 use super::sentence::{Side, cell, heading, moduli};
-use super::{CriteriaAnswer, CriterionAnswer, LoadingAnswer, Mode, imposed};
+use super::{CriteriaAnswer, CriterionAnswer, LoadingAnswer, Mode, imposed, told_place};
 use crate::brief::{Brief, Short};
 use onset::criteria::Criterion;
 
@@ -56,6 +56,7 @@ impl Brief for CriteriaAnswer {
                 "all criteria, loadings and perturbations: --all; figure: --out DIR",
             )
             .notes(&self.material.notes)
+            .notes(&self.early_ends())
             .settings("material", heading(&self.material))
     }
 }
@@ -84,6 +85,31 @@ impl CriteriaAnswer {
                     .all(|before| before.mode != own.mode);
                 (is_single || is_first).then_some(own)
             })
+    }
+
+    /// Ends of the listed loadings within the range that was searched, a sentence for each loading.
+    fn early_ends(&self) -> Vec<String> {
+        let of = |loading: &LoadingAnswer| {
+            let ends = [&loading.compression_end, &loading.tension_end];
+            let ends = ends.into_iter().filter_map(|end| {
+                let reason = end.reason.as_ref()?.split(':').next()?;
+                Some((told_place(loading.mode, end.imposed), reason))
+            });
+            let ends: Vec<_> = ends.collect();
+            let told = match &ends[..] {
+                [] => return None,
+                [(low, reason), (high, other)] if reason == other => {
+                    format!("{low} and {high} ({reason})")
+                }
+                _ => {
+                    let ends = ends.iter();
+                    let ends = ends.map(|(place, reason)| format!("{place} ({reason})"));
+                    ends.collect::<Vec<_>>().join(" and ")
+                }
+            };
+            Some(format!("{} ends at {told}", loading.title))
+        };
+        self.of_each_mode().filter_map(of).collect()
     }
 
     /// The law, and where it loses strong ellipticity first.
@@ -124,8 +150,11 @@ impl CriteriaAnswer {
         let [low, high] = self.range;
         match self.of_each_mode().find_map(lost) {
             Some(lost) => format!("{law} {lost}."),
-            None => format!(
+            None if self.early_ends().is_empty() => format!(
                 "{law} is strongly elliptic along the loadings below from stretch {low} to {high}."
+            ),
+            None => format!(
+                "{law} is strongly elliptic along the loadings below up to where they end (see the notes)."
             ),
         }
     }
