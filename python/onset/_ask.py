@@ -1026,7 +1026,7 @@ def localize(model: str | None = None, path: str | None = None, load: str | None
         Plastic law, path of loading, and its sense, tension or compression.
     **parameters
         Keys of ``[plasticity]``: ``onset.localize("drucker-prager", "plane-strain", friction=0.7)``. Stresses are in any consistent unit, or all have
-        a unit. For the model ``"umat"``, the keys of the routine are ``library``, ``properties``, ``state_variables``, ``time_limit`` and
+        a unit. For the models ``"umat"``, ``"vumat"`` and ``"library"``, the keys of the routine are ``library``, ``properties``, ``state_variables``, ``time_limit`` and
         ``memory_limit``.
 
     Returns

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 import importlib
 import importlib.util
 import inspect
@@ -110,25 +111,100 @@ def _shaped(result: Any, shape: tuple[int, ...], what: str) -> Floats:
     return array.reshape(-1)
 
 
-def delivered(energy: object, stress: object, tangent: object, parameters: Mapping[str, object]) -> Handed:
-    """Returns the law of three functions: ``W``, ``P_iJ`` of shape (3, 3) and ``A_iJkL = dP_iJ/dF_kL`` of shape (3, 3, 3, 3)."""
-    given = {"the energy": energy, "the stress": stress, "the tangent": tangent}
-    missing = [what for what, function in given.items() if function is None]
-    if missing:
-        raise InputError(f"{missing[0]} is missing\n  hint: a law of numbers has energy, stress and tangent; with jax the energy alone is sufficient")
-    functions = [_Function(function, what) for what, function in given.items()]  # type: ignore[arg-type]
-    shapes: list[tuple[int, ...]] = [(), (3, 3), (3, 3, 3, 3)]
-    values = _values(functions, parameters)
+#: Step of the differences that give a tangent, 2^-16: they are of fourth order, with errors of about 1e-10 of the tangent, from rounding.
+_STEP = 2.0**-16
+
+#: Points and weights on [0, 1] of the integral that gives an energy.
+_POINTS, _WEIGHTS = (0.5 * (np.polynomial.legendre.leggauss(12)[0] + 1.0), 0.5 * np.polynomial.legendre.leggauss(12)[1])
+
+
+def _slope(stress: Callable[[Floats], Floats], F: Floats) -> Floats:
+    """Returns ``A_iJkL = dP_iJ/dF_kL`` from central differences of the stress; shape (9, 9)."""
+    columns = []
+    for component in np.eye(9).reshape(9, 3, 3) * _STEP:
+        near, far = (stress(F + part * component) - stress(F - part * component) for part in (1.0, 2.0))
+        columns.append((8.0 * near - far) / (12.0 * _STEP))
+    return np.stack(columns, axis=-1)
+
+
+def _work(stress: Callable[[Floats], Floats], F: Floats) -> Floats:
+    """Returns the work of the stress from the reference state to ``F = R U`` along ``1 + t (U - 1)``, which no rotation changes; shape (1,)."""
+    _, values, axes = np.linalg.svd(F)
+    change = (axes.T * values) @ axes - np.eye(3)
+    works = [float(stress(np.eye(3) + t * change) @ change.reshape(-1)) for t in _POINTS]
+    return np.array([_WEIGHTS @ works])
+
+
+def delivered(energy: object, stress: object, cauchy: object, tangent: object, parameters: Mapping[str, object]) -> Handed:
+    """Returns the law of functions: ``W``, ``P_iJ`` or the Cauchy stress of shape (3, 3), and ``A_iJkL = dP_iJ/dF_kL`` of shape (3, 3, 3, 3).
+
+    Without an energy it is the work of the stress, and without a tangent it consists of differences of the stress.
+    """
+    if (stress is None) == (cauchy is None):
+        what = "the stress is missing" if stress is None else "a material has one stress"
+        raise InputError(f"{what}\n  hint: give `stress`, the first Piola-Kirchhoff stress P(F), or `cauchy`, the Cauchy stress sigma(F)")
+    given = {"the energy": energy, "the stress": cauchy if stress is None else stress, "the tangent": tangent}
+    functions = {what: _Function(function, what) for what, function in given.items() if function is not None}  # type: ignore[arg-type]
+    values = _values(list(functions.values()), parameters)
+
+    def asked(what: str, shape: tuple[int, ...], F: Floats, now: Mapping[str, float]) -> Floats:
+        return _shaped(functions[what](_variables(F, np), now), shape, what)
+
+    def first_piola(F: Floats, now: Mapping[str, float]) -> Floats:
+        numbers = asked("the stress", (3, 3), F, now)
+        if cauchy is None:
+            return numbers
+        piola: Floats = (np.linalg.det(F) * numbers.reshape(3, 3) @ np.linalg.inv(F).T).reshape(-1)
+        return piola
 
     def respond(states: bytes, changed: Mapping[str, float]) -> bytes:
         now = {**values, **{name: value for name, value in changed.items() if name in values}}
         numbers = []
         for F in np.frombuffer(states).reshape(-1, 3, 3):
-            variables = _variables(F, np)
-            numbers += [_shaped(function(variables, now), shape, function.what) for function, shape in zip(functions, shapes, strict=True)]
+            own = partial(first_piola, now=now)
+            numbers.append(asked("the energy", (), F, now) if energy is not None else _work(own, F))
+            numbers.append(own(F))
+            numbers.append(asked("the tangent", (3, 3, 3, 3), F, now) if tangent is not None else _slope(own, F).reshape(-1))
         return np.concatenate(numbers).tobytes()
 
-    return _tried(Handed(functions[0].function, functions[1].function, functions[2].function, values, respond))
+    named = {what: function.function for what, function in functions.items()}
+    return _tried(Handed(named.get("the energy", named["the stress"]), named["the stress"], named.get("the tangent"), values, respond))
+
+
+def is_felupe(model: object) -> bool:
+    """Returns true for a material of FElupe or matADi: an object with ``gradient`` and ``hessian``."""
+    return all(callable(getattr(model, name, None)) for name in ("gradient", "hessian"))
+
+
+def of_felupe(model: Any) -> Handed:
+    """Returns the law of a material of FElupe or matADi, ``gradient([F, state variables])``, with ``F`` of shape (3, 3, 1, 1).
+
+    Raises
+    ------
+    InputError
+        If the material has state variables.
+    """
+    inputs = getattr(model, "x", [None, np.zeros(0)])
+    rest = [np.zeros((*np.shape(part), 1, 1)) for part in inputs[1:]]
+    if any(part.size for part in rest):
+        raise InputError(f"{type(model).__name__} has state variables\n  hint: laws from Python are elastic; give its long-term or its instantaneous response")
+
+    def numbers(what: str, F: Floats) -> Floats:
+        answer = getattr(model, what)([F[:, :, None, None], *rest])
+        return np.asarray(answer[0], dtype=np.float64)[..., 0, 0]
+
+    def energy(F: Floats) -> Floats:
+        return numbers("function", F)
+
+    def stress(F: Floats) -> Floats:
+        return numbers("gradient", F)
+
+    def tangent(F: Floats) -> Floats:
+        return numbers("hessian", F)
+
+    has_energy = callable(getattr(model, "function", None))
+    law = delivered(energy if has_energy else None, stress, None, tangent, {})
+    return replace(law, energy=model)
 
 
 def has_jax() -> bool:

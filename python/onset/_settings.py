@@ -9,7 +9,7 @@ import numbers as abstract
 import os
 from pathlib import Path
 import re
-from typing import Self
+from typing import Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from . import _onset
 from ._arrays import Floats, alone, deformations, listed, names, number, numbers, place, received, write
 from ._errors import InputError, SettingError, asks
-from ._functions import Handed, delivered, differentiated, has_jax
+from ._functions import Handed, delivered, differentiated, has_jax, is_felupe, of_felupe
 from ._trace import formula
 
 #: Value of a key. A text may have a unit: ``"1 mm"``.
@@ -172,11 +172,15 @@ class Material(_Settings):
     - ``Material(lambda I1, J, mu: mu/2*(I1 - 3 - 2*np.log(J)), mu=0.4)`` is an energy as a Python function of ``F``, ``C`` or ``E`` of shape (3, 3),
       of ``J`` and the other variables of a formula, and of parameters. The function is called once with symbols, and the result is the formula.
     - A function that cannot be evaluated with symbols is differentiated by ``jax`` if installed (written with ``jax.numpy``), or is given with
-      `stress` and `tangent`. These functions return the first Piola-Kirchhoff stress ``P_iJ = dW/dF_iJ`` of shape (3, 3) and ``A_iJkL = dP_iJ/dF_kL``
-      of shape (3, 3, 3, 3); ``onset.audit`` checks that they are consistent. The variables of such a law are ``F``, ``C``, ``E``, ``J``, ``I1``,
-      ``I2``, ``I3``, ``I1bar`` and ``I2bar``. An `ArithmeticError` or `ValueError`, or a result that is not finite, means that the law is not defined
-      at the state.
-    - ``Material("umat", library="./my_umat.so", ...)`` is a user material of Abaqus.
+      `stress` or `cauchy`, and `tangent`. These functions return the first Piola-Kirchhoff stress ``P_iJ = dW/dF_iJ`` or the Cauchy stress of shape
+      (3, 3), and ``A_iJkL = dP_iJ/dF_kL`` of shape (3, 3, 3, 3); ``onset.audit`` checks that they are consistent. A law with only a stress,
+      ``Material(stress=P)``, is complete: its tangent consists of central differences of the stress, with an error of about 1e-10 of the tangent, and
+      its energy is the work of the stress from the reference state. The variables of such a law are ``F``, ``C``, ``E``, ``J``, ``I1``, ``I2``,
+      ``I3``, ``I1bar`` and ``I2bar``. An `ArithmeticError` or `ValueError`, or a result that is not finite, means that the law is not defined at
+      the state.
+    - ``Material(felupe.NeoHooke(mu=1, bulk=2))`` is an elastic material of FElupe or matADi: any object with ``gradient`` and ``hessian``.
+    - ``Material("umat", library="./my_umat.so", ...)`` is a user material of Abaqus/Standard, ``"vumat"`` one of Abaqus/Explicit, and ``"library"``
+      the function of ``onset law-header``.
 
     Two of `young`, `poisson`, `bulk` and `shear` replace the parameters of laws with two moduli. Stresses are in any consistent unit, or all values
     have a unit: ``Material("neo-hooke", young="2 MPa", poisson=0.49)``.
@@ -202,25 +206,30 @@ class Material(_Settings):
     @asks
     def __init__(
         self,
-        model: str | Energy | None = None,
+        model: str | Energy | object | None = None,
         *,
         energy: str | Energy | None = None,
         stress: Energy | None = None,
+        cauchy: Energy | None = None,
         tangent: Energy | None = None,
         **parameters: Value,
     ) -> None:
         settings: dict[str, object] = {}
-        if model is not None and not isinstance(model, str) and not callable(model):
-            raise TypeError(f"model is {type(model).__name__}; expected the name of a law, a formula, or a function")
+        is_felupe_material = is_felupe(model) and not isinstance(model, Material)
+        if model is not None and not isinstance(model, str) and not callable(model) and not is_felupe_material:
+            raise TypeError(f"model is {type(model).__name__}; expected the name of a law, a formula, a function, or a material of FElupe")
         if model is not None and energy is not None and model != "formula":
             raise InputError("a material has one energy\n  hint: omit the model or `energy`")
         if isinstance(model, str) and (model in _onset.models() or _WORD.match(model) is not None):
             settings["model"] = model
         elif model is not None:
-            energy = model
+            energy = cast("Energy", model)
         given: dict[str, object] = dict(parameters)
-        if stress is not None or tangent is not None:
-            self._hand(delivered(energy, stress, tangent, given))
+        if is_felupe_material:
+            self._hand(of_felupe(model))
+            self._put(given)
+        elif stress is not None or cauchy is not None or tangent is not None:
+            self._hand(delivered(energy, stress, cauchy, tangent, given))
         elif energy is not None and callable(energy):
             self._differentiate(energy, given)
         else:
@@ -243,7 +252,7 @@ class Material(_Settings):
         except Exception as untold:
             if not has_jax():
                 if isinstance(untold, InputError):
-                    untold.add_note("write it with jax.numpy and install jax, or also give `stress` and `tangent`")
+                    untold.add_note("write it with jax.numpy and install jax, or give its stress: Material(stress=P)")
                 raise
             try:
                 self._hand(differentiated(energy, given))

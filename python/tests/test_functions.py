@@ -64,6 +64,51 @@ def test_python_functions_agree_with_the_built_in_law(law: onset.Material) -> No
     np.testing.assert_allclose(many.growth_rate, known_many.growth_rate, rtol=1e-9, atol=1e-9)
 
 
+class Felupe:
+    """Neo-Hookean material with the interface of FElupe 10: components first, then the axes of points."""
+
+    def __init__(self, states: int = 0) -> None:
+        self.x = [np.eye(3), np.zeros(states)]
+
+    def gradient(self, x: list[Any]) -> list[Any]:
+        assert x[0].shape == (3, 3, 1, 1)
+        F = x[0][:, :, 0, 0]
+        return [stress(F, np.linalg.det(F), MU, LAMBDA)[:, :, None, None], x[1]]
+
+    def hessian(self, x: list[Any]) -> list[Any]:
+        F = x[0][:, :, 0, 0]
+        return [tangent(F, np.linalg.det(F), MU, LAMBDA)[..., None, None]]
+
+
+def cauchy(F: Any, J: Any, mu: float, lambda_: float) -> Any:
+    return stress(F, J, mu, lambda_) @ F.T / J
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        onset.Material(stress=stress, mu=MU, lambda_=LAMBDA),
+        onset.Material(energy, cauchy=cauchy, mu=MU, lambda_=LAMBDA),
+        onset.Material(stress=stress, tangent=tangent, mu=MU, lambda_=LAMBDA),
+        onset.Material(Felupe()),
+    ],
+)
+def test_what_a_law_does_not_give_follows_from_its_stress(law: onset.Material) -> None:
+    F = deformations(20, 3)
+    np.testing.assert_allclose(law.energy(F), BUILT_IN.energy(F), rtol=1e-9, atol=1e-11)
+    np.testing.assert_allclose(law.stress(F), BUILT_IN.stress(F), rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(law.tangent(F), BUILT_IN.tangent(F), atol=1e-8 * np.abs(BUILT_IN.tangent(F)).max())
+    own, known = (onset.state(one, TOTAL, stretch=(1.1, 0.9)) for one in (law, BUILT_IN))
+    assert (own.verdict, own.mechanism) == (known.verdict, known.mechanism)
+    assert own.growth_rate == pytest.approx(known.growth_rate, rel=1e-7, abs=1e-7)
+    assert onset.audit(law).consistent
+
+
+def test_a_stress_without_energy_is_found_by_the_audit() -> None:
+    spun = onset.Material(stress=lambda F, C, J: stress(F, J, MU, LAMBDA) + 0.3 * F @ C @ np.diag([1.0, 0.0, 0.0]) @ C)
+    assert not onset.audit(spun).consistent
+
+
 def test_a_function_that_calls_a_built_in_law_returns_identical_numbers() -> None:
     """A law whose function calls a built-in law gives identical numbers, and does not deadlock."""
     same = onset.Material(BUILT_IN.energy, stress=BUILT_IN.stress, tangent=BUILT_IN.tangent)
@@ -141,8 +186,12 @@ def test_laws_with_different_parameters_are_unequal() -> None:
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: onset.Material(energy, stress=stress, mu=1, lambda_=1), "the tangent is missing"),
-        (lambda: onset.Material(stress=stress, tangent=tangent, mu=1, lambda_=1), "the energy is missing"),
+        (lambda: onset.Material(energy, tangent=tangent, mu=1, lambda_=1), "the stress is missing"),
+        (lambda: onset.Material(stress=stress, cauchy=stress, mu=1, lambda_=1), "a material has one stress"),
+        (lambda: onset.Material(cauchy=lambda F: F[0]), r"the stress has the shape \(3,\); expected \(3, 3\)"),
+        (lambda: onset.Material(Felupe(states=2)), "Felupe has state variables"),
+        (lambda: onset.Material(Felupe(), mu=1), "no function of the material takes mu"),
+        (lambda: onset.Material(BUILT_IN), "expected the name of a law"),  # type: ignore[arg-type]
         (lambda: onset.Material(energy, stress=stress, tangent=tangent, mu=1), "takes lambda_, which has no value"),
         (lambda: onset.Material(energy, stress=stress, tangent=tangent, mu=1, lambda_=1, nu=2), "no function of the material takes nu"),
         (lambda: onset.Material(energy, stress=stress, tangent=tangent, mu="stiff", lambda_=1), "mu cannot be read as numbers|mu holds"),

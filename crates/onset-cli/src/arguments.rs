@@ -489,6 +489,8 @@ pub enum Command {
     ///
     /// The routines are SINV, SPRINC, ROTSIG, XIT and others, for a UMAT that calls them.
     UmatUtilities,
+    /// Print the C header of a law of your own, for material.model=library
+    LawHeader,
     /// Print the JSON Schema of study files, for editors and other programs
     Schema,
     /// Print a script that completes commands and options in a shell

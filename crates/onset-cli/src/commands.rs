@@ -187,6 +187,10 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             printing::only_text("Fortran")?;
             print_text(onset_umat::UTILITIES.trim_end())
         }
+        Command::LawHeader => {
+            printing::only_text("C")?;
+            print_text(onset_umat::LAW_HEADER.trim_end())
+        }
         Command::Completions { shell } => help::completions(shell),
         Command::Man { out } => help::manual(&out),
         Command::Schema => check::schema(),

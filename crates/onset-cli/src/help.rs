@@ -41,6 +41,7 @@ const GROUPS: [(&str, &[&str]); 5] = [
             "zoo",
             "schema",
             "umat-utilities",
+            "law-header",
             "completions",
             "man",
             "reproduce",

@@ -1,5 +1,6 @@
 //! Errors of a user material or its process.
 
+use crate::interface::Interface;
 use nalgebra::Matrix3;
 use onset::material::MaterialError;
 use std::path::{Path, PathBuf};
@@ -25,15 +26,18 @@ pub enum UmatError {
         /// Message of the system.
         message: String,
     },
-    /// Library without a UMAT.
+    /// Library without the routine.
     #[error(
-        "{path} has no routine umat_; expected SUBROUTINE UMAT compiled as Fortran (or umat_ in C)\n  hint: list its names \
-         with: nm -D {path}",
-        path = path.display()
+        "{path} has no routine {name}; expected {expected}\n  hint: list its names with: nm -D {path}",
+        path = path.display(),
+        name = interface.symbols()[0],
+        expected = interface.expected()
     )]
     NoRoutine {
         /// Path of the library.
         path: PathBuf,
+        /// Expected interface.
+        interface: Interface,
     },
     /// Invalid number of increments.
     #[error("a state cannot be reached in {increments} increments; expected 1 or more")]
@@ -43,7 +47,7 @@ pub enum UmatError {
     },
     /// Failure to start the process of the routine.
     #[error(
-        "the process for the UMAT cannot be started: {message}\n  hint: set the environment variable ONSET_UMAT_HOST to \
+        "the process for the routine cannot be started: {message}\n  hint: set the environment variable ONSET_UMAT_HOST to \
          the onset executable"
     )]
     NoProcess {
@@ -52,7 +56,7 @@ pub enum UmatError {
     },
     /// Process that ended during a call.
     #[error(
-        "the UMAT's process ended during a call ({how}){}{}{}",
+        "the routine's process ended during a call ({how}){}{}{}",
         at(state.as_deref()),
         said(output),
         memory_hint(output)
@@ -67,7 +71,7 @@ pub enum UmatError {
     },
     /// Call without a result within the time limit.
     #[error(
-        "the UMAT gave no answer within {seconds} s and was ended; is there an endless loop?{}{}",
+        "the routine gave no answer within {seconds} s and was ended; is there an endless loop?{}{}",
         at(state.as_deref()),
         said(output)
     )]
@@ -81,7 +85,7 @@ pub enum UmatError {
     },
     /// Result that is not a finite number.
     #[error(
-        "the UMAT returned {value} in {what}{}\n  hint: does it read more properties than the {properties} that are given, \
+        "the routine returned {value} in {what}{}\n  hint: does it read more properties than the {properties} that are given, \
          or divide by a strain that is zero?",
         at_state(state)
     )]
@@ -97,11 +101,11 @@ pub enum UmatError {
     },
     /// Argument that was written beyond its ends.
     #[error(
-        "the UMAT wrote beyond the ends of {argument}{}{}\n  hint: {}",
-        if *argument == "STATEV" { format!(", which holds {variables} state variables") } else { String::new() },
+        "the routine wrote beyond the ends of {argument}{}{}\n  hint: {}",
+        if is_state(argument) { format!(", which holds {variables} state variables") } else { String::new() },
         at_state(state),
-        if *argument == "STATEV" { "set material.state-variables to the number that it needs (*DEPVAR)" }
-        else { "are its dimensions those of its arguments NTENS = 6, NDI = 3, NSHR = 3 and NPROPS?" }
+        if is_state(argument) { "set material.state-variables to the number that it needs (*DEPVAR in Abaqus)" }
+        else { "does the routine take three-dimensional tensors, and the number of properties that are given?" }
     )]
     Overrun {
         /// Name of the argument.
@@ -127,7 +131,7 @@ pub enum UmatError {
     },
     /// Request of the routine for a smaller increment.
     #[error(
-        "the UMAT requests a smaller increment (PNEWDT = {factor} in increment {increment} of {increments}){}\n  hint: set \
+        "the routine requests a smaller increment (PNEWDT = {factor} in increment {increment} of {increments}){}\n  hint: set \
          material.increments to a larger number",
         at_state(state)
     )]
@@ -139,6 +143,17 @@ pub enum UmatError {
         /// Number of increments on the path.
         increments: u32,
         /// Deformation gradient of the call.
+        state: Box<Matrix3<f64>>,
+    },
+    /// Response without balance of angular momentum.
+    #[error(
+        "the stress or tangent of the routine violates the balance of angular momentum (P F^T is not symmetric){}\n  hint: \
+         components are stored row by row, P[3*i + J] and A[27*i + 9*J + 3*k + L] = dP_iJ/dF_kL, with the index of the \
+         current configuration first; a routine in Fortran transposes them",
+        at_state(state)
+    )]
+    Skew {
+        /// Deformation gradient of the state.
         state: Box<Matrix3<f64>>,
     },
     /// State that cannot be decomposed into stretch and rotation.
@@ -153,7 +168,7 @@ pub enum UmatError {
         state: Box<Matrix3<f64>>,
     },
     /// Operating system without support for the process of the routine.
-    #[error("UMATs run on Linux and macOS only")]
+    #[error("routines in shared libraries run on Linux and macOS only")]
     Platform,
 }
 
@@ -163,6 +178,11 @@ impl From<UmatError> for MaterialError {
             message: error.to_string(),
         }
     }
+}
+
+/// Returns true for an array of state variables.
+fn is_state(argument: &str) -> bool {
+    ["STATEV", "stateNew", "stateOld", "state"].contains(&argument)
 }
 
 fn at(state: Option<&Matrix3<f64>>) -> String {
@@ -201,7 +221,7 @@ fn load_hint(path: &Path, message: &str) -> &'static str {
         "\n  hint: routines of Abaqus such as SINV, SPRINC, ROTSIG and XIT come with `onset umat-utilities > utilities.f90`; \
          compile that file together with the UMAT"
     } else if mentions(&["No such file"]) && !is_passed_over {
-        "\n  hint: a library that the UMAT needs is missing; name its folder in LD_LIBRARY_PATH, or compile with \
+        "\n  hint: a library that the routine needs is missing; name its folder in LD_LIBRARY_PATH, or compile with \
          -static-libgfortran"
     } else if mentions(&["failed to map segment"]) {
         "\n  hint: a copy of it is loaded from the folder for temporary files, which may be mounted without execution (noexec): set the \

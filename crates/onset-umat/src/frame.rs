@@ -1,13 +1,13 @@
-//! Protocol between this process and the process of the UMAT: binary frames of known size in native byte order.
+//! Protocol between this process and the process of the routine: binary frames of known size in native byte order.
 //!
-//! 1. The parent sends the setup: numbers of properties and state variables, limits of memory and of processor time, and the properties.
+//! 1. The parent sends the setup: interface of the routine, numbers of properties and state variables, limits of memory and of processor time, and the properties.
 //! 2. The host replies with a greeting: ready, or the reason for a failure.
 //! 3. The parent sends batches of paths of deformation gradients; the host replies with one outcome per path, in order, as each is finished.
 
 use std::io::{self, Read};
 
 /// Magic number at the start of the greeting of the host, with the version of the protocol.
-pub const GREETING: u64 = u64::from_le_bytes(*b"onsetU02");
+pub const GREETING: u64 = u64::from_le_bytes(*b"onsetU03");
 
 /// Result of loading the library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +36,8 @@ pub enum Passed {
     SmallerIncrement,
     Overrun,
     NoIncrement,
+    /// The response contradicts the balance of angular momentum.
+    Skew,
 }
 
 impl Passed {
@@ -49,6 +51,7 @@ impl Passed {
             Self::SmallerIncrement,
             Self::Overrun,
             Self::NoIncrement,
+            Self::Skew,
         ]
         .into_iter()
         .find(|passed| passed.code() == code)

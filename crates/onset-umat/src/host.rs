@@ -3,6 +3,7 @@
 //! It reads paths from standard input, which is a socket, and replies there. Standard output and standard error belong to the routine.
 
 use crate::frame::{self, GREETING, Loaded};
+use crate::interface::Interface;
 use crate::process::FOLDER;
 use crate::routine::{LoadError, Routine};
 use nalgebra::Matrix3;
@@ -95,6 +96,8 @@ fn answer(library: &Path) -> io::Result<()> {
     let socket = UnixStream::from(io::stdin().as_fd().try_clone_to_owned()?);
     let mut requests = BufReader::new(socket.try_clone()?);
     let mut replies = socket;
+    let interface = frame::take(&mut requests)?;
+    let interface = Interface::of_code(interface).ok_or_else(frame::nonsense)?;
     let properties = frame::take_size(&mut requests)?;
     let variables = frame::take_size(&mut requests)?;
     let memory = frame::take(&mut requests)?;
@@ -102,7 +105,7 @@ fn answer(library: &Path) -> io::Result<()> {
     let properties = frame::take_numbers(&mut requests, properties)?;
     limit_memory(memory)?;
     limit_time(seconds)?;
-    let loaded = Routine::load(library, &properties, variables);
+    let loaded = Routine::load(library, interface, &properties, variables);
     let (loaded_code, text) = match &loaded {
         Ok(_) => (Loaded::Ready, ""),
         Err(LoadError::Library(message)) => (Loaded::Failed, message.as_str()),

@@ -32,6 +32,21 @@ impl Increment {
     }
 }
 
+/// Rotation and right stretch of `F = R U`; `None` if `F` is not invertible.
+pub(crate) fn polar(f: &Matrix3<f64>) -> Option<(Matrix3<f64>, Matrix3<f64>)> {
+    let right = spectral(&(f.transpose() * f))?;
+    let inverse = right.map(|square| 1.0 / square.sqrt());
+    Some((f * inverse, right.map(f64::sqrt)))
+}
+
+/// Axis of a rotation times its angle.
+pub(crate) fn rotation_vector(rotation: &Matrix3<f64>) -> [f64; 3] {
+    let rotation = Rotation3::from_matrix_unchecked(*rotation);
+    UnitQuaternion::from_rotation_matrix(&rotation)
+        .scaled_axis()
+        .into()
+}
+
 /// Symmetric tensor in its principal axes.
 struct Spectral(SymmetricEigen<f64, nalgebra::U3>);
 
@@ -72,8 +87,8 @@ pub fn proportional_path(
     if increments > 1 {
         let not_invertible = || UmatError::Increments { increments };
         let right = spectral(&(end.transpose() * end)).ok_or_else(not_invertible)?;
-        let inverse = right.map(|square| 1.0 / square.sqrt());
-        let rotation = Rotation3::from_matrix_unchecked(end * inverse);
+        let (rotation, _) = polar(&end).ok_or_else(not_invertible)?;
+        let rotation = Rotation3::from_matrix_unchecked(rotation);
         let rotation = UnitQuaternion::from_rotation_matrix(&rotation);
         for step in 1..increments {
             let part = f64::from(step) / f64::from(increments);

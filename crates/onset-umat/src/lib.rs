@@ -1,4 +1,5 @@
-//! User materials with the interface of Abaqus, `SUBROUTINE UMAT`, as materials of `onset`.
+//! User materials in shared libraries as materials of `onset`: Abaqus's `SUBROUTINE UMAT` and `SUBROUTINE VUMAT`, and the C function of
+//! [`LAW_HEADER`].
 //!
 //! A [`Umat`] consists of a shared library, its properties and its number of state variables. It implements
 //! [`Hyperelastic`](onset::material::Hyperelastic): a state `F` is reached from the identity in proportional increments ([`proportional_path`]), the
@@ -20,6 +21,7 @@ mod fingerprint;
 mod folder;
 mod frame;
 mod increment;
+mod interface;
 mod program;
 mod readable;
 mod voigt;
@@ -38,10 +40,14 @@ pub use error::UmatError;
 pub use fingerprint::fingerprint;
 pub use folder::PrivateFolder;
 pub use increment::{Increment, proportional_path};
+pub use interface::Interface;
 pub use program::{HOST_VARIABLE, serve_if_asked};
 pub use readable::{message, readable};
 pub use umat::{Outcome, Umat, UmatSettings};
 pub use voigt::{VOIGT, tensor_of_voigt, voigt_of_tensor};
+
+/// C declaration of the function [`Interface::Law`].
+pub const LAW_HEADER: &str = include_str!("../include/onset_law.h");
 
 /// Runs a program to its end, and ends all processes that it leaves running; [`end_all`] ends the program too. Not on Windows.
 ///

@@ -163,6 +163,7 @@ impl Process {
 
     fn greet(&mut self, settings: &UmatSettings) -> Result<(), UmatError> {
         let mut setup = Vec::new();
+        frame::put(&mut setup, settings.interface.code());
         frame::put(&mut setup, settings.properties.len() as u64);
         frame::put(&mut setup, settings.state_variables as u64);
         frame::put(&mut setup, settings.memory_limit);
@@ -173,6 +174,7 @@ impl Process {
             Ok((Loaded::Failed, message)) => Err(self.not_loaded(settings, &message)),
             Ok((Loaded::NoRoutine, _)) => Err(UmatError::NoRoutine {
                 path: settings.library.clone(),
+                interface: settings.interface,
             }),
             Err(error) if error.kind() == io::ErrorKind::InvalidData => Err(UmatError::NoProcess {
                 message: "the started program is not onset".to_owned(),

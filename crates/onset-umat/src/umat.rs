@@ -5,6 +5,7 @@ use crate::conversion::Delivered;
 use crate::error::UmatError;
 use crate::frame::{FIXED, Passed, Reply};
 use crate::increment::proportional_path;
+use crate::interface::Interface;
 use crate::voigt::VOIGT;
 use nalgebra::{Matrix3, Matrix6};
 use onset::kinematics::DeformationGradient;
@@ -16,7 +17,9 @@ use std::time::Duration;
 /// Settings of a user material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UmatSettings {
-    /// Shared library that contains `umat_`.
+    /// Interface of the routine.
+    pub interface: Interface,
+    /// Shared library that contains the routine.
     ///
     /// A copy is loaded, which finds other libraries by absolute paths or `LD_LIBRARY_PATH`, not by `$ORIGIN`.
     pub library: PathBuf,
@@ -42,6 +45,7 @@ impl UmatSettings {
     /// Settings with the given properties, no state variables, one increment, and limits of 10 s per state and 4 GiB.
     pub fn new(library: impl Into<PathBuf>, properties: &[f64]) -> Self {
         Self {
+            interface: Interface::default(),
             library: library.into(),
             properties: properties.to_vec(),
             state_variables: 0,
@@ -248,11 +252,15 @@ impl Umat {
                     state,
                 });
             }
+            Passed::Skew if numbers.iter().all(|number| number.is_finite()) => {
+                return Err(UmatError::Skew { state });
+            }
+            Passed::Skew => {}
             Passed::NoIncrement => return Err(UmatError::Increment { increment, state }),
         }
         if let Some(at) = numbers.iter().position(|number| !number.is_finite()) {
             return Err(UmatError::NotFinite {
-                what: place(at),
+                what: place(self.settings.interface, at),
                 value: numbers[at],
                 properties: self.settings.properties.len(),
                 state,
@@ -272,12 +280,21 @@ impl Umat {
 }
 
 /// Name of the array, and index, of a number in a reply.
-fn place(at: usize) -> String {
+fn place(interface: Interface, at: usize) -> String {
+    let is_umat = interface == Interface::Umat;
     match at {
         0..6 => {
             let (i, j) = VOIGT[at];
-            format!("STRESS({}) (sigma_{}{})", at + 1, i + 1, j + 1)
+            let sigma = format!("sigma_{}{}", i + 1, j + 1);
+            match interface {
+                Interface::Umat => format!("STRESS({}) ({sigma})", at + 1),
+                Interface::Vumat => format!("stressNew ({sigma})"),
+                Interface::Law => format!("P ({sigma})"),
+            }
         }
+        6..42 if !is_umat => "the derivative of the stress".to_owned(),
+        42 if !is_umat => "the energy".to_owned(),
+        46.. if !is_umat => format!("state variable {}", at - FIXED + 1),
         6..42 => format!("DDSDDE({},{})", (at - 6) % 6 + 1, (at - 6) / 6 + 1),
         42 => "SSE".to_owned(),
         43 => "SPD".to_owned(),

@@ -20,6 +20,7 @@ fn every_command_has_a_help_text() {
         "card",
         "audit",
         "umat-utilities",
+        "law-header",
         "verify",
         "simulate",
         "screen",

@@ -212,6 +212,7 @@ fn commands_that_print_scripts_have_no_other_format() {
     for line in [
         "schema --json",
         "umat-utilities --format csv",
+        "law-header --json",
         "completions bash --json",
     ] {
         assert_eq!(onset_line(line).code, Some(2), "{line}");

@@ -35,7 +35,7 @@ fn laws(schema: &Value) -> Vec<Law> {
         .flatten()
         .filter_map(law)
         .collect();
-    laws.retain(|law| law.name != "umat");
+    laws.retain(|law| !["umat", "vumat", "library"].contains(&law.name));
     assert!(laws.len() > 20, "{laws:?}");
     laws
 }
@@ -1012,6 +1012,7 @@ const COMMANDS: &[(&str, usize)] = &[
     ("reproduce", 4),
     ("schema", 2),
     ("umat-utilities", 2),
+    ("law-header", 2),
     ("nonsense", 3),
     ("--version", 2),
     ("help", 3),

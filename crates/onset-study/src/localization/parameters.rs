@@ -80,8 +80,8 @@ impl Parameter {
 const CONFINEMENT: &str = "plasticity.confinement";
 const MODEL: &str = "plasticity.model";
 const HARDENING: &str = "plasticity.hardening";
-/// Model name of a user routine, which is specified by keys of `[material]`.
-const UMAT: &str = "umat";
+/// Model names of user routines, which are specified by keys of `[material]`.
+const ROUTINES: &[&str] = &["umat", "vumat", "library"];
 
 pub(crate) const MODELS: &[&str] = &[
     "drucker-prager",
@@ -94,10 +94,12 @@ pub(crate) const MODELS: &[&str] = &[
     "cap",
     "damage",
     "deformation-theory",
-    UMAT,
+    "umat",
+    "vumat",
+    "library",
 ];
 /// Models with isotropic elasticity.
-const WITH_ELASTICITY: &[&str] = MODELS.split_at(MODELS.len() - 1).0;
+const WITH_ELASTICITY: &[&str] = MODELS.split_at(MODELS.len() - ROUTINES.len()).0;
 /// Models whose strength follows `plasticity.hardening`.
 const HARDENING_WITH_SLIP: &[&str] = &[
     "drucker-prager",
@@ -364,7 +366,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "200",
         "number of increments of a user material along the path; they are shorter near first yield",
     )
-    .only_with(MODEL, &[UMAT]),
+    .only_with(MODEL, ROUTINES),
 ];
 
 /// Plastic law and loading path, as set.
@@ -435,9 +437,9 @@ impl PlasticSettings {
         Ok(settings)
     }
 
-    /// Reads the user material of `plasticity.model = umat` from keys of `[material]`.
+    /// Reads the user material of `plasticity.model = umat` (or `vumat`, `library`) from keys of `[material]`.
     fn choose_routine(&mut self, assignments: &[&str]) -> Result<(), SettingError> {
-        if !self.is(MODEL, UMAT) {
+        let Some(name) = ROUTINES.iter().find(|name| self.is(MODEL, name)) else {
             return match assignments.first() {
                 None => Ok(()),
                 Some(first) => Err(SettingError::new(
@@ -445,10 +447,11 @@ impl PlasticSettings {
                     "keys of [material] have no effect here".to_owned(),
                 )
                 .hint(format!(
-                    "plastic laws are set by {MODEL} and its keys; the keys of a user material are used only with {MODEL} = {UMAT}"
+                    "plastic laws are set by {MODEL} and its keys; the keys of a user material are used only with {MODEL} = {}",
+                    ROUTINES.join(" | ")
                 ))),
             };
-        }
+        };
         let counts = |one: &&&str| one.trim_start().starts_with("material.increments");
         if let Some(one) = assignments.iter().find(counts) {
             let origin = Origin::CommandLine(format!("--set {one}"));
@@ -463,7 +466,7 @@ impl PlasticSettings {
             return Err(SettingError::new(origin, message)
                 .hint("plasticity.path determines which strains and stresses are prescribed"));
         }
-        let model = [format!("material.model={UMAT}")];
+        let model = [format!("material.model={name}")];
         let all = model.iter().map(String::as_str);
         let all: Vec<&str> = all.chain(assignments.iter().copied()).collect();
         let material = Settings::from_assignments(&all)?.material;
@@ -471,7 +474,7 @@ impl PlasticSettings {
             let origin = Origin::CommandLine(format!("--set {}", assignments.join(" --set ")));
             return Err(SettingError::new(
                 origin,
-                format!("{MODEL} = {UMAT} is a separate user material"),
+                format!("{MODEL} = {name} is a separate user material"),
             )
             .hint("leave material.model out, and name the library: --set material.library=./my_umat.so"));
         }
@@ -779,7 +782,7 @@ mod tests {
         for parameter in PARAMETERS {
             for word in parameter.words() {
                 let mut set = vec![format!("{}={word}", parameter.name)];
-                if *word == UMAT {
+                if ROUTINES.contains(word) {
                     set.push("material.library=a.so".to_owned());
                 }
                 let settings = PlasticSettings::from_assignments(&set).expect("valid");

@@ -37,7 +37,13 @@ pub struct OwnModel {
 }
 
 /// The user-defined models.
-const OWN: &[OwnModel] = &[formula::MODEL, table::MODEL, umat::MODEL];
+const OWN: &[OwnModel] = &[
+    formula::MODEL,
+    table::MODEL,
+    umat::MODEL,
+    umat::VUMAT,
+    umat::FUNCTION,
+];
 
 /// Model of a material.
 #[derive(Clone, Copy, Debug)]

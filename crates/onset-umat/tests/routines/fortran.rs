@@ -1,4 +1,4 @@
-//! Libraries compiled from Fortran sources, shared by the tests of several crates.
+//! Libraries compiled from Fortran or C sources, shared by the tests of several crates.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -34,7 +34,9 @@ pub fn library(sources: &[&str]) -> PathBuf {
     let made = own.join("library.so");
     let compiler = std::env::var_os(COMPILER).unwrap_or_else(|| "gfortran".into());
     let output = Command::new(&compiler)
-        .args(["-shared", "-fPIC", "-O2", "-o"])
+        .args(["-shared", "-fPIC", "-O2", "-I"])
+        .arg(package.join("include"))
+        .arg("-o")
         .arg(&made)
         .arg("-J")
         .arg(&own)

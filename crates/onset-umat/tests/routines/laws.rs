@@ -7,7 +7,7 @@ use onset::material::{BlatzKo, Hyperelastic, Response};
 use onset_umat::{Umat, UmatSettings};
 
 /// Largest difference of two responses, relative to the tangent.
-fn difference(a: &Response, b: &Response) -> f64 {
+pub fn difference(a: &Response, b: &Response) -> f64 {
     let indices = || (0..81).map(|n| (n / 27, n / 9 % 3, n / 3 % 3, n % 3));
     let scale = indices().map(|at| a.tangent[at].abs()).fold(0.0, f64::max);
     let tangent = indices()
@@ -17,7 +17,7 @@ fn difference(a: &Response, b: &Response) -> f64 {
     tangent.max(stress).max((a.energy - b.energy).abs()) / scale
 }
 
-fn states() -> Vec<DeformationGradient> {
+pub fn states() -> Vec<DeformationGradient> {
     (0..40)
         .map(|n| {
             let t = f64::from(n);
@@ -62,7 +62,7 @@ fn answers_are_the_same_in_single_calls_in_batches_and_from_many_threads() {
 }
 
 /// Young's modulus, Poisson's ratio, yield stress, hardening modulus.
-const STEEL: [f64; 4] = [200e3, 0.3, 250.0, 2e3];
+pub const STEEL: [f64; 4] = [200e3, 0.3, 250.0, 2e3];
 
 fn plastic(increments: u32) -> Umat {
     Umat::new(UmatSettings {
@@ -74,7 +74,7 @@ fn plastic(increments: u32) -> Umat {
 }
 
 /// Isochoric stretch: the deviatoric logarithmic strain is `e diag(1, -1/2, -1/2)`, and the pressure is zero.
-fn stretched(e: f64) -> DeformationGradient {
+pub fn stretched(e: f64) -> DeformationGradient {
     DeformationGradient::from_stretches([e.exp(), (-0.5 * e).exp(), (-0.5 * e).exp()])
         .expect("admissible")
 }

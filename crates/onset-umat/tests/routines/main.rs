@@ -4,6 +4,7 @@ mod crystal;
 mod failures;
 mod fortran;
 mod interface;
+mod interfaces;
 mod laws;
 mod localization;
 mod utilities;

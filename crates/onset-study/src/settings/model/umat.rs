@@ -1,16 +1,30 @@
-//! `model = "umat"`: a user-defined material in a shared library with the Abaqus interface.
+//! `model = "umat"`, `"vumat"`, `"library"`: a user-defined material in a shared library.
 
 use super::super::error::SettingError;
 use super::super::key::{ANY_DIMENSION, key};
 use super::super::{Kind, MaterialSettings, Model, Value};
 use super::OwnModel;
 use onset::material::{Hyperelastic, MaterialError};
-use onset_umat::{Umat, UmatError, UmatSettings, fingerprint};
+use onset_umat::{Interface, Umat, UmatError, UmatSettings, fingerprint};
 use std::path::Path;
 use std::time::Duration;
 
 /// Key of the library, without its section.
 pub(in crate::settings) const LIBRARY: &str = "library";
+
+/// A subroutine of Abaqus/Explicit.
+pub(super) const VUMAT: OwnModel = OwnModel {
+    name: "vumat",
+    formula: "stress of the subroutine vumat_ in a shared library; its tangent from differences",
+    ..MODEL
+};
+
+/// A function with the interface of `onset` itself.
+pub(super) const FUNCTION: OwnModel = OwnModel {
+    name: "library",
+    formula: "P and, where set, dP/dF of the C function onset_law in a shared library",
+    ..MODEL
+};
 
 pub(super) const MODEL: OwnModel = OwnModel {
     name: "umat",
@@ -21,27 +35,27 @@ pub(super) const MODEL: OwnModel = OwnModel {
         key(
             "material.properties",
             Kind::Numbers("1", ANY_DIMENSION),
-            "properties of the subroutine, PROPS",
+            "properties of the routine, PROPS",
         ),
         key(
             "material.state-variables",
             Kind::Whole(0, 100_000),
-            "number of state variables of the subroutine, NSTATV",
+            "number of state variables of the routine, NSTATV",
         ),
         key(
             "material.increments",
             Kind::Whole(1, 100_000),
-            "increments in which the subroutine reaches a state from the reference state",
+            "increments in which the routine reaches a state from the reference state",
         ),
         key(
             "material.time-limit",
             Kind::Whole(1, 86_400),
-            "time limit of the subroutine for one state in seconds, 10 by default",
+            "time limit of the routine for one state in seconds, 10 by default",
         ),
         key(
             "material.memory-limit",
             Kind::Whole(64, 1 << 24),
-            "memory limit of the subroutine in MiB, 4096 by default",
+            "memory limit of the routine in MiB, 4096 by default",
         ),
     ],
     required: &[LIBRARY],
@@ -61,12 +75,16 @@ impl MaterialSettings {
         else {
             return None;
         };
-        if model.name != MODEL.name {
-            return None;
-        }
+        let interface = match model.name {
+            name if name == MODEL.name => Interface::Umat,
+            name if name == VUMAT.name => Interface::Vumat,
+            name if name == FUNCTION.name => Interface::Law,
+            _ => return None,
+        };
         let number = |name: &str| self.given(name).and_then(Value::number);
         let library = self.allowed().unwrap_or(Path::new(library));
         let mut umat = UmatSettings::new(library, &[]);
+        umat.interface = interface;
         if let Some(Value::Numbers(properties)) = self.given("properties") {
             umat.properties.clone_from(properties);
         }

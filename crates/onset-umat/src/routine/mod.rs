@@ -1,0 +1,275 @@
+//! The routine itself; foreign code is called only here.
+
+mod law;
+mod umat;
+mod vumat;
+
+use crate::frame::{Passed, Reply};
+use crate::increment::Increment;
+use crate::interface::Interface;
+use crate::voigt::{VOIGT, stress_like, symmetric};
+use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
+use nalgebra::Matrix3;
+use std::path::Path;
+
+/// `CMNAME`, a name of 80 characters.
+const NAME: [u8; 80] = {
+    let mut name = [b' '; 80];
+    (name[0], name[1], name[2], name[3], name[4]) = (b'O', b'N', b'S', b'E', b'T');
+    name
+};
+
+/// Strain of the differences that give a tangent, 2^-16: errors are about 1e-10 of the tangent, from rounding.
+const DIFFERENCE_STRAIN: f64 = 1.0 / 65_536.0;
+
+/// Largest such strain as a fraction of the strain of the increment, so that differences do not unload a flowing material.
+const PART_OF_INCREMENT: f64 = 1.0 / 64.0;
+
+/// Largest accepted part of the response of `onset_law` that contradicts its balance of angular momentum, relative to its stress or tangent.
+const SKEW_TOLERANCE: f64 = 1e-6;
+
+/// Reason why the routine cannot be loaded.
+pub enum LoadError {
+    Library(String),
+    NoRoutine,
+}
+
+/// Index in [`crate::arguments::NAMES`] of an argument that was written beyond its ends.
+struct Overrun(usize);
+
+/// Routine of a library, by its interface.
+enum Entry {
+    Umat(umat::Umat),
+    Vumat(vumat::Vumat),
+    Law(law::Law),
+}
+
+/// Properties and sizes, which every call passes.
+struct Data {
+    properties: Vec<f64>,
+    property_count: i32,
+    variable_count: i32,
+}
+
+/// Loaded routine with its properties.
+pub struct Routine {
+    entry: Entry,
+    data: Data,
+    variables: usize,
+    /// Keeps the code in memory.
+    _library: Library,
+}
+
+/// State of a material point between increments.
+#[derive(Clone)]
+struct Point {
+    /// Cauchy stress, in the order of Abaqus/Standard.
+    stress: [f64; 6],
+    variables: Vec<f64>,
+    /// `DDSDDE` by columns, if the routine has delivered it.
+    ddsdde: Option<[f64; 36]>,
+    /// Energies `SSE`, `SPD`, `SCD` per current volume.
+    energies: [f64; 3],
+    strain: [f64; 6],
+    factor: f64,
+    /// Part of the response that contradicts the balance of angular momentum: of stress and of tangent.
+    skew: [f64; 2],
+}
+
+/// Number and duration of an increment.
+struct Step {
+    /// Number of the increment, from 1.
+    number: i32,
+    /// Duration as a fraction of the total time, 1.
+    duration: f64,
+}
+
+/// First symbol of a library with one of the names.
+///
+/// # Safety
+/// The symbol must have the type `T`, a function pointer.
+#[allow(unsafe_code)]
+unsafe fn found<T: Copy>(library: &Library, names: &[&str]) -> Option<T> {
+    names.iter().find_map(|name| {
+        // SAFETY: as the caller guarantees.
+        unsafe { library.get::<T>(name.as_bytes()) }
+            .ok()
+            .map(|symbol| *symbol)
+    })
+}
+
+impl Entry {
+    fn find(library: &Library, interface: Interface) -> Option<Self> {
+        match interface {
+            Interface::Umat => umat::Umat::find(library).map(Self::Umat),
+            Interface::Vumat => vumat::Vumat::find(library).map(Self::Vumat),
+            Interface::Law => law::Law::find(library).map(Self::Law),
+        }
+    }
+}
+
+impl Routine {
+    /// Loads a library and finds its routines.
+    #[allow(unsafe_code)]
+    pub fn load(
+        path: &Path,
+        interface: Interface,
+        properties: &[f64],
+        variables: usize,
+    ) -> Result<Self, LoadError> {
+        // All routines that the library needs must be resolved now, and not during a call.
+        let flags = RTLD_NOW | RTLD_LOCAL;
+        // SAFETY: loading runs the initializers of a library that the user named for this purpose. They may do anything; this process is separate
+        // from the caller and holds no other data.
+        let library = unsafe { Library::open(Some(path), flags) }
+            .map_err(|error| LoadError::Library(error.to_string()))?;
+        let entry = Entry::find(&library, interface).ok_or(LoadError::NoRoutine)?;
+        let count = |size: usize| {
+            i32::try_from(size).map_err(|_| LoadError::Library("too many numbers".to_owned()))
+        };
+        Ok(Self {
+            entry,
+            data: Data {
+                property_count: count(properties.len())?,
+                properties: properties.to_vec(),
+                variable_count: count(variables)?,
+            },
+            variables,
+            _library: library,
+        })
+    }
+
+    /// Computes the outcome at the end of a path from the identity.
+    pub fn follow(&self, path: &[Matrix3<f64>]) -> Reply {
+        let mut point = Point {
+            stress: [0.0; 6],
+            variables: vec![0.0; self.variables],
+            ddsdde: None,
+            energies: [0.0; 3],
+            strain: [0.0; 6],
+            factor: 1.0,
+            skew: [0.0; 2],
+        };
+        if let Entry::Umat(umat) = &self.entry
+            && let Err(argument) = umat.set_up(&self.data, &mut point)
+        {
+            return point.overrun(argument, 0);
+        }
+        let mut start = Matrix3::identity();
+        let duration = 1.0 / path.len() as f64;
+        let mut before = point.clone();
+        for (number, end) in (1_u32..).zip(path) {
+            let step = Step {
+                number: i32::try_from(number).unwrap_or(i32::MAX),
+                duration,
+            };
+            let Some(increment) = Increment::between(start, *end) else {
+                return point.reply(Passed::NoIncrement, number);
+            };
+            before.clone_from(&point);
+            if let Err(argument) = self.advance(&mut point, &increment, &step) {
+                return point.overrun(argument, number);
+            }
+            if point.factor < 1.0 {
+                return point.reply(Passed::SmallerIncrement, number);
+            }
+            let is_last = number as usize == path.len();
+            if is_last && point.ddsdde.is_none() {
+                match self.differences(&before, &increment, &step) {
+                    Ok(ddsdde) => point.ddsdde = Some(ddsdde),
+                    Err(argument) => return point.overrun(argument, number),
+                }
+            }
+            start = *end;
+        }
+        let count = u32::try_from(path.len()).unwrap_or(u32::MAX);
+        let passed = if point.is_symmetric() {
+            Passed::Done
+        } else {
+            Passed::Skew
+        };
+        point.reply(passed, count)
+    }
+
+    /// Takes a point to the end of an increment.
+    fn advance(
+        &self,
+        point: &mut Point,
+        increment: &Increment,
+        step: &Step,
+    ) -> Result<(), Overrun> {
+        match &self.entry {
+            Entry::Umat(umat) => umat.advance(&self.data, point, increment, step),
+            Entry::Vumat(vumat) => vumat.advance(&self.data, point, increment, step),
+            Entry::Law(law) => law.advance(&self.data, point, increment, step),
+        }
+    }
+
+    /// `DDSDDE` by columns from central differences of fourth order: the change of `J sigma` with the end of the increment, without spin, over `J`.
+    fn differences(
+        &self,
+        before: &Point,
+        increment: &Increment,
+        step: &Step,
+    ) -> Result<[f64; 36], Overrun> {
+        let kirchhoff = |rate: Matrix3<f64>| {
+            let end = (Matrix3::identity() + rate) * increment.end;
+            let Some(increment) = Increment::between(increment.start, end) else {
+                return Ok(Matrix3::from_element(f64::NAN));
+            };
+            let mut point = before.clone();
+            self.advance(&mut point, &increment, step)?;
+            Ok(symmetric(&point.stress) * end.determinant())
+        };
+        let strain = PART_OF_INCREMENT * increment.strain.norm();
+        let size = match strain < f64::EPSILON {
+            true => DIFFERENCE_STRAIN,
+            false => strain.min(DIFFERENCE_STRAIN),
+        };
+        let mut ddsdde = [0.0; 36];
+        for (column, (k, l)) in ddsdde.chunks_exact_mut(6).zip(VOIGT) {
+            let mut rate = Matrix3::zeros();
+            rate[(k, l)] += 0.5 * size;
+            rate[(l, k)] += 0.5 * size;
+            let near = kirchhoff(rate)? - kirchhoff(-rate)?;
+            let far = kirchhoff(2.0 * rate)? - kirchhoff(-2.0 * rate)?;
+            let change = 8.0 * near - far;
+            let over = 12.0 * size * increment.end.determinant();
+            column.copy_from_slice(stress_like(&(change / over)).as_slice());
+        }
+        Ok(ddsdde)
+    }
+}
+
+impl Point {
+    /// Returns true if the parts of the response that contradict the balance of angular momentum are rounding errors.
+    fn is_symmetric(&self) -> bool {
+        let largest = |numbers: &[f64]| numbers.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let tangent = largest(self.ddsdde.as_ref().map_or(&[], |ddsdde| ddsdde));
+        let stress = largest(&self.stress) + SKEW_TOLERANCE * tangent;
+        // NaN is reported as such.
+        !(self.skew[0] > SKEW_TOLERANCE * stress || self.skew[1] > SKEW_TOLERANCE * tangent)
+    }
+
+    fn reply(&self, passed: Passed, increment: u32) -> Reply {
+        let mut numbers = Vec::with_capacity(crate::frame::FIXED + self.variables.len());
+        numbers.extend(self.stress);
+        numbers.extend(self.ddsdde.unwrap_or([0.0; 36]));
+        numbers.extend(self.energies);
+        numbers.push(self.factor);
+        numbers.extend(&self.variables);
+        Reply {
+            passed,
+            increment,
+            argument: 0,
+            numbers,
+        }
+    }
+
+    fn overrun(&self, Overrun(argument): Overrun, increment: u32) -> Reply {
+        Reply {
+            argument: u32::try_from(argument).unwrap_or(u32::MAX),
+            ..self.reply(Passed::Overrun, increment)
+        }
+    }
+}
