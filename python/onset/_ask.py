@@ -1026,8 +1026,8 @@ def localize(model: str | None = None, path: str | None = None, load: str | None
         Plastic law, path of loading, and its sense, tension or compression.
     **parameters
         Keys of ``[plasticity]``: ``onset.localize("drucker-prager", "plane-strain", friction=0.7)``. Stresses are in any consistent unit, or all have
-        a unit. For the models ``"umat"``, ``"vumat"`` and ``"library"``, the keys of the routine are ``library``, ``properties``, ``state_variables``, ``time_limit`` and
-        ``memory_limit``.
+        a unit. For the models ``"umat"`` and ``"library"``, the keys of the routine are ``library``, ``properties``, ``state_variables``, ``time_limit``
+        and ``memory_limit``.
 
     Returns
     -------

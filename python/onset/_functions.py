@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 import importlib
 import importlib.util
@@ -14,9 +14,6 @@ import numpy as np
 
 from ._arrays import Floats, number
 from ._errors import InputError
-
-#: Variables of a function that describe the deformation.
-VARIABLES = ("F", "C", "E", "I1", "I2", "I3", "J", "I1bar", "I2bar")
 
 #: Number of values of a state: energy, stress and tangent.
 _NUMBERS = 1 + 9 + 81
@@ -42,26 +39,35 @@ class Handed:
         return str(getattr(self.energy, "__name__", type(self.energy).__name__))
 
 
-def _variables(F: Any, xp: Any) -> dict[str, Any]:
-    """Returns all variables of a function at a deformation gradient, in NumPy or in another array library."""
-    C = F.T @ F
-    I1, I2 = C[0, 0] + C[1, 1] + C[2, 2], 0.5 * (xp.trace(C) ** 2 - xp.sum(C * C))
-    J = (
+def _volume(F: Any) -> Any:
+    return (
         F[0, 0] * (F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1])
         - F[0, 1] * (F[1, 0] * F[2, 2] - F[1, 2] * F[2, 0])
         + F[0, 2] * (F[1, 0] * F[2, 1] - F[1, 1] * F[2, 0])
     )
-    return {
-        "F": F,
-        "C": C,
-        "E": 0.5 * (C - xp.eye(3)),
-        "I1": I1,
-        "I2": I2,
-        "I3": J * J,
-        "J": J,
-        "I1bar": I1 * J ** (-2.0 / 3.0),
-        "I2bar": I2 * J ** (-4.0 / 3.0),
-    }
+
+
+def _first(F: Any) -> Any:
+    return (F * F).sum()
+
+
+def _second(F: Any) -> Any:
+    C = F.T @ F
+    return 0.5 * (C.trace() ** 2 - (C * C).sum())
+
+
+#: Variables of a function at a deformation gradient, in NumPy or in another array library.
+_VARIABLES: Mapping[str, Callable[[Any], Any]] = {
+    "F": lambda F: F,
+    "C": lambda F: F.T @ F,
+    "E": lambda F: 0.5 * (F.T @ F - np.eye(3)),
+    "I1": _first,
+    "I2": _second,
+    "I3": lambda F: _volume(F) ** 2,
+    "J": _volume,
+    "I1bar": lambda F: _first(F) * _volume(F) ** (-2.0 / 3.0),
+    "I2bar": lambda F: _second(F) * _volume(F) ** (-4.0 / 3.0),
+}
 
 
 class _Function:
@@ -76,13 +82,13 @@ class _Function:
             raise InputError(f"the arguments of {what} cannot be determined: {error}\n  hint: give a function of F and of parameters") from error
         for argument in arguments:
             if argument.kind in (argument.VAR_POSITIONAL, argument.VAR_KEYWORD, argument.POSITIONAL_ONLY):
-                raise InputError(f"{what} takes {argument}\n  hint: name each argument: {', '.join(VARIABLES)}, or parameters")
+                raise InputError(f"{what} takes {argument}\n  hint: name each argument: {', '.join(_VARIABLES)}, or parameters")
         self.function, self.what = function, what
-        self.variables = [argument.name for argument in arguments if argument.name in VARIABLES]
-        self.parameters = {argument.name: argument.default for argument in arguments if argument.name not in VARIABLES}
+        self.variables = [argument.name for argument in arguments if argument.name in _VARIABLES]
+        self.parameters = {argument.name: argument.default for argument in arguments if argument.name not in _VARIABLES}
 
-    def __call__(self, variables: Mapping[str, Any], values: Mapping[str, Any]) -> Any:
-        given = {name: variables[name] for name in self.variables}
+    def __call__(self, F: Any, values: Mapping[str, Any]) -> Any:
+        given = {name: _VARIABLES[name](F) for name in self.variables}
         return self.function(**given, **{name: values[name.rstrip("_")] for name in self.parameters})
 
 
@@ -93,7 +99,7 @@ def _values(functions: list[_Function], parameters: Mapping[str, object]) -> dic
         for name, default in function.parameters.items():
             value = next((given for own, given in parameters.items() if own.rstrip("_") == name.rstrip("_")), default)
             if value is inspect.Parameter.empty:
-                known = ", ".join(VARIABLES)
+                known = ", ".join(_VARIABLES)
                 raise InputError(f"{function.what} takes {name}, which has no value\n  hint: give it, {name}=...; variables are {known}")
             values[name.rstrip("_")] = number(value, name)
     stray = sorted({name.rstrip("_") for name in parameters} - set(values))
@@ -118,21 +124,27 @@ _STEP = 2.0**-16
 _POINTS, _WEIGHTS = (0.5 * (np.polynomial.legendre.leggauss(12)[0] + 1.0), 0.5 * np.polynomial.legendre.leggauss(12)[1])
 
 
-def _slope(stress: Callable[[Floats], Floats], F: Floats) -> Floats:
-    """Returns ``A_iJkL = dP_iJ/dF_kL`` from central differences of the stress; shape (9, 9)."""
-    columns = []
-    for component in np.eye(9).reshape(9, 3, 3) * _STEP:
-        near, far = (stress(F + part * component) - stress(F - part * component) for part in (1.0, 2.0))
-        columns.append((8.0 * near - far) / (12.0 * _STEP))
-    return np.stack(columns, axis=-1)
+#: Function from deformation gradients to first Piola-Kirchhoff stresses, each of shape (n, 3, 3).
+_Stress = Callable[[Floats], Floats]
 
 
-def _work(stress: Callable[[Floats], Floats], F: Floats) -> Floats:
-    """Returns the work of the stress from the reference state to ``F = R U`` along ``1 + t (U - 1)``, which no rotation changes; shape (1,)."""
+def _slope(stress: _Stress, F: Floats) -> Floats:
+    """Returns ``A_iJkL = dP_iJ/dF_kL`` at states of shape (n, 3, 3) from central differences of the stress; shape (n, 81)."""
+    steps = np.multiply.outer([1.0, -1.0, 2.0, -2.0], _STEP * np.eye(9).reshape(9, 3, 3))
+    moved = stress((F[:, None, None] + steps).reshape(-1, 3, 3)).reshape(len(F), 4, 9, 9)
+    near, far = moved[:, 0] - moved[:, 1], moved[:, 2] - moved[:, 3]
+    slope: Floats = ((8.0 * near - far) / (12.0 * _STEP)).swapaxes(1, 2).reshape(len(F), 81)
+    return slope
+
+
+def _work(stress: _Stress, F: Floats) -> Floats:
+    """Returns the work of the stress from the reference state to ``F = R U`` along ``1 + t (U - 1)``, which no rotation changes; shape (n, 1)."""
     _, values, axes = np.linalg.svd(F)
-    change = (axes.T * values) @ axes - np.eye(3)
-    works = [float(stress(np.eye(3) + t * change) @ change.reshape(-1)) for t in _POINTS]
-    return np.array([_WEIGHTS @ works])
+    change = (axes.swapaxes(1, 2) * values[:, None]) @ axes - np.eye(3)
+    on_the_way = np.eye(3) + np.multiply.outer(_POINTS, change).swapaxes(0, 1)
+    power = np.einsum("ntij,nij->nt", stress(on_the_way.reshape(-1, 3, 3)).reshape(on_the_way.shape), change)
+    works: Floats = (power @ _WEIGHTS)[:, None]
+    return works
 
 
 def delivered(energy: object, stress: object, cauchy: object, tangent: object, parameters: Mapping[str, object]) -> Handed:
@@ -143,29 +155,27 @@ def delivered(energy: object, stress: object, cauchy: object, tangent: object, p
     if (stress is None) == (cauchy is None):
         what = "the stress is missing" if stress is None else "a material has one stress"
         raise InputError(f"{what}\n  hint: give `stress`, the first Piola-Kirchhoff stress P(F), or `cauchy`, the Cauchy stress sigma(F)")
-    given = {"the energy": energy, "the stress": cauchy if stress is None else stress, "the tangent": tangent}
+    given = {"the energy": energy, "the stress": stress or cauchy, "the tangent": tangent}
     functions = {what: _Function(function, what) for what, function in given.items() if function is not None}  # type: ignore[arg-type]
     values = _values(list(functions.values()), parameters)
 
     def asked(what: str, shape: tuple[int, ...], F: Floats, now: Mapping[str, float]) -> Floats:
-        return _shaped(functions[what](_variables(F, np), now), shape, what)
+        return np.stack([_shaped(functions[what](one, now), shape, what) for one in F])
 
     def first_piola(F: Floats, now: Mapping[str, float]) -> Floats:
-        numbers = asked("the stress", (3, 3), F, now)
-        if cauchy is None:
-            return numbers
-        piola: Floats = (np.linalg.det(F) * numbers.reshape(3, 3) @ np.linalg.inv(F).T).reshape(-1)
-        return piola
+        numbers = asked("the stress", (3, 3), F, now).reshape(-1, 3, 3)
+        return numbers if cauchy is None else np.linalg.det(F)[:, None, None] * numbers @ np.linalg.inv(F).swapaxes(1, 2)
 
     def respond(states: bytes, changed: Mapping[str, float]) -> bytes:
         now = {**values, **{name: value for name, value in changed.items() if name in values}}
-        numbers = []
-        for F in np.frombuffer(states).reshape(-1, 3, 3):
-            own = partial(first_piola, now=now)
-            numbers.append(asked("the energy", (), F, now) if energy is not None else _work(own, F))
-            numbers.append(own(F))
-            numbers.append(asked("the tangent", (3, 3, 3, 3), F, now) if tangent is not None else _slope(own, F).reshape(-1))
-        return np.concatenate(numbers).tobytes()
+        F = np.frombuffer(states).reshape(-1, 3, 3)
+        stress_of = partial(first_piola, now=now)
+        parts = [
+            _work(stress_of, F) if energy is None else asked("the energy", (), F, now),
+            stress_of(F).reshape(-1, 9),
+            _slope(stress_of, F) if tangent is None else asked("the tangent", (3, 3, 3, 3), F, now),
+        ]
+        return np.concatenate(parts, axis=1).tobytes()
 
     named = {what: function.function for what, function in functions.items()}
     return _tried(Handed(named.get("the energy", named["the stress"]), named["the stress"], named.get("the tangent"), values, respond))
@@ -177,7 +187,7 @@ def is_felupe(model: object) -> bool:
 
 
 def of_felupe(model: Any) -> Handed:
-    """Returns the law of a material of FElupe or matADi, ``gradient([F, state variables])``, with ``F`` of shape (3, 3, 1, 1).
+    """Returns the law of a material of FElupe or matADi, whose functions take ``[F, state variables]`` with ``F`` of shape (3, 3, n, 1).
 
     Raises
     ------
@@ -185,26 +195,26 @@ def of_felupe(model: Any) -> Handed:
         If the material has state variables.
     """
     inputs = getattr(model, "x", [None, np.zeros(0)])
-    rest = [np.zeros((*np.shape(part), 1, 1)) for part in inputs[1:]]
-    if any(part.size for part in rest):
+    if any(np.size(part) for part in inputs[1:]):
         raise InputError(f"{type(model).__name__} has state variables\n  hint: laws from Python are elastic; give its long-term or its instantaneous response")
 
-    def numbers(what: str, F: Floats) -> Floats:
-        answer = getattr(model, what)([F[:, :, None, None], *rest])
-        return np.asarray(answer[0], dtype=np.float64)[..., 0, 0]
-
-    def energy(F: Floats) -> Floats:
-        return numbers("function", F)
+    def asked(what: str, size: int, F: Floats) -> Floats:
+        rest = [np.zeros((*np.shape(part), len(F), 1)) for part in inputs[1:]]
+        first = np.asarray(getattr(model, what)([np.moveaxis(F, 0, -1)[..., None], *rest])[0], dtype=np.float64)
+        # Constant results have a single point.
+        return np.broadcast_to(np.moveaxis(first[..., 0], -1, 0).reshape(-1, size), (len(F), size))
 
     def stress(F: Floats) -> Floats:
-        return numbers("gradient", F)
-
-    def tangent(F: Floats) -> Floats:
-        return numbers("hessian", F)
+        return asked("gradient", 9, F).reshape(-1, 3, 3)
 
     has_energy = callable(getattr(model, "function", None))
-    law = delivered(energy if has_energy else None, stress, None, tangent, {})
-    return replace(law, energy=model)
+
+    def respond(states: bytes, changed: Mapping[str, float]) -> bytes:
+        F = np.frombuffer(states).reshape(-1, 3, 3)
+        energy = asked("function", 1, F) if has_energy else _work(stress, F)
+        return np.concatenate([energy, stress(F).reshape(-1, 9), asked("hessian", 81, F)], axis=1).tobytes()
+
+    return _tried(Handed(model, None, None, {}, respond))
 
 
 def has_jax() -> bool:
@@ -219,7 +229,7 @@ def differentiated(energy: Callable[..., Any], parameters: Mapping[str, object])
     values = _values([own], parameters)
 
     def total(F: Any, now: Mapping[str, Any]) -> Any:
-        return own(_variables(F, jax.numpy), now)
+        return own(F, now)
 
     def numbers(F: Any, now: Mapping[str, Any]) -> Any:
         stress = jax.grad(total)

@@ -71,13 +71,13 @@ class Felupe:
         self.x = [np.eye(3), np.zeros(states)]
 
     def gradient(self, x: list[Any]) -> list[Any]:
-        assert x[0].shape == (3, 3, 1, 1)
-        F = x[0][:, :, 0, 0]
-        return [stress(F, np.linalg.det(F), MU, LAMBDA)[:, :, None, None], x[1]]
+        assert x[0].shape == (3, 3, x[1].shape[1], 1)
+        F = np.moveaxis(x[0][..., 0], -1, 0)
+        return [np.stack([stress(one, np.linalg.det(one), MU, LAMBDA) for one in F], axis=-1)[..., None], x[1]]
 
     def hessian(self, x: list[Any]) -> list[Any]:
-        F = x[0][:, :, 0, 0]
-        return [tangent(F, np.linalg.det(F), MU, LAMBDA)[..., None, None]]
+        F = np.moveaxis(x[0][..., 0], -1, 0)
+        return [np.stack([tangent(one, np.linalg.det(one), MU, LAMBDA) for one in F], axis=-1)[..., None]]
 
 
 def cauchy(F: Any, J: Any, mu: float, lambda_: float) -> Any:

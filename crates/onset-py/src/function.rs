@@ -130,20 +130,6 @@ impl FunctionLaw {
         }
         Ok(numbers.iter().copied().map(f64::from_ne_bytes).collect())
     }
-
-    /// Response or error for each state.
-    fn responses(&self, states: &[DeformationGradient]) -> Vec<Result<Response, MaterialError>> {
-        match self.numbers(states) {
-            Ok(numbers) => states
-                .iter()
-                .zip(numbers.chunks_exact(NUMBERS))
-                .map(|(f, numbers)| response(f, numbers))
-                .collect(),
-            // Single evaluations show which of the states failed.
-            Err(_) if states.len() > 1 => states.iter().map(|f| self.response(f)).collect(),
-            Err(error) => vec![Err(error)],
-        }
-    }
 }
 
 /// Converts an exception of the function: an arithmetic error means that the law is undefined at the state, any other is a programming error.
@@ -200,6 +186,19 @@ impl Hyperelastic for FunctionLaw {
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
         let numbers = self.numbers(std::slice::from_ref(f))?;
         response(f, &numbers)
+    }
+
+    fn responses(&self, states: &[DeformationGradient]) -> Vec<Result<Response, MaterialError>> {
+        match self.numbers(states) {
+            Ok(numbers) => states
+                .iter()
+                .zip(numbers.chunks_exact(NUMBERS))
+                .map(|(f, numbers)| response(f, numbers))
+                .collect(),
+            // Single evaluations show which of the states failed.
+            Err(_) if states.len() > 1 => states.iter().map(|f| self.response(f)).collect(),
+            Err(error) => vec![Err(error)],
+        }
     }
 
     fn plane_tangents(

@@ -35,7 +35,7 @@ pub const NAMES: [&str; 57] = [
     "CELENT",
     "DFGRD0",
     "DFGRD1",
-    // Of a VUMAT.
+    // Arguments of a VUMAT
     "stepTime",
     "totalTime",
     "dt",
@@ -61,7 +61,7 @@ pub const NAMES: [&str; 57] = [
     "stateNew",
     "enerInternNew",
     "enerInelasNew",
-    // Of onset_law.
+    // Arguments of onset_law
     "F_start",
     "F",
     "properties",

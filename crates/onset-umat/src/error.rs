@@ -36,7 +36,7 @@ pub enum UmatError {
     NoRoutine {
         /// Path of the library.
         path: PathBuf,
-        /// Expected interface.
+        /// Interface of the routine that the library must contain.
         interface: Interface,
     },
     /// Invalid number of increments.

@@ -10,8 +10,13 @@ const HOSTILE: [&str; 1] = ["tests/fortran/hostile.f90"];
 
 /// Assignments that select a library with properties.
 fn set(library: &Path, properties: &str) -> String {
+    routine("umat", library, properties)
+}
+
+/// Assignments that select a library with an interface and properties.
+fn routine(model: &str, library: &Path, properties: &str) -> String {
     format!(
-        "--set material.model=umat --set material.library={} --set material.properties={properties}",
+        "--set material.model={model} --set material.library={} --set material.properties={properties}",
         library.display()
     )
 }
@@ -67,6 +72,53 @@ fn a_state_with_a_umat_equals_the_state_with_the_built_in_law_of_the_same_energy
         });
         assert!(count > 100);
     }
+}
+
+#[test]
+fn a_vumat_and_a_function_in_c_are_answered_and_audited_as_the_built_in_law() {
+    let law = crate::document(
+        "state --stretch 1.2,0.9 --set material.model=blatz-ko --set material.mu=32",
+    );
+    let sources = [
+        (
+            "vumat",
+            "fortran/blatz_ko_vumat.f90",
+            "The tangent, from differences of the stress, is dP/dF",
+        ),
+        ("library", "c/blatz_ko_law.c", "A is dP/dF"),
+    ];
+    for (model, source, words) in sources {
+        let material = routine(model, &library(&[source]), "32");
+        let own = crate::document(&format!("state --stretch 1.2,0.9 {material}"));
+        for part in ["verdict", "mechanism"] {
+            assert_eq!(own[part], law[part], "{model}");
+        }
+        let omega = |answer: &Value| {
+            answer["discretization"]["maximum_omega"]
+                .as_f64()
+                .expect("a frequency")
+        };
+        let (a, b) = (omega(&own), omega(&law));
+        assert!((a - b).abs() < 1e-7 * b, "{model}: {a} {b}");
+        let audit = onset_line(&format!("audit {material}"));
+        assert_eq!(audit.code, Some(0), "{}", audit.stderr);
+        assert!(audit.stdout.contains("Consistent"), "{}", audit.stdout);
+        assert!(audit.stdout.contains(words), "{}", audit.stdout);
+        assert!(!audit.stdout.contains("SSE"), "{}", audit.stdout);
+    }
+    let wrong = routine("vumat", &library(&["c/blatz_ko_law.c"]), "32");
+    let refused = onset_line(&format!("state --stretch 1.2,0.9 {wrong}"));
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.stderr.contains("has no routine vumat_"));
+    let without = onset_line(&format!(
+        "state --stretch 1.2,0.9 {}",
+        routine("library", &library(&["c/blatz_ko_law.c"]), "1,2")
+    ));
+    assert!(
+        without.stderr.contains("expected one property"),
+        "{}",
+        without.stderr
+    );
 }
 
 #[test]

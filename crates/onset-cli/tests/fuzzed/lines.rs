@@ -35,7 +35,7 @@ fn laws(schema: &Value) -> Vec<Law> {
         .flatten()
         .filter_map(law)
         .collect();
-    laws.retain(|law| !["umat", "vumat", "library"].contains(&law.name));
+    laws.retain(|law| !["umat", "vumat", "library"].contains(&law.name.as_str()));
     assert!(laws.len() > 20, "{laws:?}");
     laws
 }

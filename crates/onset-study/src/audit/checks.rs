@@ -489,7 +489,7 @@ fn objectivity(subject: &Subject<'_>, measured: &[Measured]) -> Result<Check, Au
 fn energy(subject: &Subject<'_>, measured: &[Measured]) -> Check {
     let name = "energy";
     if measured.iter().all(|state| !state.reports_energy) {
-        return Check::noted(name, None, "no energy is reported (SSE is zero)");
+        return Check::noted(name, None, "no energy is reported (it is zero)");
     }
     // Power per reference volume: `P : F' = J sigma : l`.
     let errors = |of: fn(&Measured) -> &Matrix3<f64>| -> Vec<f64> {
@@ -502,13 +502,13 @@ fn energy(subject: &Subject<'_>, measured: &[Measured]) -> Check {
     let right = errors(|state| &state.energy_gradient);
     // Routines report SSE per current volume, as Abaqus expects it, or per reference volume; both readings are tried.
     let other = match subject {
-        Subject::User(_) => errors(|state| &state.reference_energy_gradient),
-        Subject::Law(..) => vec![f64::INFINITY; measured.len()],
+        _ if subject.is_umat() => errors(|state| &state.reference_energy_gradient),
+        _ => vec![f64::INFINITY; measured.len()],
     };
     let fits = |errors: &[f64]| errors.iter().filter(|error| **error <= TOLERANCE).count();
     let all = |errors: &[f64]| fits(errors) == measured.len();
-    let holds = match (subject, all(&right), all(&other)) {
-        (Subject::Law(..), ..) => "the stress is the derivative of the energy",
+    let holds = match (subject.is_umat(), all(&right), all(&other)) {
+        (false, ..) => "the stress is the derivative of the energy",
         (_, true, true) => {
             "the stress is the derivative of the energy; at these states SSE per current and per reference volume cannot be distinguished"
         }
@@ -647,10 +647,7 @@ fn delivered_symmetry(subject: &Subject<'_>, measured: &[Measured]) -> Check {
             .iter()
             .map(|state| state.sample.delivery.asymmetry()),
     );
-    let name = match subject {
-        Subject::Law(..) => "the tangent as delivered",
-        Subject::User(_) => "DDSDDE",
-    };
+    let name = subject.tangent_name();
     let finding = match error <= TOLERANCE {
         true => format!("{name} has major symmetry"),
         false => format!("{name} has no major symmetry"),
@@ -677,7 +674,7 @@ fn memory(subject: &Subject<'_>, measured: &[Measured]) -> Result<Check, AuditEr
         measured,
         &errors,
         "the stress does not depend on earlier calls",
-        "the stress depends on earlier calls: data are kept in SAVE or COMMON instead of STATEV",
+        "the stress depends on earlier calls: data are kept outside the state variables (in Fortran: SAVE, COMMON)",
     ))
 }
 

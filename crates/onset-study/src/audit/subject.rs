@@ -4,14 +4,14 @@ use super::convention::{Convention, StressChange};
 use super::reading::Delivery;
 use nalgebra::Matrix3;
 use onset::kinematics::{DeformationGradient, KinematicsError};
-use onset::material::{FourthOrder, Hyperelastic, MaterialError};
-use onset_umat::Umat;
+use onset::material::{FourthOrder, Hyperelastic, MaterialError, Response};
+use onset_umat::{Interface, Umat};
 
 /// Material under audit: a law or a user material.
 pub enum Subject<'a> {
     /// Built-in law, with its tangent in the given convention.
     Law(&'a dyn Hyperelastic, Convention),
-    /// User material, which delivers `DDSDDE`.
+    /// User material, which delivers `DDSDDE` as a UMAT, otherwise `dP/dF`.
     User(&'a Umat),
 }
 
@@ -40,7 +40,25 @@ impl Subject<'_> {
     pub fn convention(&self) -> Convention {
         match self {
             Self::Law(_, convention) => *convention,
-            Self::User(_) => Convention::JaumannKirchhoff,
+            Self::User(_) if self.is_umat() => Convention::JaumannKirchhoff,
+            Self::User(_) => Convention::FirstPiola,
+        }
+    }
+
+    /// Returns true for a UMAT, whose tangent is `DDSDDE` and whose energy is `SSE`.
+    pub fn is_umat(&self) -> bool {
+        matches!(self, Self::User(umat) if umat.settings().interface == Interface::Umat)
+    }
+
+    /// Name of the tangent that the material delivers.
+    pub fn tangent_name(&self) -> &'static str {
+        match self {
+            Self::User(umat) => match umat.settings().interface {
+                Interface::Umat => "DDSDDE",
+                Interface::Vumat => "The tangent, from differences of the stress,",
+                Interface::Law => "A",
+            },
+            Self::Law(..) => "The tangent",
         }
     }
 
@@ -50,10 +68,7 @@ impl Subject<'_> {
     /// [`MaterialError`] when the material fails at a state.
     pub fn samples(&self, states: &[DeformationGradient]) -> Result<Vec<Sample>, MaterialError> {
         match self {
-            Self::Law(law, convention) => states
-                .iter()
-                .map(|f| of_law(*law, *convention, f))
-                .collect(),
+            Self::Law(law, convention) => of_law(*law, *convention, states),
             Self::User(umat) => {
                 let paths = states
                     .iter()
@@ -132,20 +147,24 @@ impl Subject<'_> {
 fn of_law(
     law: &dyn Hyperelastic,
     convention: Convention,
-    f: &DeformationGradient,
-) -> Result<Sample, MaterialError> {
-    let response = law.response(f)?;
+    states: &[DeformationGradient],
+) -> Result<Vec<Sample>, MaterialError> {
     let reference = match convention {
         Convention::Reference => law.response(&DeformationGradient::identity())?.tangent,
         _ => FourthOrder::from_fn(|_, _, _, _| 0.0),
     };
-    let change = StressChange::of_response(&response);
-    Ok(Sample {
-        deformation: *f,
-        cauchy: change.cauchy,
-        energy: response.energy,
-        delivery: Delivery::Tensor(Box::new(convention.tangent(&change, &reference))),
-    })
+    let sample = |(f, response): (&DeformationGradient, Result<Response, MaterialError>)| {
+        let response = response?;
+        let change = StressChange::of_response(&response);
+        Ok(Sample {
+            deformation: *f,
+            cauchy: change.cauchy,
+            energy: response.energy,
+            delivery: Delivery::Tensor(Box::new(convention.tangent(&change, &reference))),
+        })
+    };
+    let responses = law.responses(states);
+    states.iter().zip(responses).map(sample).collect()
 }
 
 fn of_user(
@@ -157,11 +176,15 @@ fn of_user(
     Ok(samples
         .map(|(f, outcome)| {
             let delivered = outcome.delivered;
+            let is_umat = umat.settings().interface == Interface::Umat;
             Sample {
                 deformation: *f,
                 cauchy: delivered.cauchy(),
                 energy: delivered.energy(f),
-                delivery: Delivery::Matrix(Box::new(delivered.ddsdde)),
+                delivery: match is_umat {
+                    true => Delivery::Matrix(Box::new(delivered.ddsdde)),
+                    false => Delivery::Tensor(Box::new(delivered.response(f).tangent)),
+                },
             }
         })
         .collect())

@@ -164,10 +164,7 @@ impl TangentFinding {
 
     /// The check of the tangent that follows from the finding.
     pub(super) fn check(&self, subject: &Subject<'_>, measured: &[Measured]) -> Check {
-        let name = match subject {
-            Subject::Law(..) => "The tangent",
-            Subject::User(_) => "DDSDDE",
-        };
+        let name = subject.tangent_name();
         let of_expected = self
             .conventions
             .iter()
@@ -315,9 +312,7 @@ fn small_strain_update(
 ) -> Result<Option<f64>, AuditError> {
     let update = Reading::plain(Convention::LogarithmicStrain);
     let is_update = |found: &Match| found.reading == update;
-    if !matches!(subject, Subject::User(_))
-        || !identified.iter().chain(indistinguishable).any(is_update)
-    {
+    if !subject.is_umat() || !identified.iter().chain(indistinguishable).any(is_update) {
         return Ok(None);
     }
     let states: Vec<_> = measured

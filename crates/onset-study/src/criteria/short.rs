@@ -90,10 +90,12 @@ impl CriteriaAnswer {
     /// Ends of the listed loadings within the range that was searched, a sentence for each loading.
     fn early_ends(&self) -> Vec<String> {
         let of = |loading: &LoadingAnswer| {
-            let ends = [&loading.compression_end, &loading.tension_end];
-            let ends = ends.into_iter().filter_map(|end| {
+            let ends = [&loading.compression_end, &loading.tension_end].into_iter();
+            let ends = ends.zip(self.range).filter_map(|(end, limit)| {
                 let reason = end.reason.as_ref()?.split(':').next()?;
-                Some((told_place(loading.mode, end.imposed), reason))
+                let told = |place| told_place(loading.mode, place);
+                let is_early = told(end.imposed) != told(imposed(loading.mode, limit));
+                is_early.then(|| (told(end.imposed), reason))
             });
             let ends: Vec<_> = ends.collect();
             let told = match &ends[..] {

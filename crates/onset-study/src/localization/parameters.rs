@@ -80,8 +80,9 @@ impl Parameter {
 const CONFINEMENT: &str = "plasticity.confinement";
 const MODEL: &str = "plasticity.model";
 const HARDENING: &str = "plasticity.hardening";
-/// Model names of user routines, which are specified by keys of `[material]`.
-const ROUTINES: &[&str] = &["umat", "vumat", "library"];
+/// Model names of user routines, which are specified by keys of `[material]`. First yield is found from their tangent, which differences of the stress
+/// of a VUMAT do not resolve.
+const ROUTINES: &[&str] = &["umat", "library"];
 
 pub(crate) const MODELS: &[&str] = &[
     "drucker-prager",
@@ -95,7 +96,6 @@ pub(crate) const MODELS: &[&str] = &[
     "damage",
     "deformation-theory",
     "umat",
-    "vumat",
     "library",
 ];
 /// Models with isotropic elasticity.
@@ -437,7 +437,7 @@ impl PlasticSettings {
         Ok(settings)
     }
 
-    /// Reads the user material of `plasticity.model = umat` (or `vumat`, `library`) from keys of `[material]`.
+    /// Reads the user material of `plasticity.model = umat` (or `library`) from keys of `[material]`.
     fn choose_routine(&mut self, assignments: &[&str]) -> Result<(), SettingError> {
         let Some(name) = ROUTINES.iter().find(|name| self.is(MODEL, name)) else {
             return match assignments.first() {

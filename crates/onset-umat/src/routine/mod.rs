@@ -25,6 +25,9 @@ const DIFFERENCE_STRAIN: f64 = 1.0 / 65_536.0;
 /// Largest such strain as a fraction of the strain of the increment, so that differences do not unload a flowing material.
 const PART_OF_INCREMENT: f64 = 1.0 / 64.0;
 
+/// Least such strain, 2^-26, where rounding reaches 1e-7 of the tangent.
+const LEAST_STRAIN: f64 = 1.0 / 67_108_864.0;
+
 /// Largest accepted part of the response of `onset_law` that contradicts its balance of angular momentum, relative to its stress or tangent.
 const SKEW_TOLERANCE: f64 = 1e-6;
 
@@ -224,7 +227,7 @@ impl Routine {
         let strain = PART_OF_INCREMENT * increment.strain.norm();
         let size = match strain < f64::EPSILON {
             true => DIFFERENCE_STRAIN,
-            false => strain.min(DIFFERENCE_STRAIN),
+            false => strain.clamp(LEAST_STRAIN, DIFFERENCE_STRAIN),
         };
         let mut ddsdde = [0.0; 36];
         for (column, (k, l)) in ddsdde.chunks_exact_mut(6).zip(VOIGT) {

@@ -249,6 +249,11 @@ pub trait Hyperelastic: Send + Sync {
     /// [`MaterialError::NotFinite`] if one of them over- or underflows, [`MaterialError::OutsideDomain`] if the law is not defined.
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError>;
 
+    /// Responses at many states. Each result is bitwise independent of the other states.
+    fn responses(&self, states: &[DeformationGradient]) -> Vec<Result<Response, MaterialError>> {
+        states.iter().map(|f| self.response(f)).collect()
+    }
+
     /// Energy, stress and tangent at a state for volume-preserving increments.
     ///
     /// The tangent is the part `dP/dF` on rates `D F` with `tr D = 0`, and zero on all other rates. If the law is given by a [`StrainEnergy`], the

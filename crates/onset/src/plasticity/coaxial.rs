@@ -128,7 +128,9 @@ pub(super) fn coaxial<L: FlowLaw + Send + Sync + 'static>(
             expected: expected.to_owned(),
         },
         other => MaterialError::External {
-            message: format!("{other}; a larger reference-slip softens more slowly"),
+            message: format!(
+                "{other}\n  hint: a larger material.reference-slip softens more slowly"
+            ),
         },
     })?;
     let stress = Vector3::repeat(-confinement);
