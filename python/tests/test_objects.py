@@ -354,7 +354,7 @@ def test_stubs_match_the_compiled_module(tmp_path: Path) -> None:
         example = tmp_path / f"example_{number}.py"
         example.write_text("\n".join(blocks))
         examples.append(str(example))
-    for checked in ([str(package)], [str(package.with_name("reference.py"))], examples):
+    for checked in ([str(package)], [str(package.with_name(name)) for name in ("reference.py", "notebooks.py")], examples):
         mypy = subprocess.run([sys.executable, "-m", "mypy", "--strict", *checked], capture_output=True, text=True, cwd=tmp_path, check=False)
         assert mypy.returncode == 0, mypy.stdout + mypy.stderr
 

@@ -1,7 +1,7 @@
 //! The search over the zone compared with a dense search, for random states.
 
 use crate::dense::Waves;
-use crate::hunt::hunted;
+use crate::hunt::{hunted, seeds};
 use crate::methods::{Drawn, material, method, state};
 use crate::random::Random;
 use onset::bloch::{SpectrumSummary, Stability, dynamical_matrix};
@@ -10,6 +10,8 @@ use onset::material::Hyperelastic;
 use onset::verdict::{Phase, Survey, assess};
 use std::time::{Duration, Instant};
 
+/// Seeds of states that a search got wrong once: a narrow sector of growth that deepens beyond the first grid step.
+const MENDED: &[u64] = &[229];
 /// Smallest growth rate that counts, as a fraction of sound speed over spacing. In the dense search, smaller rates are rounding.
 const GROWTH: f64 = 1e-5;
 /// Relative difference that counts.
@@ -32,13 +34,13 @@ fn points<const D: usize>() -> usize {
 
 #[test]
 fn no_random_state_of_any_method_grows_faster_or_is_softer_than_the_search_reports() {
-    let (seed, cases) = hunted(12);
+    let seeds = seeds(12, MENDED);
     let mut wrong = Vec::new();
     let mut counts = [0; 3];
     let mut bounded = [[0; 3]; 2];
     let mut time = Duration::ZERO;
-    for case in 0..cases as u64 {
-        let mut random = Random::new(seed + case);
+    for seed in &seeds {
+        let mut random = Random::new(*seed);
         let dimension = random.one_of(&[1, 2, 2, 2, 2, 3]);
         let complaints = match dimension {
             1 => checked::<1>(&mut random),
@@ -49,14 +51,11 @@ fn no_random_state_of_any_method_grows_faster_or_is_softer_than_the_search_repor
             continue;
         };
         if gap > 1e-6 && std::env::var("ONSET_DEBUG").is_ok() {
-            eprintln!(
-                "seed {}: gap {gap:e} {took:?}, Hermitian {is_hermitian}: {name}",
-                seed + case
-            );
+            eprintln!("seed {seed}: gap {gap:e} {took:?}, Hermitian {is_hermitian}: {name}");
         }
         time += took;
         if took > SLOW_ANSWER {
-            eprintln!("seed {}: took {took:?}: {name}", seed + case);
+            eprintln!("seed {seed}: took {took:?}: {name}");
         }
         counts[if is_stable { 0 } else { 1 }] += 1;
         let own = &mut bounded[usize::from(is_hermitian)];
@@ -64,7 +63,7 @@ fn no_random_state_of_any_method_grows_faster_or_is_softer_than_the_search_repor
             *count += usize::from(gap < most);
         }
         for complaint in complaints {
-            let text = format!("seed {}: {complaint}\n    {name}", seed + case);
+            let text = format!("seed {seed}: {complaint}\n    {name}");
             eprintln!("{text}");
             wrong.push(text);
         }
@@ -72,7 +71,7 @@ fn no_random_state_of_any_method_grows_faster_or_is_softer_than_the_search_repor
     for (kind, [all, roughly, closely]) in ["others", "Hermitian"].into_iter().zip(bounded) {
         eprintln!("{kind}: {all} bounded, {roughly} to 1e-3 and {closely} to 1e-6 of the scale");
     }
-    counts[2] = cases - counts[0] - counts[1];
+    counts[2] = seeds.len() - counts[0] - counts[1];
     let verdicts = wrong.iter().filter(|text| is_wrong_verdict(text)).count();
     eprintln!("{verdicts} wrong verdicts");
     eprintln!(

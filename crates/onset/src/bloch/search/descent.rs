@@ -98,13 +98,9 @@ impl<const D: usize> ZoneSearch<D> {
             let k = grid.soft_direction * (steps * grid.step(self));
             (self.value_at(matrix, objective, &k), k)
         };
-        // First local minimum on the ray. Branches whose minimum lies beyond the ray are covered by the grid.
         let ray = RAY_STEPS.map(at);
-        let is_dip = |n: &usize| {
-            let nearer = *n == 0 || ray[n - 1].0 >= ray[*n].0;
-            nearer && ray[n + 1].0 >= ray[*n].0
-        };
-        (0..3).find(is_dip).map(|n| ray[n]).into_iter().collect()
+        let first = first_dip(|n| ray[n].0);
+        first.map(|n| ray[n]).into_iter().collect()
     }
 
     /// Returns true if a wave vector belongs to the search: inside the zone if `D` is not periodic.
@@ -518,6 +514,17 @@ pub(super) fn principal<const D: usize>(
         axes[1] = SVector::from_fn(|i, _| [-y, x][i] / length);
     }
     (values, axes)
+}
+
+/// Point of [`RAY_STEPS`] at which a descent starts: the first local minimum, or the last point of a branch that falls below zero along the whole ray.
+/// Other branches that fall beyond the ray are covered by the grid.
+pub(super) fn first_dip(value: impl Fn(usize) -> f64) -> Option<usize> {
+    let last = RAY_STEPS.len() - 1;
+    let rises = |n: usize| match n == last {
+        true => value(n) < 0.0,
+        false => value(n + 1) >= value(n),
+    };
+    (0..=last).find(|n| (*n == 0 || value(*n - 1) >= value(*n)) && rises(*n))
 }
 
 /// Minimum of a function on a convex face in three dimensions, given by its corners in order. The lowest of the points between center and rim starts

@@ -4,7 +4,7 @@
 //! measure is computed at each wave vector and at its image. One pass over a few grid lines at a time finds the wells of all objectives. Newton's
 //! method with exact derivatives then follows several wells simultaneously in the lanes of a vector register (`steps`).
 
-use super::descent::{newton_step, principal};
+use super::descent::{first_dip, newton_step, principal};
 use super::steps::{Places, Stepper, Steps};
 use super::{Objective, RAY_STEPS};
 use crate::algebra::{Each, LARGEST_LANES, Pack, sort_by_value};
@@ -288,8 +288,7 @@ impl Mirrored {
         }
     }
 
-    /// Starts between the origin and the first grid points, along the softest long wave, where a well may be too narrow in angle for the grid. The
-    /// grid covers branches that fall beyond them.
+    /// Starts between the origin and the first grid points, along the softest long wave, where a well may be too narrow in angle for the grid.
     fn along_soft(&self, requests: &[Request]) -> Vec<Descent> {
         let mut descents = Vec::with_capacity(16);
         let objectives = requests.iter().map(|request| request.objective);
@@ -303,9 +302,7 @@ impl Mirrored {
         let steps = self.stepper.at(&self.sums, &Places::new(all));
         for (number, objective) in objectives.iter().enumerate() {
             let value = |n: usize| steps.value(number * RAY_STEPS.len() + n);
-            let is_dip =
-                |n: &usize| (*n == 0 || value(*n - 1) >= value(*n)) && value(*n + 1) >= value(*n);
-            if let Some(n) = (0..RAY_STEPS.len() - 1).find(is_dip) {
+            if let Some(n) = first_dip(value) {
                 descents.push(Descent::from(*objective, place(n)));
             }
         }
