@@ -11,6 +11,7 @@ import inspect
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ._arrays import Floats, number
 from ._errors import InputError
@@ -29,6 +30,8 @@ class Handed:
     energy: Callable[..., Any]
     stress: Callable[..., Any] | None
     tangent: Callable[..., Any] | None
+    #: Whether the stress is the Cauchy stress.
+    is_cauchy: bool
     #: Parameters with their values, given or default.
     parameters: Mapping[str, float] = field(compare=False)
     respond: Respond = field(compare=False, repr=False)
@@ -120,8 +123,13 @@ def _shaped(result: Any, shape: tuple[int, ...], what: str) -> Floats:
 #: Step of the differences that give a tangent, 2^-16: they are of fourth order, with errors of about 1e-10 of the tangent, from rounding.
 _STEP = 2.0**-16
 
-#: Points and weights on [0, 1] of the integral that gives an energy.
-_POINTS, _WEIGHTS = (0.5 * (np.polynomial.legendre.leggauss(12)[0] + 1.0), 0.5 * np.polynomial.legendre.leggauss(12)[1])
+#: Points and weights on [0, 1] of the integral that gives an energy, and its relative tolerance.
+_POINTS, _WEIGHTS = (0.5 * (np.polynomial.legendre.leggauss(8)[0] + 1.0), 0.5 * np.polynomial.legendre.leggauss(8)[1])
+_WORK_TOLERANCE = 1e-10
+#: Most halvings of an interval of this integral, at a kink of the stress.
+_HALVINGS = 24
+#: Largest strain at which differences of the work are rounding.
+_SMALL_STRAIN = 1e-4
 
 
 #: Function from deformation gradients to first Piola-Kirchhoff stresses, each of shape (n, 3, 3).
@@ -138,13 +146,42 @@ def _slope(stress: _Stress, F: Floats) -> Floats:
 
 
 def _work(stress: _Stress, F: Floats) -> Floats:
-    """Returns the work of the stress from the reference state to ``F = R U`` along ``1 + t (U - 1)``, which no rotation changes; shape (n, 1)."""
-    _, values, axes = np.linalg.svd(F)
-    change = (axes.swapaxes(1, 2) * values[:, None]) @ axes - np.eye(3)
-    on_the_way = np.eye(3) + np.multiply.outer(_POINTS, change).swapaxes(0, 1)
-    power = np.einsum("ntij,nij->nt", stress(on_the_way.reshape(-1, 3, 3)).reshape(on_the_way.shape), change)
-    works: Floats = (power @ _WEIGHTS)[:, None]
-    return works
+    """Returns the work of the stress from the reference state to ``F = R U`` along ``U^t``, by adaptive quadrature; shape (n, 1).
+
+    No rotation changes it, and states of equal volume are reached at that volume.
+    """
+    _, stretches, axes = np.linalg.svd(F)
+    logarithms = np.log(stretches)
+
+    def part(state: NDArray[np.intp], start: Floats, length: Floats) -> Floats:
+        t = start[:, None] + np.multiply.outer(length, _POINTS)
+        frames = axes[state][:, None]
+        turned = frames.swapaxes(-1, -2)
+        powers = np.exp(t[..., None] * logarithms[state][:, None])
+        on_the_way = (turned * powers[..., None, :]) @ frames
+        rates = (turned * (powers * logarithms[state][:, None])[..., None, :]) @ frames
+        power = np.einsum("ntij,ntij->nt", stress(on_the_way.reshape(-1, 3, 3)).reshape(rates.shape), rates)
+        works: Floats = length * (power @ _WEIGHTS)
+        return works
+
+    works = np.zeros(len(F))
+    state, start, length = np.arange(len(F)), np.zeros(len(F)), np.ones(len(F))
+    whole = part(state, start, length)
+    for halving in range(_HALVINGS + 1):
+        half = 0.5 * length
+        halves = part(np.repeat(state, 2), np.stack([start, start + half], axis=1).reshape(-1), np.repeat(half, 2)).reshape(-1, 2)
+        sums = halves.sum(axis=1)
+        scale = np.abs(sums) + np.abs(works[state])
+        is_open = np.abs(sums - whole) > _WORK_TOLERANCE * scale
+        # At small strains, and in more intervals than kinks could have, such differences are rounding.
+        is_open &= np.abs(logarithms[state]).max(axis=1) > _SMALL_STRAIN
+        is_open &= halving < _HALVINGS and np.count_nonzero(is_open) <= 16 + 4 * len(F)
+        np.add.at(works, state[~is_open], sums[~is_open])
+        if not is_open.any():
+            break
+        state, start = np.repeat(state[is_open], 2), np.stack([start, start + half], axis=1)[is_open].reshape(-1)
+        length, whole = np.repeat(half[is_open], 2), halves[is_open].reshape(-1)
+    return works[:, None]
 
 
 def delivered(energy: object, stress: object, cauchy: object, tangent: object, parameters: Mapping[str, object]) -> Handed:
@@ -178,12 +215,12 @@ def delivered(energy: object, stress: object, cauchy: object, tangent: object, p
         return np.concatenate(parts, axis=1).tobytes()
 
     named = {what: function.function for what, function in functions.items()}
-    return _tried(Handed(named.get("the energy", named["the stress"]), named["the stress"], named.get("the tangent"), values, respond))
+    return _tried(Handed(named.get("the energy", named["the stress"]), named["the stress"], named.get("the tangent"), cauchy is not None, values, respond))
 
 
 def is_felupe(model: object) -> bool:
     """Returns true for a material of FElupe or matADi: an object with ``gradient`` and ``hessian``."""
-    return all(callable(getattr(model, name, None)) for name in ("gradient", "hessian"))
+    return not isinstance(model, type) and all(callable(getattr(model, name, None)) for name in ("gradient", "hessian"))
 
 
 def of_felupe(model: Any) -> Handed:
@@ -196,11 +233,16 @@ def of_felupe(model: Any) -> Handed:
     """
     inputs = getattr(model, "x", [None, np.zeros(0)])
     if any(np.size(part) for part in inputs[1:]):
-        raise InputError(f"{type(model).__name__} has state variables\n  hint: laws from Python are elastic; give its long-term or its instantaneous response")
+        raise InputError(
+            f"{type(model).__name__} takes more than the deformation gradient: state variables or further fields\n"
+            "  hint: a law from Python is elastic and depends on F alone; give its long-term or instantaneous response"
+        )
 
     def asked(what: str, size: int, F: Floats) -> Floats:
         rest = [np.zeros((*np.shape(part), len(F), 1)) for part in inputs[1:]]
         first = np.asarray(getattr(model, what)([np.moveaxis(F, 0, -1)[..., None], *rest])[0], dtype=np.float64)
+        if first.size % size or first.ndim < 2 or first.shape[-1] != 1:
+            raise InputError(f"{what} of {type(model).__name__} has the shape {first.shape}; expected {'(3, 3, n, 1)' if size == 9 else f'{size} components'}")
         # Constant results have a single point.
         return np.broadcast_to(np.moveaxis(first[..., 0], -1, 0).reshape(-1, size), (len(F), size))
 
@@ -214,7 +256,7 @@ def of_felupe(model: Any) -> Handed:
         energy = asked("function", 1, F) if has_energy else _work(stress, F)
         return np.concatenate([energy, stress(F).reshape(-1, 9), asked("hessian", 81, F)], axis=1).tobytes()
 
-    return _tried(Handed(model, None, None, {}, respond))
+    return _tried(Handed(model, None, None, False, {}, respond))
 
 
 def has_jax() -> bool:
@@ -248,7 +290,7 @@ def differentiated(energy: Callable[..., Any], parameters: Mapping[str, object])
             response = np.asarray(together(padded, now), dtype=np.float64)
         return np.ascontiguousarray(response[: len(F)]).tobytes()
 
-    return _tried(Handed(energy, None, None, values, respond))
+    return _tried(Handed(energy, None, None, False, values, respond))
 
 
 def _doubles(jax: Any) -> Any:

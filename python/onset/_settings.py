@@ -216,7 +216,7 @@ class Material(_Settings):
     ) -> None:
         settings: dict[str, object] = {}
         is_felupe_material = is_felupe(model) and not isinstance(model, Material)
-        if model is not None and not isinstance(model, str) and not callable(model) and not is_felupe_material:
+        if model is not None and (isinstance(model, type) or not (isinstance(model, str) or callable(model) or is_felupe_material)):
             raise TypeError(f"model is {type(model).__name__}; expected the name of a law, a formula, a function, or a material of FElupe")
         if model is not None and energy is not None and model != "formula":
             raise InputError("a material has one energy\n  hint: omit the model or `energy`")
@@ -225,10 +225,13 @@ class Material(_Settings):
         elif model is not None:
             energy = cast("Energy", model)
         given: dict[str, object] = dict(parameters)
+        has_functions = stress is not None or cauchy is not None or tangent is not None
+        if has_functions and (is_felupe_material or "model" in settings):
+            raise InputError("a material has one law\n  hint: omit the model, or `stress`, `cauchy` and `tangent`")
         if is_felupe_material:
             self._hand(of_felupe(model))
             self._put(given)
-        elif stress is not None or cauchy is not None or tangent is not None:
+        elif has_functions:
             self._hand(delivered(energy, stress, cauchy, tangent, given))
         elif energy is not None and callable(energy):
             self._differentiate(energy, given)
@@ -251,9 +254,7 @@ class Material(_Settings):
             text, values = formula(energy, given)
         except Exception as untold:
             if not has_jax():
-                if isinstance(untold, InputError):
-                    untold.add_note("write it with jax.numpy and install jax, or give its stress: Material(stress=P)")
-                raise
+                raise InputError(f"{str(untold).splitlines()[0]}\n  hint: write the energy with jax.numpy and install jax, or give a stress: Material(stress=P)") from untold
             try:
                 self._hand(differentiated(energy, given))
             except Exception as error:

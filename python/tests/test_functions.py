@@ -104,6 +104,22 @@ def test_what_a_law_does_not_give_follows_from_its_stress(law: onset.Material) -
     assert onset.audit(law).consistent
 
 
+def test_work_is_integrated_across_a_kink_and_at_constant_volume() -> None:
+    def kinked(F: Any, I1: Any, J: Any) -> Any:
+        return stress(F, J, MU, LAMBDA) + 2.0 * max(I1 - 3.3, 0.0) * F
+
+    law = onset.Material(stress=kinked)
+    F = np.diag([1.6, 0.9, 0.8])
+    I1 = np.trace(F.T @ F)
+    assert law.energy(F) == pytest.approx(BUILT_IN.energy(F) + 0.5 * (I1 - 3.3) ** 2, rel=1e-8)
+    long = np.diag([4.0, 0.5, 0.5])
+    assert onset.Material(stress=stress, mu=MU, lambda_=1e4).energy(long) == pytest.approx(onset.Material("neo-hooke", mu=MU, lambda_=1e4).energy(long), rel=1e-9)
+
+
+def test_a_cauchy_stress_is_not_a_first_piola_stress() -> None:
+    assert onset.Material(stress=stress, mu=MU, lambda_=LAMBDA) != onset.Material(cauchy=stress, mu=MU, lambda_=LAMBDA)
+
+
 def test_a_stress_without_energy_is_found_by_the_audit() -> None:
     spun = onset.Material(stress=lambda F, C, J: stress(F, J, MU, LAMBDA) + 0.3 * F @ C @ np.diag([1.0, 0.0, 0.0]) @ C)
     assert not onset.audit(spun).consistent
@@ -189,7 +205,10 @@ def test_laws_with_different_parameters_are_unequal() -> None:
         (lambda: onset.Material(energy, tangent=tangent, mu=1, lambda_=1), "the stress is missing"),
         (lambda: onset.Material(stress=stress, cauchy=stress, mu=1, lambda_=1), "a material has one stress"),
         (lambda: onset.Material(cauchy=lambda F: F[0]), r"the stress has the shape \(3,\); expected \(3, 3\)"),
-        (lambda: onset.Material(Felupe(states=2)), "Felupe has state variables"),
+        (lambda: onset.Material(Felupe(states=2)), "Felupe takes more than the deformation gradient"),
+        (lambda: onset.Material("neo-hooke", stress=stress, mu=1, lambda_=1), "a material has one law"),
+        (lambda: onset.Material(Felupe(), cauchy=cauchy, mu=1, lambda_=1), "a material has one law"),
+        (lambda: onset.Material(Felupe), "expected the name of a law"),
         (lambda: onset.Material(Felupe(), mu=1), "no function of the material takes mu"),
         (lambda: onset.Material(BUILT_IN), "expected the name of a law"),  # type: ignore[arg-type]
         (lambda: onset.Material(energy, stress=stress, tangent=tangent, mu=1), "takes lambda_, which has no value"),

@@ -42,7 +42,7 @@ def test_every_notebook_runs_as_shown_and_has_a_figure(path: Path, tmp_path: Pat
     # Figures are drawn inline.
     monkeypatch.delenv("MPLBACKEND")
     fresh, kept = texts(run(path, tmp_path)), texts(nbformat.read(path, as_version=4))
-    assert len(fresh) == len(kept), "the kept outputs are those of other cells\n  hint: python python/notebooks.py"
+    assert len(fresh) == len(kept), "other cells have outputs than those kept\n  hint: python python/notebooks.py"
     for own, known in zip(fresh, kept, strict=True):
         assert_same(own, known)
     assert "figure" in kept

@@ -29,7 +29,39 @@ pub fn check(tool: &Path) -> Result<(), String> {
     eprintln!("== dependencies: cargo deny");
     // A build fetches only the crates of the present platform.
     succeed(Command::new("cargo").args(["fetch", "--locked", "--quiet"]))?;
+    pinned(Path::new(".github/workflows"))?;
     checked(tool, &["licenses", "sources", "bans"])
+}
+
+/// Checks that workflows name each action by its commit, with its version as a comment.
+fn pinned(folder: &Path) -> Result<(), String> {
+    let read = |error: std::io::Error| format!("{}: {error}", folder.display());
+    for file in std::fs::read_dir(folder).map_err(read)? {
+        let path = file.map_err(read)?.path();
+        let text = std::fs::read_to_string(&path).map_err(read)?;
+        let is_pinned = |action: &str| {
+            let Some((commit, version)) = action.split_once(" # v") else {
+                return false;
+            };
+            commit.len() == 40
+                && commit.bytes().all(|byte| byte.is_ascii_hexdigit())
+                && !version.is_empty()
+        };
+        for (number, line) in text.lines().enumerate() {
+            if let Some((_, action)) = line.split_once("uses: ")
+                && !action
+                    .split_once('@')
+                    .is_some_and(|(_, action)| is_pinned(action))
+            {
+                return Err(format!(
+                    "{}:{}: {action} is not pinned; expected NAME@COMMIT # vVERSION",
+                    path.display(),
+                    number + 1
+                ));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Checks the advisories of the local database; `None` if `cargo deny fetch` has not fetched one.

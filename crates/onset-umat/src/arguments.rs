@@ -5,8 +5,12 @@ use std::ops::Range;
 /// Number of guard values between two arguments.
 const MARGIN_VALUES: usize = 64;
 
-/// Guard value: a NaN that no computation produces.
+/// Guard value: a NaN that no computation produces, so that numbers read beyond an array spoil the result.
 const GUARD: f64 = f64::from_bits(0x7ff8_0a11_0000_b0d1);
+
+/// Guard value behind state variables. A routine that updates more of them than there are adds to this number and thereby changes it, which a NaN
+/// would survive.
+const STATE_GUARD: f64 = f64::from_bits(0x0211_0a11_0000_b0d1);
 
 /// Names of the arguments of all routines.
 pub const NAMES: [&str; 57] = [
@@ -92,7 +96,7 @@ impl Arguments {
             let start = numbers.len();
             numbers.extend_from_slice(values);
             places.push((place(name), start..numbers.len()));
-            numbers.extend([GUARD; MARGIN_VALUES]);
+            numbers.extend([guard_behind(place(name)); MARGIN_VALUES]);
         }
         Self { numbers, places }
     }
@@ -120,15 +124,17 @@ impl Arguments {
 
     /// Index in [`NAMES`] of an argument that was written beyond its ends; `None` if no argument was.
     pub fn overrun(&self) -> Option<usize> {
-        let is_changed = |n: &usize| self.numbers[*n].to_bits() != GUARD.to_bits();
-        let margin = |start: usize| start..start + MARGIN_VALUES;
+        let changed_in = |start: usize, guard: f64| {
+            let is_changed = |n: &usize| self.numbers[*n].to_bits() != guard.to_bits();
+            (start..start + MARGIN_VALUES).find(is_changed)
+        };
         let (first, _) = self.places.first()?;
-        if margin(0).any(|n| is_changed(&n)) {
+        if changed_in(0, GUARD).is_some() {
             return Some(*first);
         }
         let mut behind = self.places.iter().enumerate();
         behind.find_map(|(index, (place, range))| {
-            let changed = margin(range.end).find(is_changed)?;
+            let changed = changed_in(range.end, guard_behind(*place))?;
             // A changed value closer to the next argument belongs to that argument.
             let next = self.places.get(index + 1).map(|(next, _)| *next);
             let is_near = changed < range.end + MARGIN_VALUES / 2;
@@ -138,6 +144,18 @@ impl Arguments {
                 next.unwrap_or(*place)
             })
         })
+    }
+}
+
+/// Returns true for an array of state variables.
+pub fn is_state(name: &str) -> bool {
+    ["STATEV", "stateNew", "stateOld", "state"].contains(&name)
+}
+
+fn guard_behind(place: usize) -> f64 {
+    match NAMES.get(place).is_some_and(|name| is_state(name)) {
+        true => STATE_GUARD,
+        false => GUARD,
     }
 }
 

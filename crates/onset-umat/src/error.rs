@@ -1,5 +1,6 @@
 //! Errors of a user material or its process.
 
+use crate::arguments::is_state;
 use crate::interface::Interface;
 use nalgebra::Matrix3;
 use onset::material::MaterialError;
@@ -85,17 +86,25 @@ pub enum UmatError {
     },
     /// Result that is not a finite number.
     #[error(
-        "the routine returned {value} in {what}{}\n  hint: does it read more properties than the {properties} that are given, \
-         or divide by a strain that is zero?",
-        at_state(state)
+        "the routine returned {value} in {what}{}\n  hint: does it read more than the {properties} properties and {variables} state variables \
+         that are given, or divide by a strain that is zero?{}",
+        at_state(state),
+        match interface {
+            Interface::Vumat => " Is it compiled in double precision (VABA_PARAM.INC with REAL*8)?",
+            _ => "",
+        }
     )]
     NotFinite {
         /// Name and index of the array element.
         what: String,
         /// Value of the element.
         value: f64,
+        /// Interface of the routine.
+        interface: Interface,
         /// Number of properties passed to the routine.
         properties: usize,
+        /// Number of state variables.
+        variables: usize,
         /// Deformation gradient of the call.
         state: Box<Matrix3<f64>>,
     },
@@ -149,7 +158,7 @@ pub enum UmatError {
     #[error(
         "the stress or tangent of the routine violates the balance of angular momentum (P F^T is not symmetric){}\n  hint: \
          components are stored row by row, P[3*i + J] and A[27*i + 9*J + 3*k + L] = dP_iJ/dF_kL, with the index of the \
-         current configuration first; a routine in Fortran transposes them",
+         current configuration first; an array of Fortran is the transpose, and single precision is not enough",
         at_state(state)
     )]
     Skew {
@@ -178,11 +187,6 @@ impl From<UmatError> for MaterialError {
             message: error.to_string(),
         }
     }
-}
-
-/// Returns true for an array of state variables.
-fn is_state(argument: &str) -> bool {
-    ["STATEV", "stateNew", "stateOld", "state"].contains(&argument)
 }
 
 fn at(state: Option<&Matrix3<f64>>) -> String {

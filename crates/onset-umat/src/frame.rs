@@ -38,6 +38,8 @@ pub enum Passed {
     NoIncrement,
     /// The response contradicts the balance of angular momentum.
     Skew,
+    /// The whole path was followed, and the tangent consists of differences of the stress.
+    Differenced,
 }
 
 impl Passed {
@@ -52,6 +54,7 @@ impl Passed {
             Self::Overrun,
             Self::NoIncrement,
             Self::Skew,
+            Self::Differenced,
         ]
         .into_iter()
         .find(|passed| passed.code() == code)

@@ -76,6 +76,8 @@ pub struct Outcome {
 /// Concurrent threads use separate processes, since a routine may store data in variables that threads would share.
 pub struct Umat {
     settings: UmatSettings,
+    /// Whether a tangent came from differences of the stress.
+    is_differenced: std::sync::atomic::AtomicBool,
     #[cfg(unix)]
     idle: std::sync::Mutex<Vec<crate::process::Process>>,
 }
@@ -107,6 +109,7 @@ impl Umat {
         };
         Ok(Self {
             settings,
+            is_differenced: std::sync::atomic::AtomicBool::new(false),
             idle: std::sync::Mutex::new(vec![first]),
         })
     }
@@ -123,6 +126,12 @@ impl Umat {
     /// Settings of the material.
     pub fn settings(&self) -> &UmatSettings {
         &self.settings
+    }
+
+    /// Returns true if the routine has delivered no tangent, so that `onset` computed one from differences of the stress.
+    pub fn is_differenced(&self) -> bool {
+        self.is_differenced
+            .load(std::sync::atomic::Ordering::Relaxed)
     }
 
     /// Path from the identity to a state.
@@ -236,6 +245,10 @@ impl Umat {
         let increment = reply.increment;
         match reply.passed {
             Passed::Done => {}
+            Passed::Differenced => {
+                self.is_differenced
+                    .store(true, std::sync::atomic::Ordering::Relaxed);
+            }
             Passed::SmallerIncrement => {
                 return Err(UmatError::SmallerIncrement {
                     factor: numbers[FIXED - 1],
@@ -262,7 +275,9 @@ impl Umat {
             return Err(UmatError::NotFinite {
                 what: place(self.settings.interface, at),
                 value: numbers[at],
+                interface: self.settings.interface,
                 properties: self.settings.properties.len(),
+                variables: self.settings.state_variables,
                 state,
             });
         }
@@ -292,7 +307,8 @@ fn place(interface: Interface, at: usize) -> String {
                 Interface::Law => format!("P ({sigma})"),
             }
         }
-        6..42 if !is_umat => "the derivative of the stress".to_owned(),
+        6..42 if interface == Interface::Law => "A (is only a part of it set?)".to_owned(),
+        6..42 if !is_umat => "differences of the stress".to_owned(),
         42 if !is_umat => "the energy".to_owned(),
         46.. if !is_umat => format!("state variable {}", at - FIXED + 1),
         6..42 => format!("DDSDDE({},{})", (at - 6) % 6 + 1, (at - 6) / 6 + 1),

@@ -55,8 +55,8 @@ impl Subject<'_> {
         match self {
             Self::User(umat) => match umat.settings().interface {
                 Interface::Umat => "DDSDDE",
-                Interface::Vumat => "The tangent, from differences of the stress,",
-                Interface::Law => "A",
+                _ if umat.is_differenced() => "The tangent, from differences of the stress,",
+                _ => "A",
             },
             Self::Law(..) => "The tangent",
         }

@@ -736,7 +736,13 @@ impl EndAnswer {
         let (stretch, reason) = match end {
             PathEnd::Range => (limit, None),
             PathEnd::Law { stretch, source } => {
-                (*stretch, Some(format!("the law ends there: {source}")))
+                let told = source.to_string();
+                let first = told.lines().next().unwrap_or_default();
+                let what = match source {
+                    MaterialError::External { .. } => "the law fails there",
+                    _ => "the law ends there",
+                };
+                (*stretch, Some(format!("{what}: {first}")))
             }
             PathEnd::GivenUp { stretch, trials } => (
                 *stretch,

@@ -92,7 +92,12 @@ impl CriteriaAnswer {
         let of = |loading: &LoadingAnswer| {
             let ends = [&loading.compression_end, &loading.tension_end].into_iter();
             let ends = ends.zip(self.range).filter_map(|(end, limit)| {
-                let reason = end.reason.as_ref()?.split(':').next()?;
+                let reason = end.reason.as_ref()?;
+                // A failure needs its cause.
+                let reason = match reason.strip_prefix("the law ends there") {
+                    Some(_) => "the law ends there",
+                    None => reason,
+                };
                 let told = |place| told_place(loading.mode, place);
                 let is_early = told(end.imposed) != told(imposed(loading.mode, limit));
                 is_early.then(|| (told(end.imposed), reason))

@@ -177,7 +177,12 @@ pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
         ),
     ];
     keys.extend(parameter_keys());
-    keys.extend(Model::all().flat_map(Model::keys));
+    for key in Model::all().flat_map(Model::keys) {
+        // Models may share keys.
+        if keys.iter().all(|known| known.name != key.name) {
+            keys.push(*key);
+        }
+    }
     keys.extend(DISCRETIZATION_KEYS);
     keys.extend(METHOD_KEYS);
     keys

@@ -1,6 +1,6 @@
 //! The function `onset_law` of `include/onset_law.h`.
 
-use super::{Data, Overrun, Point, Step, found};
+use super::{Data, Overrun, Point, SKEW_TOLERANCE, Step, found};
 use crate::arguments::Arguments;
 use crate::conversion::Delivered;
 use crate::increment::Increment;
@@ -82,8 +82,9 @@ impl Law {
         let piola = Matrix3::from_row_slice(block.values("P"));
         let kirchhoff = piola * increment.end.transpose();
         let jacobian = increment.end.determinant();
-        point.stress = stress_like(&(kirchhoff / jacobian)).into();
-        point.skew[0] = (kirchhoff - kirchhoff.transpose()).amax() / jacobian;
+        let mean = 0.5 * (kirchhoff + kirchhoff.transpose());
+        point.stress = stress_like(&(mean / jacobian)).into();
+        point.skew = 0.5 * (kirchhoff - kirchhoff.transpose()) / jacobian;
         point.energies[0] = block.values("W")[0] / jacobian;
         let numbers = block.values("A");
         point.ddsdde = None;
@@ -103,7 +104,7 @@ impl Law {
             // The tangent of the convected rate has both minor symmetries for an objective law.
             let c = response.truesdell_tangent();
             let indices = (0..81).map(|n| (n / 27, n / 9 % 3, n / 3 % 3, n % 3));
-            point.skew[1] = indices
+            let skew = indices
                 .map(|(i, j, k, l)| {
                     let own = c[(i, j, k, l)];
                     (own - c[(j, i, k, l)])
@@ -111,6 +112,7 @@ impl Law {
                         .max((own - c[(i, j, l, k)]).abs())
                 })
                 .fold(0.0, f64::max);
+            point.skew_of_tangent = skew / SKEW_TOLERANCE;
             let ddsdde = Delivered::of_response(&response).ddsdde;
             let mut columns = [0.0; 36];
             columns.copy_from_slice(ddsdde.as_slice());

@@ -128,13 +128,15 @@ impl Vumat {
         ]);
         let first = block.start();
         let at = |name: &str| first.wrapping_add(block.offset(name));
-        let (zero, one, three) = (0, 1, 3);
+        let (zero, three) = (0, 3);
+        // With `jblock(*)`: the number of points, then the numbers of integration point, layer, section point and element.
+        let block_numbers = [1; 5];
         // SAFETY: every pointer refers to a live value or array of at least the size that the Abaqus manual specifies for one point. Pointers to
         // numbers refer to a block that is used only here, with margins. A VUMAT that writes beyond the margins can corrupt only this process,
         // which holds only this material.
         unsafe {
             (self.0)(
-                &one,
+                block_numbers.as_ptr(),
                 &three,
                 &three,
                 &data.variable_count,

@@ -44,5 +44,9 @@ int32_t onset_law(const double *F_start, const double *F, double time, double dt
         P[4] = NAN;
     if (flaw == 6)
         state[0] += F[0] - F_start[0];
+    if (flaw == 7) /* rounding of an iterative law */
+        P[1] += 1e-8 * properties[0];
+    if (flaw == 8)
+        A[0] = 1;
     return 0;
 }

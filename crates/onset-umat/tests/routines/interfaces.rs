@@ -160,6 +160,18 @@ fn flaws_of_a_function_are_reported_with_their_cause() {
         assert!(matches!(error, UmatError::Skew { .. }), "{error}");
         assert!(error.to_string().contains("P[3*i + J]"), "{error}");
     }
+    // Along its axes a transposed stress is symmetric, and only its differences are not.
+    let transposed = Umat::new(flawed(1)).expect("a function");
+    let diagonal = DeformationGradient::from_stretches([1.2, 0.9, 1.0]).expect("admissible");
+    let error = transposed.response(&diagonal).expect_err("unsymmetric");
+    assert!(error.to_string().contains("angular momentum"), "{error}");
+    // Rounding of a stress that is nearly zero is no such error.
+    let rough = Umat::new(flawed(7)).expect("a function");
+    let (sine, cosine) = 0.5_f64.sin_cos();
+    let turned = state([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]]);
+    assert!(rough.response(&turned).is_ok());
+    let error = asked(flawed(8)).expect_err("a part of A").to_string();
+    assert!(error.contains("only a part of it set"), "{error}");
     let error = asked(flawed(3)).expect_err("no response").to_string();
     assert!(error.contains("no response at F_11 = 1.2"), "{error}");
     assert!(error.contains("onset_law returned 300"), "{error}");
@@ -193,6 +205,18 @@ fn flaws_of_a_function_are_reported_with_their_cause() {
         "{error}"
     );
     assert!(error.to_string().contains("vumat_"), "{error}");
+}
+
+#[test]
+fn a_vumat_that_updates_more_state_variables_than_there_are_is_detected() {
+    let settings = routine(Interface::Vumat, "fortran/j2_plasticity_vumat.f90", &STEEL);
+    let vumat = Umat::new(settings).expect("a VUMAT");
+    let path = vumat.path(&stretched(0.02)).expect("a path");
+    let error = vumat.along(path).expect_err("an overrun");
+    assert!(
+        error.to_string().contains("material.state-variables"),
+        "{error}"
+    );
 }
 
 #[test]
