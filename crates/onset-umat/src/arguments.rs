@@ -184,9 +184,9 @@ mod tests {
             assert_eq!(block.values(name), [1.0, 2.0]);
             let end = block.range(name).end;
             for n in [end, end + 20, block.range(name).start - 1] {
-                block.numbers[n] = 0.5;
+                let guard = std::mem::replace(&mut block.numbers[n], 0.5);
                 assert_eq!(block.overrun(), Some(place), "{name}");
-                block.numbers[n] = GUARD;
+                block.numbers[n] = guard;
             }
         }
     }
