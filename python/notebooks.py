@@ -24,12 +24,25 @@ def run(path: Path, place: Path) -> nbformat.NotebookNode:
     notebook.metadata = nbformat.from_dict(metadata)  # type: ignore[no-untyped-call]
     for cell in notebook.cells:
         if cell.cell_type == "code":
-            cell.outputs = [output for output in map(_kept, cell.outputs) if output is not None]
+            cell.outputs = _joined([output for output in map(_kept, cell.outputs) if output is not None])
     return notebook
 
 
+def _joined(outputs: list[nbformat.NotebookNode]) -> list[nbformat.NotebookNode]:
+    """Joins successive texts, which the kernel divides by chance."""
+    joined: list[nbformat.NotebookNode] = []
+    for output in outputs:
+        if joined and output.output_type == joined[-1].output_type == "stream":
+            joined[-1].text += output.text
+        else:
+            joined.append(output)
+    return joined
+
+
 def _kept(output: nbformat.NotebookNode) -> nbformat.NotebookNode | None:
-    """Returns an output as it is kept: figures without their names, numbers and tables as text, no names of objects of matplotlib."""
+    """Returns an output as it is kept: figures without their names, numbers and tables as text, no warnings or names of objects of matplotlib."""
+    if output.get("name") == "stderr":
+        return None
     data = output.get("data", {})
     if "image/png" in data:
         output.data = {"image/png": data["image/png"]}
