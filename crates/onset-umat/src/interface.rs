@@ -13,17 +13,7 @@ pub enum Interface {
 }
 
 impl Interface {
-    /// All interfaces, the default one first.
-    pub const ALL: [Self; 3] = [Self::Umat, Self::Vumat, Self::Law];
-
-    /// Name of the routine in messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Umat => "UMAT",
-            Self::Vumat => "VUMAT",
-            Self::Law => "onset_law",
-        }
-    }
+    const ALL: [Self; 3] = [Self::Umat, Self::Vumat, Self::Law];
 
     /// Names of the symbol in a library; the first one is usual.
     pub(crate) fn symbols(self) -> &'static [&'static str] {

@@ -47,7 +47,7 @@ impl Subject<'_> {
 
     /// Returns true for a UMAT, whose tangent is `DDSDDE` and whose energy is `SSE`.
     pub fn is_umat(&self) -> bool {
-        matches!(self, Self::User(umat) if umat.settings().interface == Interface::Umat)
+        matches!(self, Self::User(umat) if delivers_ddsdde(umat))
     }
 
     /// Name of the tangent that the material delivers.
@@ -144,6 +144,10 @@ impl Subject<'_> {
     }
 }
 
+fn delivers_ddsdde(umat: &Umat) -> bool {
+    umat.settings().interface == Interface::Umat
+}
+
 fn of_law(
     law: &dyn Hyperelastic,
     convention: Convention,
@@ -176,12 +180,11 @@ fn of_user(
     Ok(samples
         .map(|(f, outcome)| {
             let delivered = outcome.delivered;
-            let is_umat = umat.settings().interface == Interface::Umat;
             Sample {
                 deformation: *f,
                 cauchy: delivered.cauchy(),
                 energy: delivered.energy(f),
-                delivery: match is_umat {
+                delivery: match delivers_ddsdde(umat) {
                     true => Delivery::Matrix(Box::new(delivered.ddsdde)),
                     false => Delivery::Tensor(Box::new(delivered.response(f).tangent)),
                 },

@@ -161,7 +161,7 @@ impl CriteriaAnswer {
                 "{law} is strongly elliptic along the loadings below from stretch {low} to {high}."
             ),
             None => format!(
-                "{law} is strongly elliptic along the loadings below up to where they end (see the notes)."
+                "{law} is strongly elliptic along the loadings below to their ends, which the notes give."
             ),
         }
     }

@@ -93,7 +93,7 @@ impl Law {
             let components = std::array::from_fn(|i| std::array::from_fn(|j| f(i, j)));
             let Ok(deformation) = DeformationGradient::new(components) else {
                 point.ddsdde = Some([f64::NAN; 36]);
-                return block.overrun().map_or(Ok(()), |at| Err(Overrun(at)));
+                return Overrun::check(&block);
             };
             let response = Response {
                 deformation,
@@ -118,8 +118,6 @@ impl Law {
             columns.copy_from_slice(ddsdde.as_slice());
             point.ddsdde = Some(columns);
         }
-        block
-            .overrun()
-            .map_or(Ok(()), |argument| Err(Overrun(argument)))
+        Overrun::check(&block)
     }
 }

@@ -4,6 +4,7 @@ mod law;
 mod umat;
 mod vumat;
 
+use crate::arguments::Arguments;
 use crate::frame::{Passed, Reply};
 use crate::increment::Increment;
 use crate::interface::Interface;
@@ -43,6 +44,15 @@ pub enum LoadError {
 
 /// Index in [`crate::arguments::NAMES`] of an argument that was written beyond its ends.
 struct Overrun(usize);
+
+impl Overrun {
+    /// Checks the margins of a block after a call.
+    fn check(block: &Arguments) -> Result<(), Self> {
+        block
+            .overrun()
+            .map_or(Ok(()), |argument| Err(Self(argument)))
+    }
+}
 
 /// Routine of a library, by its interface.
 enum Entry {
@@ -167,7 +177,7 @@ impl Routine {
         }
         let mut start = Matrix3::identity();
         let duration = 1.0 / path.len() as f64;
-        let (mut before, mut is_differenced) = (point.clone(), false);
+        let mut is_differenced = false;
         for (number, end) in (1_u32..).zip(path) {
             let step = Step {
                 number: i32::try_from(number).unwrap_or(i32::MAX),
@@ -176,15 +186,17 @@ impl Routine {
             let Some(increment) = Increment::between(start, *end) else {
                 return point.reply(Passed::NoIncrement, number);
             };
-            before.clone_from(&point);
+            // Only the last increment needs a tangent.
+            let before = (number as usize == path.len()).then(|| point.clone());
             if let Err(argument) = self.advance(&mut point, &increment, &step) {
                 return point.overrun(argument, number);
             }
             if point.factor < 1.0 {
                 return point.reply(Passed::SmallerIncrement, number);
             }
-            let is_last = number as usize == path.len();
-            if is_last && point.ddsdde.is_none() {
+            if let Some(before) = before
+                && point.ddsdde.is_none()
+            {
                 is_differenced = true;
                 if let Err(argument) = self.differences(&before, &mut point, &increment, &step) {
                     return point.overrun(argument, number);

@@ -106,9 +106,7 @@ impl Umat {
             );
         }
         point.variables.copy_from_slice(block.values("STATEV"));
-        block
-            .overrun()
-            .map_or(Ok(()), |argument| Err(Overrun(argument)))
+        Overrun::check(&block)
     }
 
     /// Calls the UMAT once.
@@ -221,8 +219,6 @@ impl Umat {
         for (sum, part) in point.strain.iter_mut().zip(strain_increment.iter()) {
             *sum += part;
         }
-        block
-            .overrun()
-            .map_or(Ok(()), |argument| Err(Overrun(argument)))
+        Overrun::check(&block)
     }
 }

@@ -182,8 +182,6 @@ impl Vumat {
         let [internal, dissipation] =
             ["enerInternNew", "enerInelasNew"].map(|name| block.values(name)[0] / volumes[1]);
         point.energies = [internal - dissipation, dissipation, 0.0];
-        block
-            .overrun()
-            .map_or(Ok(()), |argument| Err(Overrun(argument)))
+        Overrun::check(&block)
     }
 }
