@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 import re
+import runpy
 import subprocess
 import sys
 
@@ -12,9 +13,8 @@ import pytest
 
 from conftest import REPOSITORY
 
-sys.path.insert(0, str(REPOSITORY / "python"))
-
-from notebooks import NOTEBOOKS, run  # noqa: E402
+# Its folder must not be on the path of modules: the sources of the package there would hide the installed package in child processes.
+NOTEBOOKS, run = (runpy.run_path(str(REPOSITORY / "python" / "notebooks.py"))[name] for name in ("NOTEBOOKS", "run"))
 
 #: Checksum of the program, or the digits of a long number.
 CHECKSUM = re.compile(r"\b[0-9a-f]{12,}\b")
