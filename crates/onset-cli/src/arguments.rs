@@ -1129,6 +1129,9 @@ pub struct CardArguments {
     /// Options of the figure.
     #[command(flatten)]
     pub drawing: DrawingArguments,
+    /// Length of the printed answer.
+    #[command(flatten)]
+    pub detail: DetailArguments,
 }
 
 /// Command-line arguments of `onset compare`.
@@ -1413,6 +1416,9 @@ pub struct LocalizeArguments {
     /// Options of the figure.
     #[command(flatten)]
     pub drawing: DrawingArguments,
+    /// Length of the printed answer.
+    #[command(flatten)]
+    pub detail: DetailArguments,
 }
 
 /// Parses a range of stretches that contains 1.

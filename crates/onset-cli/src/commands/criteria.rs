@@ -37,7 +37,7 @@ pub fn card(arguments: &CardArguments) -> Result<ExitCode, Failure> {
     let card = question.card().map_err(Failure::input)?;
     print_with_files(
         &card,
-        &card.to_string(),
+        &arguments.detail.text(&card),
         output,
         || card.files().map_err(Failure::machine),
         || card.csv(),

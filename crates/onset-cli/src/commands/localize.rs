@@ -32,7 +32,8 @@ pub fn localize(arguments: &LocalizeArguments) -> Result<ExitCode, Failure> {
         Some(output) => output.write(&answer.files())?,
         None => Vec::new(),
     };
-    print(&answer, &with_files(&answer, &written), || answer.csv())
+    let text = with_files(&arguments.detail.text(&answer), &written);
+    print(&answer, &text, || answer.csv())
 }
 
 /// Refuses an assignment that contradicts an option.

@@ -365,6 +365,7 @@ fn a_card_lists_every_limit_with_nominal_strain_and_stress() {
         "material.model=blatz-ko",
         "--mode",
         "uniaxial",
+        "--all",
     ]);
     assert!(text.stdout.contains("nominal stress"), "{}", text.stdout);
     assert!(text.stdout.contains("load-maximum"), "{}", text.stdout);
@@ -390,6 +391,46 @@ fn a_card_of_an_incompressible_law_has_limits_and_no_boxes() {
     // Ogden's fit of Treloar's rubber passes Drucker's check throughout.
     let drucker = criterion(&card["loadings"][0], "drucker-abaqus");
     assert!(drucker["tension"].is_null() && drucker["compression"].is_null());
+}
+
+#[test]
+fn the_short_card_has_the_box_the_limits_and_the_ends() {
+    let short = |line: &str| {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        onset(&words).stdout
+    };
+    let text = short("card --set material.model=blatz-ko");
+    // The widest box ends where the ratio of two stretches is 2 + sqrt 3.
+    assert!(text.starts_with("blatz-ko (shear modulus 32"), "{text}");
+    assert!(
+        text.contains("while all principal stretches lie between"),
+        "{text}"
+    );
+    // All loadings of a single mode are shown, otherwise the first of each.
+    let text = short("card --set material.model=blatz-ko --mode uniaxial");
+    let cells: Vec<&str> = text
+        .lines()
+        .find_map(|line| line.strip_prefix("uniaxial strain"))
+        .expect("a line")
+        .split_whitespace()
+        .collect();
+    let document = document("card --set material.model=blatz-ko --mode uniaxial");
+    let strain = &document["loadings"][1];
+    assert_eq!(strain["title"], "uniaxial strain");
+    for (cell, name) in cells.iter().zip(["/compression", "/tension"]) {
+        let shown: f64 = cell.parse().expect("a number");
+        assert_close(shown, number(strain, name), 1e-5);
+    }
+    let text = short("card --set material.model=generalized-blatz-ko --set material.nu=0.499995");
+    assert!(
+        text.contains("note: hydrostatic ends at stretch 0.998856"),
+        "{text}"
+    );
+    let text = short("card --set material.model=ogden --incompressible");
+    assert!(
+        text.starts_with("Limits of strong ellipticity of ogden"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -494,6 +535,7 @@ fn a_card_of_a_table_has_a_short_title() {
         "--incompressible",
         "--mode",
         "uniaxial",
+        "--all",
         "--out",
         &place,
     ];
@@ -545,6 +587,7 @@ fn tables_have_plain_numbers_in_aligned_columns_and_constants_in_order() {
         "material.model=blatz-ko",
         "--mode",
         "uniaxial",
+        "--all",
     ]);
     assert_eq!(card.code, Some(0), "{}", card.stderr);
     // The load of a bar is largest at 6^(2/5): 32 (6^(-1/5) - 6^(-6/5)).

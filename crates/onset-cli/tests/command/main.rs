@@ -132,9 +132,11 @@ fn words(line: &str) -> Vec<String> {
 }
 
 /// Commands that print a short answer without `--all`.
-const IN_SHORT: [&str; 6] = [
+const IN_SHORT: [&str; 8] = [
     "state",
     "criteria",
+    "card",
+    "localize",
     "notions",
     "compare",
     "recommend",

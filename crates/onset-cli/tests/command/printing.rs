@@ -11,6 +11,9 @@ fn short_answers_have_at_most_twelve_lines_of_a_hundred_characters() {
         "state --stretch 1.1,1 --certify",
         "state --stretch 1.2,1 --set discretization.frame=eulerian",
         "criteria --set material.model=blatz-ko",
+        "card --set material.model=blatz-ko",
+        "card --set material.model=generalized-blatz-ko --set material.nu=0.499995",
+        "localize",
         "recommend --dimension 1 --set compare.states=2",
         "tune discretization.penalty --set discretization.method=tlsph --set discretization.lattice=chain",
     ] {

@@ -138,8 +138,7 @@ impl Question {
                 Ok(Limits::of(&answer))
             })
             .collect::<Result<_, CriteriaError>>()?;
-        // A box of three principal stretches contains states that an incompressible or a planar material cannot reach.
-        let is_asked = !self.law.incompressible && !self.law.in_plane;
+        let is_asked = self.law.has_boxes();
         let (symmetric, widest) = rayon::join(
             || match is_asked {
                 true => scope.run(|| safe_box(&*self.material, 1.0, &self.range)),

@@ -195,6 +195,12 @@ pub struct CriteriaAnswer {
 }
 
 impl LawAnswer {
+    /// Whether the law has boxes of stretches: three independent principal stretches include states that an incompressible or a planar material cannot
+    /// reach.
+    fn has_boxes(&self) -> bool {
+        !self.incompressible && !self.in_plane
+    }
+
     /// Units of the parameters.
     fn units(&self) -> Units {
         match self.units.values().any(|unit| *unit == "Pa") {

@@ -1,8 +1,13 @@
-//! Short form of the criteria of a law: four criteria, one line per loading.
+//! Short forms of the criteria of a law, four criteria with one line per loading, and of its card.
 
+use super::card::{CardAnswer, Limits};
 use super::sentence::{Side, cell, heading, moduli};
-use super::{CriteriaAnswer, CriterionAnswer, LoadingAnswer, Mode, imposed, told_place};
+use super::{
+    CriteriaAnswer, CriterionAnswer, EndAnswer, LawAnswer, LoadingAnswer, Mode, imposed, kink,
+    told_place,
+};
 use crate::brief::{Brief, Short};
+use crate::number::{told, told_above, told_below};
 use onset::criteria::Criterion;
 
 /// Criteria of the short form with their heads.
@@ -72,49 +77,16 @@ impl CriteriaAnswer {
         has_shear.then(|| ends.map(crate::number::told))
     }
 
-    /// The first loading of each mode, whose faces are free, if there are several modes; all loadings of a single mode.
+    /// The loadings that the short form lists.
     fn of_each_mode(&self) -> impl Iterator<Item = &LoadingAnswer> {
-        let first = self.loadings.first().map(|loading| loading.mode);
-        let is_single = self.loadings.iter().all(|own| Some(own.mode) == first);
-        self.loadings
-            .iter()
-            .enumerate()
-            .filter_map(move |(n, own)| {
-                let is_first = self.loadings[..n]
-                    .iter()
-                    .all(|before| before.mode != own.mode);
-                (is_single || is_first).then_some(own)
-            })
+        of_each_mode(&self.loadings, |own| own.mode)
     }
 
     /// Ends of the listed loadings within the range that was searched, a sentence for each loading.
     fn early_ends(&self) -> Vec<String> {
-        let of = |loading: &LoadingAnswer| {
-            let ends = [&loading.compression_end, &loading.tension_end].into_iter();
-            let ends = ends.zip(self.range).filter_map(|(end, limit)| {
-                let reason = end.reason.as_ref()?;
-                // A failure needs its cause.
-                let reason = match reason.strip_prefix("the law ends there") {
-                    Some(_) => "the law ends there",
-                    None => reason,
-                };
-                let told = |place| told_place(loading.mode, place);
-                let is_early = told(end.imposed) != told(imposed(loading.mode, limit));
-                is_early.then(|| (told(end.imposed), reason))
-            });
-            let ends: Vec<_> = ends.collect();
-            let told = match &ends[..] {
-                [] => return None,
-                [(low, reason), (high, other)] if reason == other => {
-                    format!("{low} and {high} ({reason})")
-                }
-                _ => {
-                    let ends = ends.iter();
-                    let ends = ends.map(|(place, reason)| format!("{place} ({reason})"));
-                    ends.collect::<Vec<_>>().join(" and ")
-                }
-            };
-            Some(format!("{} ends at {told}", loading.title))
+        let of = |own: &LoadingAnswer| {
+            let ends = [&own.compression_end, &own.tension_end];
+            early_ends(own.mode, own.title, ends, self.range)
         };
         self.of_each_mode().filter_map(of).collect()
     }
@@ -149,11 +121,7 @@ impl CriteriaAnswer {
                 format!("loses strong ellipticity at {what} {places} ({title})")
             })
         };
-        let name = self.material.name.as_ref().unwrap_or(&self.material.model);
-        let law = match moduli(&self.material) {
-            Some(moduli) => format!("{name} ({moduli})"),
-            None => name.clone(),
-        };
+        let law = named(&self.material);
         let [low, high] = self.range;
         match self.of_each_mode().find_map(lost) {
             Some(lost) => format!("{law} {lost}."),
@@ -164,6 +132,111 @@ impl CriteriaAnswer {
                 "{law} is strongly elliptic along the loadings below to their ends, which the notes give."
             ),
         }
+    }
+}
+
+/// Name of a law with its moduli.
+fn named(law: &LawAnswer) -> String {
+    let name = law.name.as_ref().unwrap_or(&law.model);
+    match moduli(law) {
+        Some(moduli) => format!("{name} ({moduli})"),
+        None => name.clone(),
+    }
+}
+
+/// The first loading of each mode, whose faces are free, if there are several modes; all loadings of a single mode.
+fn of_each_mode<T>(loadings: &[T], mode: impl Fn(&T) -> Mode) -> impl Iterator<Item = &T> {
+    let is_single = loadings
+        .iter()
+        .all(|own| Some(mode(own)) == loadings.first().map(&mode));
+    loadings.iter().enumerate().filter_map(move |(n, own)| {
+        let is_first = loadings[..n].iter().all(|before| mode(before) != mode(own));
+        (is_single || is_first).then_some(own)
+    })
+}
+
+/// Ends of a loading within the range that was searched, with their reasons.
+fn early_ends(mode: Mode, title: &str, ends: [&EndAnswer; 2], range: [f64; 2]) -> Option<String> {
+    let ends = ends.into_iter().zip(range).filter_map(|(end, limit)| {
+        let reason = end.reason.as_ref()?;
+        // A failure needs its cause.
+        let reason = match reason.strip_prefix("the law ends there") {
+            Some(_) => "the law ends there",
+            None => reason,
+        };
+        let told = |place| told_place(mode, place);
+        let is_early = told(end.imposed) != told(imposed(mode, limit));
+        is_early.then(|| (told(end.imposed), reason))
+    });
+    let ends: Vec<_> = ends.collect();
+    let told = match &ends[..] {
+        [] => return None,
+        [(low, reason), (high, other)] if reason == other => {
+            format!("{low} and {high} ({reason})")
+        }
+        _ => {
+            let ends = ends.iter();
+            let ends = ends.map(|(place, reason)| format!("{place} ({reason})"));
+            ends.collect::<Vec<_>>().join(" and ")
+        }
+    };
+    Some(format!("{title} ends at {told}"))
+}
+
+impl Brief for CardAnswer {
+    fn brief(&self) -> Short {
+        let law = named(&self.material);
+        let boxes = self.boxes();
+        let sentence = match boxes.last() {
+            Some((_, found)) => format!(
+                "{law} is strongly elliptic while all principal stretches lie between {} and {}{}.",
+                told_above(found.low),
+                told_below(found.high),
+                match self.material.isotropic {
+                    true => "",
+                    false => ", with principal axes along the coordinates",
+                }
+            ),
+            None if self.material.has_boxes() => {
+                format!("{law} is not elliptic in the reference configuration.")
+            }
+            None => format!("Limits of strong ellipticity of {law} along loadings."),
+        };
+        let head = format!("{:TITLE$}{:>CELL$}{:>CELL$}", "", "compression", "tension");
+        let shown = || of_each_mode(&self.loadings, |own| own.mode);
+        let line = |own: &Limits| {
+            let [below, above] = [own.compression, own.tension]
+                .map(|limit| limit.map_or_else(|| "-".to_owned(), told));
+            format!("{:TITLE$}{below:>CELL$}{above:>CELL$}", own.title)
+        };
+        let ends = shown().filter_map(|own| {
+            let ends = [&own.compression_end, &own.tension_end];
+            early_ends(own.mode, own.title, ends, self.range)
+        });
+        let kinks = shown().flat_map(|own| {
+            let told = |found| format!("{}: {}", own.title, kink(found, own.mode));
+            own.kinks.iter().map(told)
+        });
+        let [low, high] = self.range;
+        let mut short = Short::new(sentence).table(std::iter::once(head).chain(shown().map(line)));
+        if let Some((_, found)) = boxes.last() {
+            short = short.row(1, "limited by", found.ends());
+        }
+        short
+            .row(
+                0,
+                "limits",
+                format!("stretch (simple shear: gamma) at the loss of strong ellipticity, {low} to {high}; - is never"),
+            )
+            .row(
+                2,
+                "see also",
+                "all loadings, Hill, Drucker, load limits and stresses: --all; a page to print: --out DIR",
+            )
+            .notes(&self.material.notes)
+            .notes(&kinks.collect::<Vec<_>>())
+            .notes(&ends.collect::<Vec<_>>())
+            .settings("material", heading(&self.material))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Answer of `onset localize`: the first state of a path at which the material localizes.
 
 use super::{LocalizationError, PlasticLaw, PlasticSettings};
+use crate::brief::{Brief, Short};
 use crate::csv::Table;
 use crate::number::{told as number, told_of, vector};
 use crate::settings::{Units, Value};
@@ -369,6 +370,43 @@ fn directions(point: &PathPoint, bands: Bands) -> Result<Vec<DirectionAnswer>, L
 
 fn json(value: &Value) -> serde_json::Value {
     serde_json::to_value(value).unwrap_or_default()
+}
+
+impl Brief for LocalizationAnswer {
+    fn brief(&self) -> Short {
+        let stress = |modulus: f64| self.units.of(told_of(modulus, self.stiffness), "Pa");
+        let point = |point: &PointAnswer| {
+            format!(
+                "plastic shear strain {}, strain {}, h {}, critical h {}",
+                number(point.slip),
+                vector(&point.strain),
+                stress(point.plastic_modulus),
+                stress(point.critical_modulus),
+            )
+        };
+        let mut short = Short::new(&self.sentence).row(2, "first yield", point(&self.first_yield));
+        if let Some(strong) = &self.strong_ellipticity_lost {
+            short = short.row(
+                1,
+                "ellipticity",
+                format!("strong ellipticity lost: {}", point(strong)),
+            );
+        }
+        let (name, last) = match &self.localization {
+            Some(onset) => ("localizes", onset),
+            None => ("closest", &self.closest),
+        };
+        let band = format!(
+            "{}, normal {}, {} degrees from the axis of the largest stress",
+            self.band_name(last),
+            vector(&last.band.normal),
+            number(last.band.angle_to_major)
+        );
+        short
+            .row(0, name, point(last))
+            .row(0, "band", band)
+            .settings("plasticity", &self.told)
+    }
 }
 
 impl std::fmt::Display for LocalizationAnswer {

@@ -4,7 +4,7 @@ use super::root::bracket_zero;
 use super::{Measure, Range, State, Witness, is_isotropic};
 use crate::algebra::{Each, array_of, lowest_between, sort_by_value};
 use crate::kinematics::DeformationGradient;
-use crate::material::Hyperelastic;
+use crate::material::{Hyperelastic, Response};
 
 /// Box `[low, high]^3` of principal stretches in which a search finds no loss of strong ellipticity, with the state that limits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -183,16 +183,23 @@ impl<'a> Field<'a> {
     /// Measure at a state; `None` if the law is not defined there.
     fn measure(&self, logarithms: [f64; 3]) -> Option<Measure> {
         let f = DeformationGradient::from_stretches(logarithms.map(f64::exp)).ok()?;
-        let response = self.material.response(&f).ok()?;
-        // The magnitude of a positive value only guides the search.
-        Some(State::of_response(response, self.isotropic).strong_ellipticity(0.0))
+        Some(self.measure_of(self.material.response(&f).ok()?))
     }
 
-    /// Value of the measure, minus infinity if the law is not defined at the state. A value that is zero to rounding is positive: with a stiffness against
-    /// changes of volume that is huge at large strain, rounding alone would take the sign of the softest shear.
+    fn measure_of(&self, response: Response) -> Measure {
+        // The magnitude of a positive value only guides the search.
+        State::of_response(response, self.isotropic).strong_ellipticity(0.0)
+    }
+
+    /// Value of the measure, minus infinity if the law is not defined at the state.
     fn value(&self, logarithms: [f64; 3]) -> f64 {
-        self.measure(logarithms)
-            .map_or(f64::NEG_INFINITY, |measure| measure.value + measure.zero)
+        value_of(self.measure(logarithms))
+    }
+
+    /// Value of the measure along the ray through a point of the surface, as a function of the distance in units of the box.
+    fn ray(&self, shape: &Shape, point: &Point) -> impl FnMut(f64) -> f64 {
+        let mut response = self.material.along(shape.state(point, 1.0));
+        move |t| value_of(response(t).map(|response| self.measure_of(response)))
     }
 
     /// Returns the largest box whose skew is the tangent of `angle`; its inside is searched if `checked`.
@@ -261,8 +268,8 @@ impl<'a> Field<'a> {
         let mut shortest = RAY_END;
         let mut rays: Vec<(f64, Point)> = Vec::new();
         for point in shape.surface(edge, self.isotropic) {
-            if let Some(length) = self.loss(shape, &point, along, FOLLOWED_LENGTH_RATIO * shortest)
-            {
+            let limit = FOLLOWED_LENGTH_RATIO * shortest;
+            if let Some(length) = loss(&mut self.ray(shape, &point), along, limit) {
                 shortest = shortest.min(length);
                 rays.push((length, point));
             }
@@ -304,7 +311,7 @@ impl<'a> Field<'a> {
                 continue;
             }
             let (length, point) = shape.ray(shape.inside(place, size));
-            if let Some(length) = self.loss(shape, &point, along, length.min(size)) {
+            if let Some(length) = loss(&mut self.ray(shape, &point), along, length.min(size)) {
                 return Some(self.improved(shape, (length, point), along, edge));
             }
         }
@@ -364,26 +371,6 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// Last place along a ray, in units of the box and at most `limit`, before ellipticity is lost.
-    fn loss(&self, shape: &Shape, point: &Point, along: usize, limit: f64) -> Option<f64> {
-        let mut value = |t: f64| Some(self.value(shape.state(point, t)));
-        let mut before = (0.0, f64::INFINITY);
-        for n in 1..=along {
-            let t = limit.min(RAY_END * n as f64 / along as f64);
-            if t <= before.0 {
-                break;
-            }
-            let here = (t, self.value(shape.state(point, t)));
-            if here.1 <= 0.0 {
-                let ends = [before, here].each(|(t, value)| (t, value.clamp(-1e300, 1e300)));
-                let (low, _) = bracket_zero(&mut value, ends[0], ends[1], RESOLUTION);
-                return Some(low);
-            }
-            before = here;
-        }
-        None
-    }
-
     /// Turns a ray on its face of the box until it is locally shortest.
     fn improved(
         &self,
@@ -401,10 +388,11 @@ impl<'a> Field<'a> {
                     ..point
                 };
                 // Only a shorter ray is an improvement, so the ray is not followed any further.
-                if turn < 1e-3 && self.value(shape.state(&trial, length)) > 0.0 {
+                let mut ray = self.ray(shape, &trial);
+                if turn < 1e-3 && ray(length) > 0.0 {
                     return None;
                 }
-                let found = self.loss(shape, &trial, along, length);
+                let found = loss(&mut ray, along, length);
                 found.filter(|found| *found < length)
             };
             let directions = [
@@ -435,6 +423,32 @@ impl<'a> Field<'a> {
         };
         (walk.value, point)
     }
+}
+
+/// Value of a measure, minus infinity if the law is not defined. A value that is zero to rounding is positive: with a stiffness against changes of volume
+/// that is huge at large strain, rounding alone would take the sign of the softest shear.
+fn value_of(measure: Option<Measure>) -> f64 {
+    measure.map_or(f64::NEG_INFINITY, |measure| measure.value + measure.zero)
+}
+
+/// Last place along a ray, in units of the box and at most `limit`, before ellipticity is lost.
+fn loss(ray: &mut impl FnMut(f64) -> f64, along: usize, limit: f64) -> Option<f64> {
+    let mut before = (0.0, f64::INFINITY);
+    for n in 1..=along {
+        let t = limit.min(RAY_END * n as f64 / along as f64);
+        if t <= before.0 {
+            break;
+        }
+        let here = (t, ray(t));
+        if here.1 <= 0.0 {
+            let ends = [before, here].each(|(t, value)| (t, value.clamp(-1e300, 1e300)));
+            let mut value = |t: f64| Some(ray(t));
+            let (low, _) = bracket_zero(&mut value, ends[0], ends[1], RESOLUTION);
+            return Some(low);
+        }
+        before = here;
+    }
+    None
 }
 
 /// Pattern search for a minimum in the unit cube (R. Hooke and T. A. Jeeves, *J. ACM* 8 (1961) 212).

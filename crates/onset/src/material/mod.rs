@@ -254,6 +254,18 @@ pub trait Hyperelastic: Send + Sync {
         states.iter().map(|f| self.response(f)).collect()
     }
 
+    /// Responses along a ray `U = diag exp(t L)` of logarithms `L` of the stretches, as a function of `t`; `None` if the law is not defined.
+    ///
+    /// A law that integrates the path to a state may continue from states that were evaluated before. Their errors of integration differ then from those
+    /// of [`Hyperelastic::response`].
+    fn along<'a>(&'a self, logarithms: [f64; 3]) -> Box<dyn FnMut(f64) -> Option<Response> + 'a> {
+        Box::new(move |t| {
+            let stretches = logarithms.map(|logarithm| (t * logarithm).exp());
+            let f = DeformationGradient::from_stretches(stretches).ok()?;
+            self.response(&f).ok()
+        })
+    }
+
     /// Energy, stress and tangent at a state for volume-preserving increments.
     ///
     /// The tangent is the part `dP/dF` on rates `D F` with `tr D = 0`, and zero on all other rates. If the law is given by a [`StrainEnergy`], the

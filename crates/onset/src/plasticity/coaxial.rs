@@ -30,6 +30,7 @@ use crate::material::{
     Admitted, FourthOrder, Hyperelastic, Made, MaterialError, Parameter, Response,
 };
 use nalgebra::{Matrix3, SVector, Vector3};
+use std::ops::ControlFlow;
 
 /// Relative error of the stress along a path.
 const ACCURACY: f64 = 1e-10;
@@ -148,8 +149,8 @@ pub(super) fn coaxial<L: FlowLaw + Send + Sync + 'static>(
 struct Reached {
     stress: Vector3<f64>,
     elasticity: Elasticity,
-    /// Flow that continues; `None` if the state is elastic.
-    flow: Option<Flow>,
+    /// Flow that continues and the state from which it can be integrated further; `None` if the state is elastic.
+    flow: Option<(Flow, Point)>,
 }
 
 /// Principal stresses, slip and internal variables.
@@ -179,54 +180,29 @@ enum Halt {
 }
 
 impl<L: FlowLaw> Coaxial<L> {
-    /// Follows the path to logarithmic strains along its axes.
-    fn followed(&self, strain: &Vector3<f64>) -> Result<Reached, MaterialError> {
-        let law = &self.law;
-        let stress = Vector3::repeat(-self.confinement);
-        let (mut y, mut reached) = (joined(&stress, 0.0, &law.start(&stress).0), 0.0);
-        for count in 0..MOST_UNLOADINGS {
-            let (begun, slip, mut internal) = split(&y);
-            let elasticity = law.unloading(slip);
-            let rate = elasticity.stress(strain);
-            let at = |t: f64| begun + rate * (t - reached);
-            let admitted = match count {
-                0 => 0.0,
-                _ => YIELD_TOLERANCE * law.strength(),
+    /// Follows the path to logarithmic strains along its axes, from its beginning or from a flowing state at a part of it.
+    fn followed(
+        &self,
+        strain: &Vector3<f64>,
+        flowing: Option<(f64, Point)>,
+    ) -> Result<Reached, MaterialError> {
+        let mut unloaded = None;
+        let mut from = flowing;
+        for _ in 0..MOST_UNLOADINGS {
+            let (at, y) = match from {
+                Some(flowing) => flowing,
+                None => match self.loaded(strain, unloaded) {
+                    ControlFlow::Continue(flowing) => flowing,
+                    ControlFlow::Break(elastic) => return Ok(elastic),
+                },
             };
-            let of = |stress: &Vector3<f64>| match count {
-                0 => law.start(stress).0,
-                _ => internal,
-            };
-            // The elastic range is convex, so the path leaves it once.
-            let is_elastic = |t: f64| law.excess(&at(t), slip, &of(&at(t))) <= admitted;
-            if is_elastic(1.0) {
-                return Ok(Reached {
-                    stress: at(1.0),
-                    elasticity,
-                    flow: None,
-                });
-            }
-            let yielding = bisect(reached, 1.0, is_elastic);
-            internal = of(&at(yielding));
-            match self.flowed(&joined(&at(yielding), slip, &internal), strain, yielding) {
-                Ok(end) => {
-                    let (stress, slip, internal) = split(&end);
-                    let flow = match law.faces(&internal) {
-                        1 => law.flow(&stress, slip, &internal),
-                        _ => Err(PlasticityError::Corner),
-                    };
-                    let flow = flow.map_err(|error| outside(1.0, &Halt::Law(error)))?;
-                    return Ok(Reached {
-                        stress,
-                        elasticity: flow.elasticity,
-                        flow: Some(flow),
-                    });
-                }
+            match self.flowed(&y, strain, at) {
+                Ok(end) => return self.flowing(end),
                 Err(Stopped {
                     why: Stop::Rates(Halt::Unloads),
-                    y: last,
+                    y,
                     x,
-                }) => (y, reached) = (last, x),
+                }) => (from, unloaded) = (None, Some((x, y))),
                 Err(Stopped {
                     why: Stop::Rates(halt),
                     x,
@@ -235,7 +211,56 @@ impl<L: FlowLaw> Coaxial<L> {
                 Err(Stopped { x, .. }) => return Err(too_many_steps(x)),
             }
         }
-        Err(too_many_steps(reached))
+        Err(too_many_steps(unloaded.map_or(0.0, |(x, _)| x)))
+    }
+
+    /// Follows the elastic part of a path, from its beginning or after unloading, to the yield surface. Returns the place and the state there, or the
+    /// state at the end of the path if it is elastic.
+    fn loaded(
+        &self,
+        strain: &Vector3<f64>,
+        unloaded: Option<(f64, Point)>,
+    ) -> ControlFlow<Reached, (f64, Point)> {
+        let law = &self.law;
+        let initial = Vector3::repeat(-self.confinement);
+        let (reached, y) =
+            unloaded.unwrap_or_else(|| (0.0, joined(&initial, 0.0, &law.start(&initial).0)));
+        let (begun, slip, internal) = split(&y);
+        let elasticity = law.unloading(slip);
+        let rate = elasticity.stress(strain);
+        let at = |t: f64| begun + rate * (t - reached);
+        let admitted = unloaded.map_or(0.0, |_| YIELD_TOLERANCE * law.strength());
+        let internal = |stress: &Vector3<f64>| match unloaded {
+            None => law.start(stress).0,
+            Some(_) => internal,
+        };
+        // The elastic range is convex, so the path leaves it once.
+        let is_elastic = |t: f64| law.excess(&at(t), slip, &internal(&at(t))) <= admitted;
+        if is_elastic(1.0) {
+            return ControlFlow::Break(Reached {
+                stress: at(1.0),
+                elasticity,
+                flow: None,
+            });
+        }
+        let yielding = bisect(reached, 1.0, is_elastic);
+        let stress = at(yielding);
+        ControlFlow::Continue((yielding, joined(&stress, slip, &internal(&stress))))
+    }
+
+    /// State at the end of a path that flows there.
+    fn flowing(&self, end: Point) -> Result<Reached, MaterialError> {
+        let (stress, slip, internal) = split(&end);
+        let flow = match self.law.faces(&internal) {
+            1 => self.law.flow(&stress, slip, &internal),
+            _ => Err(PlasticityError::Corner),
+        };
+        let flow = flow.map_err(|error| outside(1.0, &Halt::Law(error)))?;
+        Ok(Reached {
+            stress,
+            elasticity: flow.elasticity,
+            flow: Some((flow, end)),
+        })
     }
 
     /// Integrates the flow from a point on the yield surface to the end of the path.
@@ -274,25 +299,49 @@ impl<L: FlowLaw> Coaxial<L> {
         integrate(start, [from, 1.0], &size, ACCURACY, rates)
     }
 
-    /// Elastic moduli and stress in the principal axes at the end of the path to a state, with the axes and the flow.
-    fn at(
-        &self,
-        f: &DeformationGradient,
-    ) -> Result<(SpatialModuli, Reached, Matrix3<f64>), MaterialError> {
+    /// State at the end of the path to a deformation, with the axes.
+    fn at(&self, f: &DeformationGradient) -> Result<(Reached, Matrix3<f64>), MaterialError> {
         let matrix = f.matrix();
         let logarithm = Spectral::half_logarithm(&(matrix * matrix.transpose()));
         let logarithm = logarithm.ok_or_else(|| MaterialError::NotFinite {
             jacobian: f.jacobian(),
         })?;
-        let reached = self.followed(&logarithm.values)?;
-        let elasticity = &reached.elasticity;
-        let moduli = SpatialModuli::new(
-            elasticity.normal(),
-            &reached.stress,
-            &elasticity.strain(&reached.stress),
-            elasticity.shear,
-        );
-        Ok((moduli, reached, logarithm.axes))
+        Ok((self.followed(&logarithm.values, None)?, logarithm.axes))
+    }
+}
+
+impl Reached {
+    /// Elastic moduli in the principal axes.
+    fn moduli(&self) -> SpatialModuli {
+        SpatialModuli::new(
+            self.elasticity.normal(),
+            &self.stress,
+            &self.elasticity.strain(&self.stress),
+            self.elasticity.shear,
+        )
+    }
+
+    /// Response for loading that continues. Its energy is the stored elastic energy.
+    fn response(
+        &self,
+        f: &DeformationGradient,
+        axes: &Matrix3<f64>,
+    ) -> Result<Response, MaterialError> {
+        let mut moduli = self.moduli();
+        if let Some((flow, _)) = &self.flow {
+            let (flowed, loading) = (&flow.direction, &flow.normal);
+            let elasticity = &flow.elasticity;
+            moduli.normal -= elasticity.stress(flowed) * elasticity.stress(loading).transpose()
+                / (flow.modulus() + flow.relaxation());
+        }
+        let stress = axes * Matrix3::from_diagonal(&self.stress) * axes.transpose();
+        Response {
+            deformation: *f,
+            energy: 0.5 * self.stress.dot(&self.elasticity.strain(&self.stress)),
+            first_piola: stress * inverse(f).transpose(),
+            tangent: moduli.pulled_back(f, axes),
+        }
+        .finite()
     }
 }
 
@@ -326,31 +375,34 @@ impl<L: FlowLaw + Send + Sync> Hyperelastic for Coaxial<L> {
 
     /// Response of the law. Its energy is the stored elastic energy; stress and tangent of a flowing material have no potential.
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
-        let (mut moduli, reached, axes) = self.at(f)?;
-        if let Some(flow) = &reached.flow {
-            let (flowed, loading) = (&flow.direction, &flow.normal);
-            let elasticity = &flow.elasticity;
-            moduli.normal -= elasticity.stress(flowed) * elasticity.stress(loading).transpose()
-                / (flow.modulus() + flow.relaxation());
-        }
-        let stress = axes * Matrix3::from_diagonal(&reached.stress) * axes.transpose();
-        Response {
-            deformation: *f,
-            energy: 0.5
-                * reached
-                    .stress
-                    .dot(&reached.elasticity.strain(&reached.stress)),
-            first_piola: stress * inverse(f).transpose(),
-            tangent: moduli.pulled_back(f, &axes),
-        }
-        .finite()
+        let (reached, axes) = self.at(f)?;
+        reached.response(f, &axes)
+    }
+
+    /// Responses along a ray, which is one path: each state is reached from the nearest flowing state before it.
+    fn along<'a>(&'a self, logarithms: [f64; 3]) -> Box<dyn FnMut(f64) -> Option<Response> + 'a> {
+        let direction = Vector3::from(logarithms);
+        let mut passed: Vec<(f64, Point)> = Vec::new();
+        Box::new(move |t| {
+            let strain = direction * t;
+            let f = DeformationGradient::from_stretches(strain.map(f64::exp).into()).ok()?;
+            let place = passed.partition_point(|(before, _)| *before <= t);
+            let flowing = place.checked_sub(1).map(|n| passed[n]);
+            let flowing = flowing.map(|(before, y)| (before / t, y));
+            let reached = self.followed(&strain, flowing).ok()?;
+            if let Some((_, y)) = reached.flow {
+                passed.insert(place, (t, y));
+            }
+            reached.response(&f, &Matrix3::identity()).ok()
+        })
     }
 
     fn unloading_tangent(
         &self,
         f: &DeformationGradient,
     ) -> Result<Option<FourthOrder>, MaterialError> {
-        let (moduli, reached, axes) = self.at(f)?;
-        Ok(reached.flow.map(|_| moduli.pulled_back(f, &axes)))
+        let (reached, axes) = self.at(f)?;
+        let flows = reached.flow.is_some();
+        Ok(flows.then(|| reached.moduli().pulled_back(f, &axes)))
     }
 }

@@ -7,6 +7,8 @@ const SHORTEST_STEP: f64 = 1e-12;
 
 /// Largest number of steps of an integration.
 const MOST_STEPS: usize = 20_000;
+/// Number of steps after which their length is compared with what remains: an integration whose steps become ever shorter is given up early.
+const BLOCK: usize = 500;
 
 /// Reason why an integration did not reach its end, and the last state `y(x)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +43,14 @@ pub(super) fn integrate<const N: usize, E>(
     }
     let mut step = to - from;
     let mut first = None;
-    for _ in 0..MOST_STEPS {
+    let mut block_start = x;
+    for count in 0..MOST_STEPS {
+        if count % BLOCK == 0 && count > 0 {
+            if (to - x) * BLOCK as f64 > (x - block_start) * MOST_STEPS as f64 {
+                break;
+            }
+            block_start = x;
+        }
         let last = x + step >= to;
         let length = if last { to - x } else { step };
         let shortest = length <= SHORTEST_STEP * to;
@@ -140,4 +149,56 @@ fn dormand_prince<const N: usize, E>(
         .map(|(weight, rate)| rate * (weight * step))
         .sum();
     Ok([next, error, stages[6]])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    fn ended<const N: usize>(
+        start: [f64; N],
+        to: f64,
+        rates: impl Fn(&SVector<f64, N>, f64) -> Result<SVector<f64, N>, &'static str>,
+    ) -> Result<SVector<f64, N>, Stopped<N, &'static str>> {
+        let size = SVector::repeat(1.0);
+        integrate(&SVector::from(start), [0.0, to], &size, 1e-10, rates)
+    }
+
+    #[test]
+    fn a_pendulum_returns() {
+        let rates = |y: &SVector<f64, 2>, _: f64| Ok(SVector::from([y[1], -y[0]]));
+        let end = ended([0.0, 1.0], 2.0 * std::f64::consts::PI, rates);
+        let end = end.unwrap_or_else(|_| panic!("the end is reached"));
+        assert!((end - SVector::from([0.0, 1.0])).amax() < 1e-8, "{end}");
+    }
+
+    #[test]
+    fn a_path_ends_where_its_rates_end() {
+        // `y = sqrt(1 - x)`.
+        let rates = |y: &SVector<f64, 1>, _: f64| match y[0] > 1e-3 {
+            true => Ok(SVector::from([-0.5 / y[0]])),
+            false => Err("no rates"),
+        };
+        let Err(stopped) = ended([1.0], 2.0, rates) else {
+            panic!("the path ends");
+        };
+        assert_eq!(stopped.why, Stop::Rates("no rates"));
+        assert!((stopped.x - 1.0).abs() < 2e-6, "{}", stopped.x);
+    }
+
+    /// Steps become shorter as `exp(-x)`: the end is out of reach long before the largest number of steps.
+    #[test]
+    fn a_path_of_ever_shorter_steps_is_given_up_early() {
+        let count = Cell::new(0);
+        let rates = |y: &SVector<f64, 1>, x: f64| {
+            count.set(count.get() + 1);
+            Ok(SVector::from([-x.exp() * (y[0] - x.cos())]))
+        };
+        let Err(stopped) = ended([1.0], 30.0, rates) else {
+            panic!("the end is out of reach");
+        };
+        assert_eq!(stopped.why, Stop::TooManySteps);
+        assert!(count.get() < MOST_STEPS, "{} evaluations", count.get());
+    }
 }

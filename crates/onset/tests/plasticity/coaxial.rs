@@ -386,6 +386,36 @@ fn elastic_states_have_one_tangent_and_yield_where_the_law_does() {
     assert_eq!(library().iter().filter(names).count(), 2 + pairs(1.0).len());
 }
 
+/// States of a ray, in any order, agree with states that are reached from the beginning: on the way out, back, and beyond the end of the path.
+#[test]
+fn states_along_a_ray_are_the_states_of_the_law() {
+    let mut numbers = Numbers(12);
+    let mut flowing = 0;
+    for pair in pairs(1.0) {
+        for _ in 0..6 {
+            let logarithms: [f64; 3] = std::array::from_fn(|_| 0.2 * numbers.next());
+            let mut ray = pair.material.along(logarithms);
+            for t in [0.001, 0.2, 0.4, 0.3, 0.999, 1.0, 1.0, 0.4, 1.7, 0.0] {
+                let stretches = logarithms.map(|x| (t * x).exp());
+                let f = DeformationGradient::from_stretches(stretches).expect("a state");
+                let own = pair.material.response(&f).ok();
+                let along = ray(t);
+                assert_eq!(along.is_some(), own.is_some(), "{} at {t}", pair.name);
+                let (Some(along), Some(own)) = (along, own) else {
+                    continue;
+                };
+                let stress = (along.first_piola - own.first_piola).amax();
+                assert!(stress < 1e-7, "{} at {t}: {stress:e}", pair.name);
+                let tangent = difference(&along.tangent, &own.tangent);
+                assert!(tangent < 1e-6 * G, "{} at {t}: {tangent:e}", pair.name);
+                let unloading = pair.material.unloading_tangent(&f).expect("a tangent");
+                flowing += usize::from(unloading.is_some());
+            }
+        }
+    }
+    assert!(flowing > 100, "{flowing}");
+}
+
 /// The thickness of a sheet keeps its faces free in both tangents.
 #[test]
 fn a_sheet_unloads_with_free_faces() {
