@@ -402,10 +402,7 @@ fn the_short_card_has_the_box_the_limits_and_the_ends() {
     let text = short("card --set material.model=blatz-ko");
     // The widest box ends where the ratio of two stretches is 2 + sqrt 3.
     assert!(text.starts_with("blatz-ko (shear modulus 32"), "{text}");
-    assert!(
-        text.contains("while all principal stretches lie between"),
-        "{text}"
-    );
+    assert!(text.contains("between 0.517639 and 1.93185."), "{text}");
     // All loadings of a single mode are shown, otherwise the first of each.
     let text = short("card --set material.model=blatz-ko --mode uniaxial");
     let cells: Vec<&str> = text

@@ -104,7 +104,7 @@ fn laws_waves_and_bands_are_printed_and_drawn_with_units() {
     let place = Scratch::new("localize");
     let out = place.display().to_string();
     let mut words: Vec<&str> = words.iter().map(String::as_str).collect();
-    words.extend(["--out", &out]);
+    words.extend(["--out", &out, "--all"]);
     let answer = onset(&words);
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     for fact in [
