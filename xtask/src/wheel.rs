@@ -81,7 +81,7 @@ pub fn test() -> Result<(), String> {
     succeed(
         Command::new(&interpreter)
             .args(["-m", "pytest", "-q", "-p", "no:cacheprovider"])
-            // A test that waits forever fails, and tells where.
+            // A test that waits forever fails and prints its stack.
             .args(["--numprocesses", "auto", "--timeout", "900"])
             // The tests run outside the folder of the package, which would be imported without its compiled part.
             .current_dir("python/tests")

@@ -195,7 +195,7 @@ pub struct CriteriaAnswer {
 }
 
 impl LawAnswer {
-    /// Whether the law has boxes of stretches: three independent principal stretches include states that an incompressible or a planar material cannot
+    /// Returns true if the law has boxes of stretches: three independent principal stretches include states that an incompressible or a planar material cannot
     /// reach.
     fn has_boxes(&self) -> bool {
         !self.incompressible && !self.in_plane

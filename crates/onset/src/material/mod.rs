@@ -256,8 +256,8 @@ pub trait Hyperelastic: Send + Sync {
 
     /// Responses along a ray `U = diag exp(t L)` of logarithms `L` of the stretches, as a function of `t`; `None` if the law is not defined.
     ///
-    /// A law that integrates the path to a state may continue from states that were evaluated before. Their errors of integration differ then from those
-    /// of [`Hyperelastic::response`].
+    /// A law that integrates the path to a state may continue from states that were evaluated before. The results then differ from
+    /// [`Hyperelastic::response`] by the error of integration.
     fn along<'a>(&'a self, logarithms: [f64; 3]) -> Box<dyn FnMut(f64) -> Option<Response> + 'a> {
         Box::new(move |t| {
             let stretches = logarithms.map(|logarithm| (t * logarithm).exp());

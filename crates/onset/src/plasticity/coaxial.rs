@@ -149,7 +149,7 @@ pub(super) fn coaxial<L: FlowLaw + Send + Sync + 'static>(
 struct Reached {
     stress: Vector3<f64>,
     elasticity: Elasticity,
-    /// Flow that continues and the state from which it can be integrated further; `None` if the state is elastic.
+    /// Flow that continues, and the state that continues the integration; `None` if the state is elastic.
     flow: Option<(Flow, Point)>,
 }
 
