@@ -14,7 +14,8 @@ import pytest
 from conftest import REPOSITORY
 
 # Its folder must not be on the path of modules: the sources of the package there would hide the installed package in child processes.
-NOTEBOOKS, run = (runpy.run_path(str(REPOSITORY / "python" / "notebooks.py"))[name] for name in ("NOTEBOOKS", "run"))
+_SCRIPT = runpy.run_path(str(REPOSITORY / "python" / "notebooks.py"))
+NOTEBOOKS, run = _SCRIPT["NOTEBOOKS"], _SCRIPT["run"]
 
 #: Checksum of the program, or the digits of a long number.
 CHECKSUM = re.compile(r"\b[0-9a-f]{12,}\b")
