@@ -1,6 +1,8 @@
 """Some calls with odd arrays, and the same in a forked process; the argument is a seed. Prints `done`."""
 
+import faulthandler
 import multiprocessing
+import os
 import random
 import signal
 import sys
@@ -38,7 +40,7 @@ def array() -> object:
         lambda: PLAIN.astype(np.int8),
         lambda: np.array(["2026-01-01"], dtype="datetime64[D]"),
         lambda: np.frombuffer(b"x" + PLAIN.tobytes(), dtype=np.uint8)[1:].view(float).reshape(4, 2),
-        lambda: np.random.default_rng(RANDOM.randrange(1000)).uniform(0.5, 2.0, (RANDOM.randrange(2000), 2)),
+        lambda: np.random.default_rng(RANDOM.randrange(1000)).uniform(0.5, 2.0, (RANDOM.randrange(300), 2)),
         lambda: np.eye(3)[None].repeat(5, axis=0),
         lambda: np.eye(2),
         lambda: PLAIN[:, :1],
@@ -87,14 +89,18 @@ def interrupted() -> None:
 
 
 if __name__ == "__main__":
+    faulthandler.enable()
     abused(20)
     if RANDOM.random() < 0.5:
         interrupted()
     for _ in range(2):
         child = multiprocessing.get_context("fork").Process(target=abused, args=(8,))
         child.start()
-        child.join(60.0)
+        child.join(8.0)
         if child.is_alive():
+            # Prints where it is.
+            os.kill(child.pid, signal.SIGABRT)
+            child.join(1.0)
             child.kill()
             sys.exit("a forked process hangs")
         if child.exitcode != 0:

@@ -84,19 +84,34 @@ struct Tally {
 /// # Errors
 /// Description of the failures.
 pub fn run(arguments: &[String]) -> Result<(), String> {
-    let (mut time, mut seed) = (Duration::from_secs(180), 1);
+    let (mut time, mut seed, mut only) = (Duration::from_secs(180), 1, Vec::new());
+    let usage = || {
+        let names: Vec<&str> = KINDS
+            .iter()
+            .chain([&PYTHON])
+            .map(|kind| kind.name)
+            .collect();
+        format!(
+            "usage: cargo xtask abuse [--minutes N] [--seed N] [--kind NAME]...; kinds: {}",
+            names.join(", ")
+        )
+    };
     let mut rest = arguments.iter();
     while let Some(argument) = rest.next() {
-        let number = rest.next().and_then(|value| value.parse::<f64>().ok());
-        match (argument.as_str(), number) {
-            ("--minutes", Some(minutes)) if minutes > 0.0 && minutes < 1e6 => {
+        let value = rest.next().ok_or_else(usage)?;
+        match (argument.as_str(), value.parse::<f64>()) {
+            ("--minutes", Ok(minutes)) if minutes > 0.0 && minutes < 1e6 => {
                 time = Duration::from_secs_f64(60.0 * minutes);
             }
-            ("--seed", Some(number)) => seed = number as u64,
-            _ => return Err("usage: cargo xtask abuse [--minutes N] [--seed N]".to_owned()),
+            ("--seed", Ok(number)) => seed = number as u64,
+            ("--kind", _) => {
+                let mut kinds = KINDS.iter().chain([&PYTHON]);
+                only.push(kinds.find(|kind| kind.name == value).ok_or_else(usage)?);
+            }
+            _ => return Err(usage()),
         }
     }
-    abused(time, seed)
+    abused(time, seed, &only)
 }
 
 /// Abuses the programs for less than a minute, as part of the tests.
@@ -104,10 +119,11 @@ pub fn run(arguments: &[String]) -> Result<(), String> {
 /// # Errors
 /// Description of the failures.
 pub fn test() -> Result<(), String> {
-    abused(Duration::from_secs(45), 1)
+    abused(Duration::from_secs(45), 1, &[])
 }
 
-fn abused(time: Duration, seed: u64) -> Result<(), String> {
+/// Abuses the programs in the given ways, or in all of them if there are none.
+fn abused(time: Duration, seed: u64, only: &[&Kind]) -> Result<(), String> {
     let interpreter = python::interpreter("python");
     let has_package = |python: &PathBuf| {
         let import = Command::new(python).args(["-c", "import onset"]).output();
@@ -117,12 +133,15 @@ fn abused(time: Duration, seed: u64) -> Result<(), String> {
         onset: wheel::command()?,
         python: interpreter.filter(has_package),
     };
-    let mut kinds: Vec<&Kind> = KINDS.iter().collect();
-    match programs.python {
-        Some(_) => kinds.push(&PYTHON),
-        None => eprintln!(
+    let mut kinds: Vec<&Kind> = match only {
+        [] => KINDS.iter().chain([&PYTHON]).collect(),
+        only => only.to_vec(),
+    };
+    if programs.python.is_none() {
+        kinds.retain(|kind| kind.name != PYTHON.name);
+        eprintln!(
             "== NOT TESTED: arrays and forks in Python. There is no package: cargo xtask python"
-        ),
+        );
     }
     eprintln!("== abuse: {} s, seed {seed}", time.as_secs());
     let tallies: Vec<Tally> = kinds.iter().map(|_| Tally::default()).collect();
@@ -145,9 +164,7 @@ fn abused(time: Duration, seed: u64) -> Result<(), String> {
             }
         }
     };
-    let threads = std::thread::available_parallelism()
-        .map_or(1, usize::from)
-        .min(4);
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
     std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(work))));
     println!("{:<18} cases  hangs  aborts  torn files", "");
     let mut all = [0; 4];

@@ -154,12 +154,13 @@ impl Running {
 
     /// Waits for the end and checks the exit.
     pub(crate) fn ended(mut self) -> Result<Ended, Fault> {
+        let read = |path| fs::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
         let Some(status) = self.ends_within(longest())? else {
             self.child.kill()?;
             self.child.wait()?;
-            return Err(Fault::Hang(self.line.clone()));
+            let told = read(&self.error).unwrap_or_default();
+            return Err(Fault::Hang(format!("{}\n{told}", self.line)));
         };
-        let read = |path| fs::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
         let (stdout, stderr) = (read(&self.out)?, read(&self.error)?);
         let code = status.code();
         let is_documented = code.is_some_and(|code| CODES.contains(&code));

@@ -124,6 +124,16 @@ fn notes_on_a_deck_are_whole_and_follow_the_answer() {
         "{}",
         none.stderr
     );
+    let file = Written::new(
+        "quoted.inp",
+        &TWO.replace("RUBBER_A", "\"RUBBER, A\"")
+            .replace("RUBBER_B", "\"RUBBER, B\""),
+    );
+    let none = onset(&["criteria", &file, "--material", "C"]).stderr;
+    assert!(
+        none.contains("with a law: \"RUBBER, A\", \"RUBBER, B\""),
+        "{none}"
+    );
 }
 
 #[test]

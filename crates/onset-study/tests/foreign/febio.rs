@@ -162,7 +162,7 @@ fn a_law_inside_of_a_viscoelastic_material_is_found() {
     assert!(told(Febio, text, Some("3")).contains("neo-Hookean of FEBio"));
     assert!(
         told(Febio, text, Some("bone"))
-            .contains("no material bone has a law that is read; materials with a law: skin, 3")
+            .contains("no material bone has a hyperelastic law; materials with a law: skin, 3")
     );
 }
 

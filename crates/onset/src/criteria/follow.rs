@@ -179,9 +179,12 @@ pub fn follow(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Op
         };
         let state = path.state(place).or_else(|| path.state(knot))?;
         let mut found = event(lost, before, behind, criterion.measure(&state)?.witness);
-        found.tolerance = found
-            .tolerance
-            .max(undetermined(path, criterion, place, &mut value));
+        let undetermined = undetermined(path, criterion, place, &mut value);
+        // Rounding that shifts the change this far may have moved it away from the reference configuration.
+        if undetermined >= 0.5 * place.abs() {
+            found.stretch = 1.0;
+        }
+        found.tolerance = found.tolerance.max(undetermined);
         events.push(found);
     }
     lose_at_concave_kinks(path, criterion, tension, holds_at_start, &mut events);

@@ -319,6 +319,21 @@ fn a_huge_bulk_modulus_is_a_regular_limit() {
     }
 }
 
+/// In shear one stress is a pressure, and rotations lower the energy of dead loads immediately: the rounding of a stiff law does not move this limit.
+#[test]
+fn a_limit_at_the_reference_configuration_stays_there_at_any_bulk_modulus() {
+    for kappa in [1.0, 1e3, 1e5, 1e6, 1e7, 1e8] {
+        let own = law("hencky", &[("mu", 1.0), ("kappa", kappa)]);
+        for mode in [Mode::SimpleShear, Mode::Planar] {
+            let path = path(&*own, mode, Lateral::PlaneStrain);
+            for tension in [true, false] {
+                let hill = limit(&path, Criterion::Hill, tension);
+                assert_eq!(hill, Some(1.0), "{kappa}: {mode:?} {tension}");
+            }
+        }
+    }
+}
+
 /// Limits of finite jumps differ from the limits of the incompressible law by `mu/kappa`: the valleys of the energy among volume-preserving jumps become narrow, and
 /// are followed.
 #[test]

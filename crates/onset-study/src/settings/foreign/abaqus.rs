@@ -70,16 +70,7 @@ pub(super) fn read(
                     .iter()
                     .position(|name| word(name) == word(&wanted.replace('"', "")))
             })
-            .ok_or_else(|| {
-                Trouble::new(
-                    1,
-                    format!(
-                        "no material {wanted} has a hyperelastic law; materials with a law: {}",
-                        names.join(", ")
-                    ),
-                    "name one of them with --material",
-                )
-            })?,
+            .ok_or_else(|| Trouble::no_such_material(wanted, &names))?,
     };
     let Some((name, own)) = with_law.get(at) else {
         return Err(Trouble::new(

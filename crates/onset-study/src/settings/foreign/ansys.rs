@@ -223,11 +223,7 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
         count: with_law.len(),
     });
     found.map(|table| (table, unread)).ok_or_else(|| match material {
-        Some(wanted) if !with_law.is_empty() => Trouble::new(
-            1,
-            format!("no material {wanted} has a hyperelastic law; materials with a law: {}", with_law.join(", ")),
-            "name one of them with --material",
-        ),
+        Some(wanted) if !with_law.is_empty() => Trouble::no_such_material(wanted, &with_law),
         _ => Trouble::new(
             1,
             "there is no hyperelastic law of ANSYS in this text",

@@ -84,14 +84,7 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
     let Some(at) = at else {
         let names: Vec<&str> = with_law.iter().map(|(name, _, _)| name.as_str()).collect();
         return Err(match (material, materials.first()) {
-            (Some(wanted), _) if !names.is_empty() => Trouble::new(
-                1,
-                format!(
-                    "no material {wanted} has a law that is read; materials with a law: {}",
-                    names.join(", ")
-                ),
-                "name one of them with --material",
-            ),
+            (Some(wanted), _) if !names.is_empty() => Trouble::no_such_material(wanted, &names),
             (_, Some(node)) => Trouble::new(
                 line_of(node),
                 format!(

@@ -50,16 +50,7 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
         Some(wanted) => numbers
             .iter()
             .position(|number| *number == wanted)
-            .ok_or_else(|| {
-                Trouble::new(
-                    1,
-                    format!(
-                        "no material {wanted} has a hyperelastic law; materials with a law: {}",
-                        numbers.join(", ")
-                    ),
-                    "name one of them with --material",
-                )
-            })?,
+            .ok_or_else(|| Trouble::no_such_material(wanted, &numbers))?,
     };
     let Some((block, reader)) = with_law.get(at) else {
         return Err(no_law(&blocks));

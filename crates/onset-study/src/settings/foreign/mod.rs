@@ -301,8 +301,30 @@ impl Trouble {
         }
     }
 
+    /// No material of the wanted name has a law that is read.
+    fn no_such_material(wanted: &str, names: &[impl AsRef<str>]) -> Self {
+        let names: Vec<String> = names.iter().map(|name| quoted(name.as_ref())).collect();
+        Self::new(
+            1,
+            format!(
+                "no material {} has a hyperelastic law; materials with a law: {}",
+                quoted(wanted),
+                names.join(", ")
+            ),
+            "name one of them with --material",
+        )
+    }
+
     fn at(self, name: &str) -> SettingError {
         SettingError::new(place(name, self.line.max(1)), self.message).hint(self.hint)
+    }
+}
+
+/// Name of a material in a text; names with spaces or commas stand in quotes.
+fn quoted(name: &str) -> String {
+    match name.contains([' ', ',']) {
+        true => format!("\"{name}\""),
+        false => name.to_owned(),
     }
 }
 

@@ -68,14 +68,9 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
     let numbers = || with_law.iter().map(|(block, _)| block.number.clone());
     let Some(at) = with_law.iter().position(wanted) else {
         return Err(match (material, blocks.first()) {
-            (Some(wanted), _) if !with_law.is_empty() => Trouble::new(
-                1,
-                format!(
-                    "no material {wanted} has a hyperelastic law; materials with a law: {}",
-                    numbers().collect::<Vec<_>>().join(", ")
-                ),
-                "name one of them with --material",
-            ),
+            (Some(wanted), _) if !with_law.is_empty() => {
+                Trouble::no_such_material(wanted, &numbers().collect::<Vec<_>>())
+            }
             (_, Some(block)) => Trouble::new(
                 block.line,
                 format!("/MAT/{} is not supported", block.law),

@@ -29,7 +29,7 @@ impl Chosen {
     pub fn told(&self) -> String {
         let name = match self.name.as_str() {
             "" => String::new(),
-            name => format!(", material {name}"),
+            name => format!(", material {}", super::quoted(name)),
         };
         match self.count {
             0 | 1 => name,
