@@ -350,6 +350,9 @@ pub enum Command {
         /// Verdicts that end the command with exit code 3.
         #[command(flatten)]
         failing: FailingArguments,
+        /// Length of the printed answer.
+        #[command(flatten)]
+        detail: DetailArguments,
     },
     /// Find where a plastic material localizes, with the band and its angle
     #[command(after_help = LOCALIZE_EXAMPLES, after_long_help = with_keys(LOCALIZE_EXAMPLES, &plastic_parameters()))]
@@ -1187,6 +1190,9 @@ pub struct ModesArguments {
     /// Options of the figure.
     #[command(flatten)]
     pub drawing: DrawingArguments,
+    /// Length of the printed answer.
+    #[command(flatten)]
+    pub detail: DetailArguments,
 }
 
 /// Command-line arguments of `onset tune`.

@@ -19,8 +19,9 @@ mod verify;
 mod zoo;
 
 use crate::arguments::{
-    Arguments, BlockArguments, Command, CourseArguments, GivenArguments, ProblemArguments,
-    SetArguments, StrainArguments, ThresholdArguments, TrustArguments, VerifyTask,
+    Arguments, BlockArguments, Command, CourseArguments, DetailArguments, GivenArguments,
+    ProblemArguments, SetArguments, StrainArguments, ThresholdArguments, TrustArguments,
+    VerifyTask,
 };
 use crate::drawing::DrawingArguments;
 use crate::fail_on::FailOn;
@@ -157,12 +158,13 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             out,
             drawing,
             failing,
+            detail,
         } => {
             let output = drawing.output(out.as_deref(), "path", &["path.csv"])?;
             let block = asked.block();
             let problem = ProblemArguments { given, block }.build()?;
             let course = course(&asked, &problem)?;
-            path(&problem, &course, output, failing.fail_on.as_ref())
+            path(&problem, &course, output, failing.fail_on.as_ref(), detail)
         }
         #[cfg(feature = "explore")]
         Command::Explore(arguments) => explore::explore(&arguments),
@@ -678,6 +680,7 @@ fn path(
     course: &Course,
     output: Option<Output>,
     fail_on: Option<&FailOn>,
+    detail: DetailArguments,
 ) -> Result<ExitCode, Failure> {
     let answer = PathAnswer::along(problem, course)?;
     let is_table = printing::format() == Format::Csv;
@@ -691,7 +694,8 @@ fn path(
         written = output.write(&samples.files(&answer))?;
     }
     let table = || samples.as_ref().map(PathSamples::csv).unwrap_or_default();
-    let printed = printing::print(&answer, &with_files(&answer, &written), table)?;
+    let text = with_files(&detail.text(&answer), &written);
+    let printed = printing::print(&answer, &text, table)?;
     Ok(match (fail_on, &samples) {
         (Some(fail_on), Some(samples)) => {
             let states = samples.samples.iter();

@@ -22,5 +22,6 @@ pub fn modes(arguments: &ModesArguments) -> Result<ExitCode, Failure> {
         Some(output) => output.write(&answer.files())?,
         None => Vec::new(),
     };
-    print(&answer, &with_files(&answer, &written), || answer.csv())
+    let text = with_files(&arguments.detail.text(&answer), &written);
+    print(&answer, &text, || answer.csv())
 }

@@ -132,8 +132,10 @@ fn words(line: &str) -> Vec<String> {
 }
 
 /// Commands that print a short answer without `--all`.
-const IN_SHORT: [&str; 8] = [
+const IN_SHORT: [&str; 10] = [
     "state",
+    "path",
+    "modes",
     "criteria",
     "card",
     "localize",

@@ -6,6 +6,7 @@ use super::mode::{critical_mode, finite_wave_vector};
 use super::notes::{is_fluid, notes, zero_energy};
 use super::problem::{Problem, ProblemError, Strain};
 use super::state::{ComplexNumber, list, rows};
+use crate::brief::{Brief, Short};
 use crate::number::{told, told_of, vector};
 use crate::settings::{Effective, Units};
 use nalgebra::SVector;
@@ -376,16 +377,14 @@ fn crossings(
     scan.crossings.iter().map(answer).collect()
 }
 
-impl std::fmt::Display for PathAnswer {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl PathAnswer {
+    /// Onsets of material and discretization in words.
+    fn sentences(&self) -> [String; 2] {
         let units = self.settings.units();
-        if let Some(loading) = &self.loading {
-            writeln!(formatter, "{loading}\n")?;
-        }
         let [law, discretization] = self.defined;
         // Nothing is known of the part of a path that was not followed.
         let early = self.loading.as_ref();
-        let sheared = early.is_some_and(|loading| loading.mode == Mode::SimpleShear);
+        let sheared = self.is_sheared();
         let at = |place: &Place| at(place, sheared, units);
         let way = match early.filter(|loading| loading.ends_early.is_some()) {
             Some(loading) => format!(
@@ -395,35 +394,28 @@ impl std::fmt::Display for PathAnswer {
             ),
             None => "along the whole path".to_owned(),
         };
-        match &self.material_onset {
+        let material = match &self.material_onset {
             None if law == Defined::Nowhere => {
-                writeln!(
-                    formatter,
-                    "The law is not defined at any state of the path."
-                )?;
+                "The law is not defined at any state of the path.".to_owned()
             }
-            Some(onset) if onset.phase == Phase::Flutter => writeln!(
-                formatter,
+            Some(onset) if onset.phase == Phase::Flutter => format!(
                 "The material begins to flutter at {}: acoustic eigenvalues are complex for waves along N = {}.",
                 at(&onset.place),
                 vector(&onset.direction)
-            )?,
-            Some(onset) => writeln!(
-                formatter,
+            ),
+            Some(onset) => format!(
                 "The material loses ellipticity at {} for waves along N = {}.",
                 at(&onset.place),
                 vector(&onset.direction)
-            )?,
-            None if self.is_fluid => writeln!(
-                formatter,
+            ),
+            None if self.is_fluid => {
                 "The material is a fluid, which is not strongly elliptic in any state: there is no loss of ellipticity along the path."
-            )?,
-            None if self.is_marginal => writeln!(
-                formatter,
+                    .to_owned()
+            }
+            None if self.is_marginal => format!(
                 "Ellipticity is not lost {way}, but at an end of the path the smallest acoustic eigenvalue of the material is zero to rounding."
-            )?,
-            None => writeln!(
-                formatter,
+            ),
+            None => format!(
                 "{} {way}{}{}.",
                 match self.is_symmetric {
                     true => "The material stays strongly elliptic",
@@ -435,17 +427,15 @@ impl std::fmt::Display for PathAnswer {
                     _ => "",
                 },
                 law.limits()
-            )?,
-        }
-        match &self.discretization_onset {
-            Some(onset) if onset.long_wave => writeln!(
-                formatter,
+            ),
+        };
+        let method = match &self.discretization_onset {
+            Some(onset) if onset.long_wave => format!(
                 "The discretization becomes unstable at {} for long waves along {}.",
                 at(&onset.place),
                 vector(&onset.direction)
-            )?,
-            Some(onset) => writeln!(
-                formatter,
+            ),
+            Some(onset) => format!(
                 "The discretization {} at {} with the wave vector {} (reference).",
                 if onset.phase == Phase::Flutter {
                     "begins to flutter"
@@ -454,34 +444,70 @@ impl std::fmt::Display for PathAnswer {
                 },
                 at(&onset.place),
                 units.of(vector(&onset.wave_vector), "1/m")
-            )?,
-            None if discretization == Defined::Nowhere => writeln!(
-                formatter,
-                "The discretization cannot be evaluated at any state of the path."
-            )?,
-            None => writeln!(
-                formatter,
+            ),
+            None if discretization == Defined::Nowhere => {
+                "The discretization cannot be evaluated at any state of the path.".to_owned()
+            }
+            None => format!(
                 "The discretization is stable {way}{}.",
                 discretization.limits()
-            )?,
+            ),
+        };
+        [material, method]
+    }
+
+    fn is_sheared(&self) -> bool {
+        let loading = self.loading.as_ref();
+        loading.is_some_and(|loading| loading.mode == Mode::SimpleShear)
+    }
+
+    /// Changes of stability along the path, a line for each.
+    fn crossings(&self) -> Vec<String> {
+        let sheared = self.is_sheared();
+        let line = |name: &str, crossing: &CrossingAnswer| {
+            format!(
+                "  {name:<14} {:<9} -> {:<9} at {} (s = {})",
+                phase(crossing.from),
+                phase(crossing.to),
+                match crossing.imposed.filter(|_| sheared) {
+                    Some(gamma) => format!("gamma = {}", told(gamma)),
+                    None => vector(&crossing.stretch),
+                },
+                told(crossing.parameter)
+            )
+        };
+        let of = |name: &'static str, crossings: &[CrossingAnswer]| -> Vec<String> {
+            crossings.iter().map(|own| line(name, own)).collect()
+        };
+        let mut lines = of("material", &self.material_crossings);
+        lines.extend(of("discretization", &self.discretization_crossings));
+        lines
+    }
+}
+
+impl Brief for PathAnswer {
+    fn brief(&self) -> Short {
+        let loading = self.loading.iter().map(|loading| format!("{loading} "));
+        let (law, law_defaults) = self.settings.material();
+        let (method, method_defaults) = self.settings.discretization();
+        Short::new(loading.collect::<String>() + &self.sentences().join(" "))
+            .table(self.crossings())
+            .row(0, "evidence", self.evidence.words())
+            .row(1, "material", law)
+            .row(1, "method", method)
+            .notes(&self.notes)
+            .settings("material", law_defaults)
+            .settings("method", method_defaults)
+    }
+}
+
+impl std::fmt::Display for PathAnswer {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if let Some(loading) = &self.loading {
+            writeln!(formatter, "{loading}\n")?;
         }
-        for (name, crossings) in [
-            ("material", &self.material_crossings),
-            ("discretization", &self.discretization_crossings),
-        ] {
-            for crossing in crossings {
-                writeln!(
-                    formatter,
-                    "  {name:<14} {:<9} -> {:<9} at {} (s = {})",
-                    phase(crossing.from),
-                    phase(crossing.to),
-                    match crossing.imposed.filter(|_| sheared) {
-                        Some(gamma) => format!("gamma = {}", told(gamma)),
-                        None => vector(&crossing.stretch),
-                    },
-                    told(crossing.parameter)
-                )?;
-            }
+        for line in self.sentences().iter().chain(&self.crossings()) {
+            writeln!(formatter, "{line}")?;
         }
         for note in &self.notes {
             writeln!(formatter, "\nnote: {note}")?;

@@ -389,7 +389,7 @@ impl Brief for LocalizationAnswer {
             short = short.row(
                 1,
                 "ellipticity",
-                format!("strong ellipticity lost: {}", point(strong)),
+                format!("strong ellipticity is lost at {}", point(strong)),
             );
         }
         let (name, last) = match &self.localization {

@@ -10,6 +10,7 @@ pub(crate) use animation::{STYLE, moving_particles};
 pub use fit::Fit;
 
 use crate::answers::{Evidence, Problem, ProblemError, notes};
+use crate::brief::{Brief, Short};
 use crate::methods::reduced;
 use crate::number::{counted, told};
 use crate::settings::{Effective, Settings};
@@ -315,14 +316,12 @@ fn fraction(x: &f64) -> String {
 
 impl fmt::Display for ModesAnswer {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.write_modes(formatter)?;
-        if self.is_exported {
-            let misfits = self.modes.iter().enumerate();
-            let misfits = misfits.filter_map(|(n, mode)| Some((n + 1, mode.misfit(self.cells)?)));
-            for (at, (number, misfit)) in misfits.enumerate() {
-                let gap = if at == 0 { "\n" } else { "" };
-                writeln!(formatter, "{gap}mode {number}: {misfit}")?;
-            }
+        writeln!(formatter, "{}", self.sentence())?;
+        if !self.modes.is_empty() {
+            writeln!(formatter, "\n{}", self.list().join("\n"))?;
+        }
+        for caution in self.cautions() {
+            writeln!(formatter, "\n{caution}")?;
         }
         for note in &self.notes {
             writeln!(formatter, "\nnote: {note}")?;
@@ -336,49 +335,63 @@ impl fmt::Display for ModesAnswer {
     }
 }
 
+impl Brief for ModesAnswer {
+    fn brief(&self) -> Short {
+        let (law, law_defaults) = self.settings.material();
+        let (method, method_defaults) = self.settings.discretization();
+        let notes = [self.cautions(), self.notes.clone()].concat();
+        Short::new(self.sentence())
+            .table(self.list())
+            .row(0, "evidence", self.evidence.words())
+            .row(1, "material", law)
+            .row(1, "method", method)
+            .notes(&notes)
+            .settings("material", law_defaults)
+            .settings("method", method_defaults)
+    }
+}
+
 impl ModesAnswer {
-    fn write_modes(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn sentence(&self) -> String {
+        if !self.modes.is_empty() {
+            return format!(
+                "{} of the reference configuration, with at most {:.0} % of the frequency of the material's slowest wave with the same wave vector. \
+                 Wave vectors are in units of the reciprocal vectors; k and -k count once.",
+                counted(self.modes.len(), "spurious mode"),
+                100.0 * self.weak
+            );
+        }
+        match self.weakest {
+            Some(weakest) => format!(
+                "No spurious modes: every wave of the reference configuration has at least {:.1} % of the frequency of the material's slowest wave.",
+                100.0 * weakest
+            ),
+            None => "No zero-energy modes. Weak modes are undefined, because the frequency of the material's slowest waves is zero.".to_owned(),
+        }
+    }
+
+    /// The modes, a line for each.
+    fn list(&self) -> Vec<String> {
+        let modes = self.modes.iter().enumerate();
+        let line = |(n, mode): (usize, &ShownMode)| {
+            format!("  {:>2}  k = {:<24} {}", n + 1, mode.place(), mode.kind())
+        };
+        modes.map(line).collect()
+    }
+
+    /// What the list may lack, and the modes that do not fit the exported patch.
+    fn cautions(&self) -> Vec<String> {
         let unsure =
-            "\nnot all of the zone could be searched for zero-energy modes: there may be others";
-        if self.modes.is_empty() {
-            match self.weakest {
-                Some(weakest) => writeln!(
-                    formatter,
-                    "no spurious modes: every wave of the reference configuration has at least {:.1} % of the frequency of the material's slowest wave",
-                    100.0 * weakest
-                )?,
-                None => writeln!(
-                    formatter,
-                    "no zero-energy modes; weak modes are undefined, because the frequency of the material's slowest waves is zero"
-                )?,
-            }
-            return if self.complete {
-                Ok(())
-            } else {
-                writeln!(formatter, "{unsure}")
-            };
-        }
-        writeln!(
-            formatter,
-            "spurious modes of the reference configuration, wave vectors in units of the reciprocal vectors (k and -k counted once)\n"
-        )?;
-        for (n, mode) in self.modes.iter().enumerate() {
-            writeln!(
-                formatter,
-                "  {:>2}  k = {:<24} {}",
-                n + 1,
-                mode.place(),
-                mode.kind()
-            )?;
-        }
-        if !self.complete {
-            writeln!(formatter, "{unsure}")?;
-        }
-        writeln!(
-            formatter,
-            "\nthe list contains waves slower than {:.0} % of the material's slowest wave with the same wave vector",
-            100.0 * self.weak
-        )
+            "not all of the zone could be searched for zero-energy modes: there may be others";
+        let mut cautions = Vec::new();
+        cautions.extend((!self.complete).then(|| unsure.to_owned()));
+        let modes = self.modes.iter().enumerate().filter(|_| self.is_exported);
+        cautions.extend(
+            modes.filter_map(|(n, mode)| {
+                Some(format!("mode {}: {}", n + 1, mode.misfit(self.cells)?))
+            }),
+        );
+        cautions
     }
 }
 
