@@ -389,7 +389,7 @@ impl Brief for LocalizationAnswer {
             short = short.row(
                 1,
                 "ellipticity",
-                format!("strong ellipticity is lost at {}", point(strong)),
+                format!("lost in the strong sense at {}", point(strong)),
             );
         }
         let (name, last) = match &self.localization {

@@ -1,0 +1,13 @@
+# The command `onset` without a toolchain:
+#   docker build --tag onset .
+#   docker run --rm --volume "$PWD:/work" onset state study.toml --stretch 1.2,1
+FROM rust:1-slim-bookworm AS build
+WORKDIR /source
+COPY . .
+RUN cargo build --release --locked --package onset-cli
+
+FROM debian:bookworm-slim
+COPY --from=build /source/target/release/onset /usr/local/bin/
+COPY LICENSE-MIT LICENSE-APACHE /usr/share/doc/onset/
+WORKDIR /work
+ENTRYPOINT ["onset"]
