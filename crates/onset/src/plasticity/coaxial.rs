@@ -34,6 +34,8 @@ use std::ops::ControlFlow;
 
 /// Relative error of the stress along a path.
 const ACCURACY: f64 = 1e-10;
+/// Stress, in units of the strength, below which the error is no longer measured in units of the stress itself.
+const EXHAUSTED: f64 = 1e-3;
 /// Largest excess, in units of the strength, of an elastic state after unloading. It exceeds the error of the integration.
 const YIELD_TOLERANCE: f64 = 1e-8;
 /// Largest number of times that a path unloads.
@@ -291,12 +293,14 @@ impl<L: FlowLaw> Coaxial<L> {
             }
         };
         let strength = law.strength();
-        let size = joined(
-            &Vector3::repeat(strength),
-            strength / law.elasticity().shear,
-            &law.start(&split(start).0).1,
-        );
-        integrate(start, [from, 1.0], &size, ACCURACY, rates)
+        let internal = law.start(&split(start).0).1;
+        // The direction of flow follows from the stress, however small softening leaves it.
+        let size = |y: &Point| {
+            let stress = split(y).0.amax().clamp(EXHAUSTED * strength, strength);
+            let slip = strength / law.elasticity().shear;
+            joined(&Vector3::repeat(stress), slip, &internal)
+        };
+        integrate(start, [from, 1.0], size, ACCURACY, rates)
     }
 
     /// State at the end of the path to a deformation, with the axes.

@@ -1,6 +1,5 @@
 //! Interface of plastic laws: flow at a state, as used by paths and localization bands.
 
-use super::law::{deviator, equivalent_shear, mean};
 use super::{DruckerPrager, PlasticityError};
 use nalgebra::{Matrix3, Vector3};
 
@@ -148,13 +147,9 @@ pub trait FlowLaw {
 
 /// Mean stress, deviator and `sqrt(s:s/2)` of principal stresses.
 pub(super) fn parts(stress: &Vector3<f64>) -> (f64, Vector3<f64>, f64) {
-    let tensor = Matrix3::from_diagonal(stress);
-    let deviator = deviator(&tensor);
-    (
-        mean(&tensor),
-        deviator.diagonal(),
-        equivalent_shear(&deviator),
-    )
+    let mean = stress.sum() / 3.0;
+    let deviator = stress.add_scalar(-mean);
+    (mean, deviator, (0.5 * deviator.norm_squared()).sqrt())
 }
 
 /// Direction `s / (2 tau)`, and `tau`.
@@ -176,12 +171,13 @@ impl DruckerPrager {
         stress: &Vector3<f64>,
         slip: f64,
     ) -> Result<Flow, PlasticityError> {
-        let (direction, normal) = self.directions(&Matrix3::from_diagonal(stress))?;
+        let (unit, _) = direction(stress)?;
+        let with = |volume: f64| unit.add_scalar(volume / 3.0);
         Ok(Flow {
-            direction: direction.diagonal(),
+            direction: with(self.dilatancy()),
             ..Flow::associated(
                 FlowLaw::elasticity(self),
-                normal.diagonal(),
+                with(self.friction()),
                 self.hardening().modulus(slip),
             )
         })

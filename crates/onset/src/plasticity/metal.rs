@@ -365,7 +365,7 @@ impl Metal {
         };
         let size = SVector::repeat(self.flow_stress.first / self.mu);
         let start = SVector::zeros();
-        let end = integrate(&start, [first, 1.0], &size, ACCURACY, rates).map_err(no_path)?;
+        let end = integrate(&start, [first, 1.0], |_| size, ACCURACY, rates).map_err(no_path)?;
         self.has_strength(end[3])?;
         let inverse = end.fixed_rows::<3>(0).map(|plastic| (-plastic).exp());
         Ok((Matrix3::from_diagonal(&inverse), end[3]))
@@ -400,7 +400,7 @@ impl Metal {
         let mut start = SVector::<f64, 10>::zeros();
         start.as_mut_slice()[..9].copy_from_slice(Matrix3::<f64>::identity().as_slice());
         let size = SVector::repeat(self.flow_stress.first / self.mu);
-        let end = integrate(&start, [first, 1.0], &size, ACCURACY, rates).map_err(no_path)?;
+        let end = integrate(&start, [first, 1.0], |_| size, ACCURACY, rates).map_err(no_path)?;
         self.has_strength(end[9])?;
         Ok((Matrix3::from_column_slice(&end.as_slice()[..9]), end[9]))
     }

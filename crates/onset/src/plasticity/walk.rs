@@ -198,9 +198,11 @@ impl<'a> Walk<'a> {
             &self.law.start(&split(start).1).1,
         );
         let rates = |y: &Point, slip: f64| self.rates(y, slip);
-        integrate(start, [from, to], &size, ACCURACY, rates).map_err(|stopped| match stopped.why {
-            Stop::Rates(end) => end,
-            Stop::TooManySteps => End::TooStiff,
+        integrate(start, [from, to], |_| size, ACCURACY, rates).map_err(|stopped| {
+            match stopped.why {
+                Stop::Rates(end) => end,
+                Stop::TooManySteps => End::TooStiff,
+            }
         })
     }
 
