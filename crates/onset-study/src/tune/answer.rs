@@ -342,7 +342,7 @@ fn stiffness(settings: &Settings) -> String {
     match stabilization(settings, true).filter(is_stiffness) {
         Some(key) => format!("; {key} is a stiffness that can be tuned"),
         None if settings.method.method == Family::UpdatedSph => {
-            "; the total-Lagrangian form has one: `onset tune discretization.penalty` with discretization.method=total-lagrangian-sph".to_owned()
+            "; discretization.penalty is a stiffness that can be tuned".to_owned()
         }
         None => String::new(),
     }
