@@ -178,8 +178,10 @@ impl<const D: usize> Body<D> {
             }
             for i in 0..self.count {
                 let spin = (rates[i] - rates[i].transpose()) * (0.5 * dt);
-                accumulated[i] += spin * accumulated[i] + grown[i] * dt;
-                f[i] += rates[i] * f[i] * dt;
+                let turned = spin * accumulated[i];
+                accumulated[i] += turned + grown[i] * dt;
+                let stretched = rates[i] * f[i];
+                f[i] += stretched * dt;
             }
         }
         let volume = volumes(&f);
@@ -298,7 +300,7 @@ fn both_formulations_pass_the_battery_with_all_forms() {
 }
 
 #[test]
-fn the_penalty_leaves_long_waves_and_every_momentum_unchanged() {
+fn the_penalty_leaves_long_waves_unchanged() {
     let mut random = Random::new(8);
     let material = solid();
     for kind in [LatticeKind::Square, LatticeKind::Hexagonal] {
@@ -385,7 +387,10 @@ fn both_formulations_have_no_zero_energy_modes_where_updated_sph_has_them() {
         assert_eq!(zero, 0);
         weakest.push(weak);
     }
-    panic!("{weakest:?}");
+    // Least frequency over that of the material: coefficients 2 and 4 of the penalty, and pairs.
+    for (found, expected) in weakest.into_iter().zip([0.2801, 0.3961, 0.5240]) {
+        assert!((found - expected).abs() < 1e-4, "{found}, {expected}");
+    }
 }
 
 /// Between nearest neighbors alone pairs do not resist a shear of a square lattice, and the mean stress does not either.
@@ -402,7 +407,7 @@ fn shear_between_nearest_neighbors_leaves_the_shears_of_a_square_lattice_free() 
     let material = solid();
     let survey = Survey::new(&sph, &*material).expect("a survey");
     let found = spurious_modes(&survey, WEAK_WAVE_RATIO).expect("modes");
-    assert!(found.modes.iter().any(|mode| mode.is_zero()));
+    assert_eq!(found.weakest, Some(0.0));
 }
 
 #[test]
@@ -444,9 +449,9 @@ fn choices_without_meaning_are_refused() {
     }
     let law = Law::named("murnaghan").expect("a law of the library");
     let fluid = law.build(&[("mu", 0.0)]).expect("a fluid");
-    let metal = onset::plasticity::library().iter();
-    let metal = metal.clone().find(|law| law.name == "j2").expect("a metal");
-    let metal = metal.build(&[]).expect("constants");
+    let metals = onset::plasticity::library();
+    let metal = metals.iter().find(|law| law.name == "j2");
+    let metal = metal.expect("a metal").build(&[]).expect("constants");
     let rest = DeformationGradient::identity();
     for choices in self::both::<2>(2.3) {
         let sph = updated(crystal::<2>(LatticeKind::Square), choices.clone());
