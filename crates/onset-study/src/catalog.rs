@@ -641,6 +641,23 @@ const ROWS: &[Row] = &[
         ],
     ),
     (
+        "shear-forces",
+        "discretization.shear-forces",
+        &[
+            (
+                "stress",
+                "the stress of a particle acts along the gradients of its neighbors",
+                "all forms of SPH",
+            ),
+            (
+                "pairs",
+                "zeta mu J^(-2/D) F of the stress as a Laplacian of positions over pairs; updated SPH: the mean stress, and \
+                 da_I/dt = 2 zeta G / rho_I sum_J V_J (e.v_IJ) e W' / r",
+                "Wu and others 2023; updated SPH: Zhang, Zhang, Rezavand and Hu, J. Comput. Phys. 2024",
+            ),
+        ],
+    ),
+    (
         "viscosities",
         "discretization.viscosity-switch",
         &[

@@ -73,6 +73,9 @@ pub fn hint(error: &MethodError) -> &'static str {
         MethodError::Material(MaterialError::NoYoungsModulus) => {
             "\n  hint: leave discretization.penalty out, or give the law a shear modulus (material.mu)"
         }
+        MethodError::Material(MaterialError::NoShearModulus) => {
+            "\n  hint: leave discretization.penalty and discretization.shear-forces out, or give the law a shear modulus (material.mu)"
+        }
         MethodError::Material(MaterialError::NoPlaneStress { .. }) => {
             "\n  hint: set material.plane=strain; plane stress is for chains and lattices of the plane, and for laws with stiffness against all strains"
         }
@@ -106,10 +109,21 @@ fn total_lagrangian(settings: &Settings) -> TotalLagrangianChoices {
         penalty_form: settings.method.penalty_form,
         viscosity: viscosity(settings),
         velocity_smoothing: settings.method.velocity_smoothing,
-        shear: match settings.method.shear_forces {
-            Shear::Stress => ShearForces::Stress,
-            Shear::Pairs => ShearForces::Pairs {
-                coefficient: settings.method.shear_coefficient,
+        shear: shear(settings, PUBLISHED_TOTAL_LAGRANGIAN_SHEAR),
+    }
+}
+
+/// Coefficient of shear forces between pairs in total-Lagrangian SPH, of Wu and others (2023).
+const PUBLISHED_TOTAL_LAGRANGIAN_SHEAR: f64 = 1.07;
+
+/// Shear forces, with a published coefficient unless another one is set.
+fn shear(settings: &Settings, published: f64) -> ShearForces {
+    match settings.method.shear_forces {
+        Shear::Stress => ShearForces::Stress,
+        Shear::Pairs => ShearForces::Pairs {
+            coefficient: match settings.method.shear_coefficient {
+                0.0 => published,
+                coefficient => coefficient,
             },
         },
     }
@@ -135,6 +149,11 @@ fn updated(settings: &Settings) -> UpdatedSphChoices {
         density_evolution: method.density_evolution,
         corrected: method.corrected,
         corrected_forces: method.corrected_forces,
+        penalty: method.penalty,
+        shear: shear(
+            settings,
+            UpdatedSphChoices::published_shear_coefficient(settings.dimension()),
+        ),
         artificial_stress,
         viscosity: viscosity(settings),
         velocity_smoothing: method.velocity_smoothing,

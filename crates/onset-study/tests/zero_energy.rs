@@ -89,6 +89,8 @@ fn controlled_methods_keep_their_verdict() {
     for method in [
         "method=kernel frame=lagrangian quadrature=stress-points",
         "method=peridynamics bonds=correspondence control=penalty control-coefficient=0.5 horizon=2 lattice=square",
+        "method=updated-sph support=2 penalty=4",
+        "method=updated-sph support=2 shear-forces=pairs",
         "method=finite-elements mesh=quadrilaterals integration=full",
         "method=finite-elements mesh=quadrilaterals integration=one-point hourglass-stiffness=0.05",
     ] {

@@ -120,7 +120,7 @@ pub(crate) fn hint_on_body(error: &BodyError) -> &'static str {
     match error {
         BodyError::NoContact(_) => "leave body.contact out",
         BodyError::NoBodies => {
-            "bodies are run with discretization.method = \"updated-sph\" or \"total-lagrangian-sph\", the latter without viscosity and velocity smoothing"
+            "bodies are run with discretization.method = \"updated-sph\" or \"total-lagrangian-sph\", without shear between pairs; the first without a penalty, the latter without viscosity and velocity smoothing"
         }
         BodyError::Lonely { .. } => {
             "choose a larger discretization.support, or a body with more rows of particles"
@@ -129,7 +129,7 @@ pub(crate) fn hint_on_body(error: &BodyError) -> &'static str {
             "set grips.from and grips.to to corners of a box that contains particles, in particle spacings of the reference configuration"
         }
         BodyError::NoTangent => {
-            "available for finite elements, peridynamics, SPH with a support that does not follow the deformation, and kernel methods with nodal quadrature and discretization.frame = \"lagrangian\""
+            "available for finite elements, peridynamics, SPH with a support that does not follow the deformation (updated SPH without shear between pairs), and kernel methods with nodal quadrature and discretization.frame = \"lagrangian\""
         }
         BodyError::NoStress { .. } | BodyError::NotConverged => {
             "choose an earlier time, or check the law and the reference positions"

@@ -1,6 +1,6 @@
 //! Commands that follow up a verdict, with the current settings.
 
-use crate::settings::{Choice, Family, Key, Settings, Value};
+use crate::settings::{Choice, Family, Key, Settings, Shear, Value};
 use crate::shell::quoted;
 use onset::verdict::Verdict;
 
@@ -9,7 +9,14 @@ pub(super) fn next(settings: &Settings, verdict: Verdict, has_one_particle: bool
     if settings.material.is_handed() {
         return Vec::new();
     }
-    let coefficient = stabilization(settings, has_one_particle);
+    let method = &settings.method;
+    let coefficient = match (verdict, method.method) {
+        // Artificial stress resists no wave of a body without stress.
+        (Verdict::ZeroEnergy, Family::UpdatedSph) if method.shear_forces == Shear::Stress => {
+            Some("discretization.penalty")
+        }
+        _ => stabilization(settings, has_one_particle),
+    };
     let modes = format!("onset modes{}", assignments(settings, None));
     let tune =
         coefficient.map(|key| format!("onset tune {key}{}", assignments(settings, Some(key))));
@@ -26,6 +33,7 @@ pub(super) fn next(settings: &Settings, verdict: Verdict, has_one_particle: bool
 pub(crate) fn stabilization(settings: &Settings, has_one_particle: bool) -> Option<&'static str> {
     let candidates = match settings.method.method {
         Family::TotalLagrangianSph => ["discretization.penalty"].as_slice(),
+        Family::UpdatedSph if settings.method.penalty > 0.0 => &["discretization.penalty"],
         Family::UpdatedSph => &["discretization.artificial-stress"],
         Family::FiniteElements => &["discretization.hourglass-stiffness"],
         Family::Conforming => &["discretization.modification"],

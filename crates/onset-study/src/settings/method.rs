@@ -3,7 +3,7 @@
 use super::Value;
 use super::key::{IN_SPACINGS, Key, Kind, key};
 use super::needs::{Cases, is, is_not};
-use onset::material::Admitted::{Any, Fraction, NotNegative, Positive, Within};
+use onset::material::Admitted::{Any, Fraction, NotNegative, Within};
 use onset::method::CurrentLattice;
 use onset::scheme::conforming::SmoothingDomain;
 use onset::scheme::element::{ElementMass, ElementMesh, ElementOrder, HourglassScale, Integration};
@@ -66,7 +66,7 @@ pub enum Bonds {
     BondAveraged,
 }
 
-/// Forces of the shear stress in total-Lagrangian SPH.
+/// Forces of the shear stress in SPH.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Shear {
@@ -149,13 +149,13 @@ pub struct MethodSettings {
     pub momentum: MomentumForm,
     /// Updated SPH: density from summation or from the continuity equation.
     pub density_evolution: DensityEvolution,
-    /// Total-Lagrangian SPH: coefficient of the zero-energy-mode penalty.
+    /// SPH: coefficient of the zero-energy-mode penalty.
     pub penalty: f64,
     /// Total-Lagrangian SPH: form of the penalty.
     pub penalty_form: PenaltyForm,
-    /// Total-Lagrangian SPH: forces of the shear stress.
+    /// SPH: forces of the shear stress.
     pub shear_forces: Shear,
-    /// Total-Lagrangian SPH: coefficient of shear forces between pairs.
+    /// SPH: coefficient of shear forces between pairs; zero for the published one.
     pub shear_coefficient: f64,
     /// SPH: linear coefficient of artificial viscosity, or zero.
     pub viscosity: f64,
@@ -240,7 +240,7 @@ impl Default for MethodSettings {
             penalty: 0.0,
             penalty_form: PenaltyForm::Published,
             shear_forces: Shear::Stress,
-            shear_coefficient: 1.07,
+            shear_coefficient: 0.0,
             viscosity: 0.0,
             viscosity_switch: ViscositySwitch::Averaged,
             artificial_stress: 0.0,
@@ -336,9 +336,11 @@ pub(super) const WEIGHTED: Cases = &[&[is(
 pub(super) const APPROXIMATED: Cases = &[&[is(METHOD, &["kernel", "conforming"])]];
 const SPH: Cases = &[&[is(METHOD, &["total-lagrangian-sph", "updated-sph"])]];
 const VISCOUS: Cases = &[&[is_not("discretization.viscosity", &["0"])]];
-const TOTAL_SPH: Cases = &[&[is(METHOD, &["total-lagrangian-sph"])]];
 const PAIRWISE: Cases = &[&[is("discretization.shear-forces", &["pairs"])]];
-const PENALIZED: Cases = &[&[is_not("discretization.penalty", &["0"])]];
+const PENALIZED_TOTAL_SPH: Cases = &[&[
+    is(METHOD, &["total-lagrangian-sph"]),
+    is_not("discretization.penalty", &["0"]),
+]];
 const UPDATED_SPH: Cases = &[&[is(METHOD, &["updated-sph"])]];
 const ARTIFICIALLY_STRESSED: Cases = &[&[is_not("discretization.artificial-stress", &["0"])]];
 const SMOOTHED: Cases = &[&[
@@ -418,25 +420,25 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.penalty",
         Kind::Number("1", NotNegative),
-        "total-Lagrangian SPH: coefficient of the zero-energy-mode penalty (Ganzenmueller)",
+        "SPH: coefficient of the zero-energy-mode penalty (Ganzenmueller; updated SPH: xi of the generalized non-hourglass formulation of SPHinXsys)",
     )
-    .only_with(TOTAL_SPH),
+    .only_with(SPH),
     key(
         "discretization.penalty-form",
         Kind::Words(&["published", "smd"]),
         "total-Lagrangian SPH: form of the penalty, published or as in LAMMPS' SMD (regularized denominators; the coefficient is the hourglass amplitude)",
     )
-    .only_with(PENALIZED),
+    .only_with(PENALIZED_TOTAL_SPH),
     key(
         "discretization.shear-forces",
         Kind::Words(&["stress", "pairs"]),
-        "total-Lagrangian SPH: shear forces from the particle stresses, or pairwise (the essentially non-hourglass formulation of SPHinXsys)",
+        "SPH: shear forces from the particle stresses, or pairwise (the essentially non-hourglass formulations of SPHinXsys)",
     )
-    .only_with(TOTAL_SPH),
+    .only_with(SPH),
     key(
         "discretization.shear-coefficient",
-        Kind::Number("1", Positive),
-        "total-Lagrangian SPH: coefficient of shear forces between pairs",
+        Kind::Number("1", NotNegative),
+        "SPH: coefficient of shear forces between pairs; 0 for the published one, 1.07 (updated SPH: 0.7 d + 2.1 in d dimensions)",
     )
     .only_with(PAIRWISE),
     key(

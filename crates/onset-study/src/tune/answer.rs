@@ -9,7 +9,7 @@ use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
 use crate::number;
 use crate::output::{Files, picture, text};
 use crate::range::middle;
-use crate::settings::{CompareSettings, Effective, Family, Key, Settings};
+use crate::settings::{CompareSettings, Effective, Key, Settings, Shear};
 use onset::cancel::Scope;
 use onset::measures::StretchOnset;
 use rayon::prelude::*;
@@ -338,14 +338,14 @@ impl TuneAnswer {
 /// Clause on a stiffness that replaces a damping, or an empty text.
 fn stiffness(settings: &Settings) -> String {
     // Artificial stress has no stiffness in a body without stress.
-    let is_stiffness = |key: &&str| *key != "discretization.artificial-stress";
-    match stabilization(settings, true).filter(is_stiffness) {
-        Some(key) => format!("; {key} is a stiffness that can be tuned"),
-        None if settings.method.method == Family::UpdatedSph => {
-            "; the total-Lagrangian form has one: `onset tune discretization.penalty` with discretization.method=total-lagrangian-sph".to_owned()
-        }
-        None => String::new(),
-    }
+    let key = match (stabilization(settings, true), settings.method.shear_forces) {
+        (Some("discretization.artificial-stress"), Shear::Stress) => Some("discretization.penalty"),
+        (Some("discretization.artificial-stress"), Shear::Pairs) => None,
+        (key, _) => key,
+    };
+    key.map_or_else(String::new, |key| {
+        format!("; {key} is a stiffness that can be tuned")
+    })
 }
 
 /// The next number of six digits that is no smaller than a positive one.

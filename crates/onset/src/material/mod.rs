@@ -96,6 +96,11 @@ pub enum MaterialError {
         "the law has no stiffness against some strain at F = 1 (a fluid has none against shear), so that Young's modulus, with which the stabilization is scaled, is not positive"
     )]
     NoYoungsModulus,
+    /// The material in the reference state has no stiffness against shear.
+    #[error(
+        "the law has no stiffness against shear at F = 1 (a fluid and a bar in uniaxial stress have none), so that the shear modulus, with which forces between pairs of particles are scaled, is not positive"
+    )]
+    NoShearModulus,
     /// The law is not applicable to a sheet in plane stress, or to a bar in uniaxial stress.
     #[error("the law has no plane stress: {reason}")]
     NoPlaneStress {

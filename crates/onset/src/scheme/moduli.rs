@@ -30,6 +30,28 @@ impl Moduli {
     }
 }
 
+/// Shear modulus of a material in the reference state, positive, for forces between pairs of particles in `D` dimensions; stress.
+///
+/// # Errors
+/// [`MaterialError`] if the material cannot be evaluated there, or if it has no stiffness against shear: a fluid, or a bar in uniaxial stress.
+pub(super) fn shear_modulus<const D: usize>(
+    material: &dyn Hyperelastic,
+) -> Result<f64, MaterialError> {
+    let tangent = reference_tangent(material)?;
+    let modulus = match D.max(2).min(material.dimension()) {
+        _ if D == 1 && material.dimension() == 3 => shear::<3>(&tangent),
+        2 => shear::<2>(&tangent),
+        3 => shear::<3>(&tangent),
+        _ => 0.0,
+    };
+    // The modulus is a difference of these sums.
+    let rounding = 1e-13 * trace::<3>(&tangent).abs();
+    match modulus > rounding && modulus.is_finite() {
+        true => Ok(modulus),
+        false => Err(MaterialError::NoShearModulus),
+    }
+}
+
 /// Tangent of a material in the reference state.
 ///
 /// # Errors

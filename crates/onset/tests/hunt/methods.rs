@@ -249,6 +249,12 @@ fn updated<const D: usize>(random: &mut Random) -> Option<Named<D>> {
         corrected: random.happens(0.4),
         artificial_stress: random.happens(0.2).then(ArtificialStress::default),
         velocity_smoothing: random.one_of(&[0.0, 0.0, 0.5]),
+        penalty: random.one_of(&[0.0, 0.0, 2.0, 4.0]),
+        shear: random.one_of(&[
+            ShearForces::Stress,
+            ShearForces::Stress,
+            ShearForces::Pairs { coefficient: 3.5 },
+        ]),
         ..UpdatedSphChoices::default()
     };
     let name = format!("{place}, {choices:?}");

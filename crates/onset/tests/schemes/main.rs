@@ -9,6 +9,7 @@ mod dialects;
 mod elements;
 mod kernels;
 mod material_point;
+mod non_hourglass;
 mod peridynamics;
 mod spacing;
 mod sph;

@@ -12,6 +12,7 @@ mod peridigm_lps;
 mod perilab_correspondence;
 mod pysph_solid;
 mod sphinxsys_tl;
+mod sphinxsys_ul;
 mod taichi_mpm88;
 
 /// Key whose words the presets are.
@@ -48,6 +49,7 @@ pub(crate) const PRESETS: &[Preset] = &[
     moose_nospd::PRESET,
     pysph_solid::PRESET,
     sphinxsys_tl::PRESET,
+    sphinxsys_ul::PRESET,
     taichi_mpm88::PRESET,
 ];
 

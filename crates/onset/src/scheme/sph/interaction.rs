@@ -5,6 +5,7 @@ use super::super::stabilization::{BondPenalty, ViscousBond};
 use super::super::{Interaction, Motion};
 use super::chain::Chain;
 use super::pairwise::PairwiseShear;
+use super::springs::PairSprings;
 use super::stress::StressOf;
 use crate::bloch::BlochBlocks;
 use crate::lattice::Particle;
@@ -18,6 +19,8 @@ pub(super) enum SphInteraction<'a, const D: usize> {
     /// Stress of a particle with moving neighbors.
     Moving(StressOf<'a, D>),
     Penalty(BondPenalty<'a, D>),
+    /// Accumulated forces of a particle along its pairs.
+    Springs(PairSprings<D>),
     Viscous(ViscousBond<D>),
 }
 
@@ -28,6 +31,7 @@ impl<const D: usize> Interaction<D> for SphInteraction<'_, D> {
             Self::Pairwise(point) => point.particles(),
             Self::Moving(stress) => stress.particles(),
             Self::Penalty(penalty) => penalty.particles(),
+            Self::Springs(springs) => springs.particles(),
             Self::Viscous(bond) => bond.particles(),
         }
     }
@@ -38,6 +42,7 @@ impl<const D: usize> Interaction<D> for SphInteraction<'_, D> {
             Self::Pairwise(point) => point.forces(motion),
             Self::Moving(stress) => stress.forces(motion),
             Self::Penalty(penalty) => penalty.forces(motion),
+            Self::Springs(springs) => springs.forces(motion),
             Self::Viscous(bond) => bond.forces(motion),
         }
     }
@@ -52,6 +57,7 @@ impl<const D: usize> Interaction<D> for SphInteraction<'_, D> {
             Self::Pairwise(point) => point.add_stiffness(blocks),
             Self::Moving(stress) => Chain::new(stress).add_stiffness(blocks),
             Self::Penalty(penalty) => penalty.add_stiffness(blocks),
+            Self::Springs(springs) => springs.add_stiffness(blocks),
             Self::Viscous(bond) => bond.add_stiffness(blocks),
         }
     }

@@ -11,6 +11,7 @@ mod current;
 mod interaction;
 mod neighborhood;
 mod pairwise;
+mod springs;
 mod stress;
 mod total;
 mod updated;

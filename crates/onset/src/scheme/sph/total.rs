@@ -24,7 +24,7 @@ use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use nalgebra::SVector;
 
-/// Forces of the shear stress in total-Lagrangian SPH.
+/// Forces of the shear stress in SPH.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -34,12 +34,17 @@ use nalgebra::SVector;
 pub enum ShearForces {
     /// The whole stress of a particle acts along the gradients of its neighbors.
     Stress,
-    /// The part `zeta mu J^(-2/D) F` of the stress (`D`: number of dimensions) is replaced by forces between pairs of particles, a discrete Laplacian of
-    /// the current positions. The remaining stress acts along uncorrected gradients. `mu` is the shear modulus of the reference state.
+    /// Shear acts between pairs of particles: the essentially non-hourglass formulations of SPHinXsys. The forces have no potential. `mu` is the shear modulus
+    /// of the reference state.
     ///
-    /// This is the essentially non-hourglass formulation of SPHinXsys (Wu and others 2023), published for neo-Hookean laws. The forces have no potential.
+    /// In total-Lagrangian SPH the part `zeta mu J^(-2/D) F` of the stress (`D`: number of dimensions) is replaced by a discrete Laplacian of the current
+    /// positions, and the remaining stress acts along uncorrected gradients (Wu and others 2023, for neo-Hookean laws).
+    ///
+    /// In updated SPH the particles carry the mean stress of the law alone, and accelerations accumulate with the velocities,
+    /// `da_I/dt = 2 zeta mu / rho_I sum_J V_J (e . v_IJ) e W'(r) / r`, `e = x_IJ / r` (Zhang, Zhang, Rezavand and Hu, J. Comput. Phys. 2024, doi
+    /// 10.1016/j.jcp.2024.113072). The plane and space have shear, a chain has none.
     Pairs {
-        /// Coefficient `zeta`, 1.07 in the publication.
+        /// Coefficient `zeta`. Published are 1.07 for total-Lagrangian and `0.7 D + 2.1` for updated SPH.
         coefficient: f64,
     },
 }

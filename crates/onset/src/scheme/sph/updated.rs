@@ -1,19 +1,22 @@
 //! SPH with kernels in current coordinates.
 
 use super::super::layout::{Layout, assert_planar, assert_positive};
-use super::super::response::PartOf;
+use super::super::moduli::shear_modulus;
+use super::super::response::{MeanStress, PartOf};
 use super::super::stabilization::{
     ArtificialStress, ArtificialViscosity, Dashpot, Repulsion, Slope, SmoothedMotion, ViscousBond,
     ViscousScales, assert_coefficients, smoothed_velocities, smoothing_share, viscous_bonds,
 };
 use super::super::{
     Assembled, CarriedWaves, Discretization, Interaction, PatchForces, PeriodicPatch,
-    PointResponse, StrainOperator, linearized, lumped_masses,
+    PointResponse, SeenForm, StrainOperator, linearized, lumped_masses,
 };
 use super::current::CurrentPairs;
 use super::interaction::SphInteraction;
 use super::neighborhood::{Neighborhood, mean_size, neighborhoods};
+use super::springs::PairSprings;
 use super::stress::{Circle, Responses, StressOf, Surroundings};
+use super::total::ShearForces;
 use crate::algebra::Each;
 use crate::bloch::{BlochBlocks, BlochSum, Mass, WaveSystem};
 use crate::cancel::checkpoint;
@@ -22,6 +25,7 @@ use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Particle, determinant};
 use crate::material::Hyperelastic;
 use crate::method::{MethodError, SupportSize};
+use nalgebra::SVector;
 use std::collections::BTreeMap;
 
 /// Form of the pair force from the stresses of two particles.
@@ -79,6 +83,10 @@ pub struct UpdatedSphChoices {
     pub corrected: bool,
     /// Whether stresses also act along corrected gradients; requires a corrected velocity gradient.
     pub corrected_forces: bool,
+    /// Coefficient `xi` of the penalty against zero-energy modes; zero for no penalty.
+    pub penalty: f64,
+    /// Forces of the shear stress.
+    pub shear: ShearForces,
     /// Artificial stress, for the forms that conserve momentum; `None` for no artificial stress.
     pub artificial_stress: Option<ArtificialStress>,
     /// Artificial viscosity; `None` for no viscosity.
@@ -100,6 +108,8 @@ impl Default for UpdatedSphChoices {
             density_evolution: DensityEvolution::Continuity,
             corrected: false,
             corrected_forces: false,
+            penalty: 0.0,
+            shear: ShearForces::Stress,
             artificial_stress: None,
             viscosity: None,
             velocity_smoothing: 0.0,
@@ -108,17 +118,38 @@ impl Default for UpdatedSphChoices {
     }
 }
 
+impl UpdatedSphChoices {
+    /// Published coefficient `zeta = 0.7 D + 2.1` of shear forces between pairs in `D` dimensions.
+    pub fn published_shear_coefficient(dimension: usize) -> f64 {
+        0.7 * dimension as f64 + 2.1
+    }
+}
+
+/// Quantities that follow a displacement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Varied {
+    /// Positions and all quantities that particles carry along.
+    Everything,
+    /// Quantities that particles carry along, with positions held.
+    Carried,
+    /// Carried quantities that follow the density.
+    Density,
+}
+
 /// SPH with kernels in current coordinates, with particles at `F X` in the homogeneous state.
 ///
 /// The law gives the stress at the deformation gradient that a particle carries along, `Fdot = L F` with
 /// `L_I = sum_J m_J/rho_J (v_J - v_I) (x) grad W_IJ K_I^-1`, `K_I = sum_J m_J/rho_J x_IJ (x) grad W_IJ` or, uncorrected, `K = 1`.
 /// The [`MomentumForm`] gives the forces; corrected forces use the stresses `sigma_I K_I^-T`. The linearization is exact: kernels, densities and
 /// volumes move.
+/// The penalty adds accelerations along pairs that accumulate with the part of the velocities that `L` does not predict,
+/// `da_I/dt = xi G / rho_I sum_J V_J [(v_IJ - (L_I + L_J)/2 x_IJ) . e] e W'(r) / r`, `v_IJ = v_I - v_J`, `x_IJ = x_I - x_J = r e`, with the shear modulus `G` of the
+/// reference state. The published limiter of `xi` in a flowing metal has no linear form and is left out.
 /// If only positions follow the smoothed velocities of XSPH, displacements are integrals of the unsmoothed velocity, and the positions move by the
 /// smoothed displacements.
 ///
 /// Source: Gray, Monaghan, Swift, Comput. Methods Appl. Mech. Engrg. 190 (2001) 6641; Randles and Libersky, Comput. Methods Appl.
-/// Mech. Engrg. 139 (1996) 375.
+/// Mech. Engrg. 139 (1996) 375; for the penalty Zhang, Zhang, Hu and others, arXiv 2409.11474 (2024).
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
@@ -169,7 +200,7 @@ impl<const D: usize> UpdatedSph<D> {
     ///
     /// # Errors
     /// [`MethodError`] if a number is out of range, if a particle has too few or too many neighbors in the reference configuration,
-    /// or if an artificial stress is combined with the form that takes differences of stresses.
+    /// or if choices are combined that exclude each other.
     pub fn new(crystal: Crystal<D>, choices: UpdatedSphChoices) -> Result<Self, MethodError> {
         assert_positive(&[("density", choices.density), ("support", choices.radius)])?;
         // The forces are divided by the square of the density, their derivatives by its cube.
@@ -179,7 +210,10 @@ impl<const D: usize> UpdatedSph<D> {
             choices.density,
             "a number from 1e-90 to 1e90: choose another unit of mass",
         )?;
-        assert_coefficients(&[("velocity-smoothing", choices.velocity_smoothing)])?;
+        assert_coefficients(&[
+            ("penalty", choices.penalty),
+            ("velocity-smoothing", choices.velocity_smoothing),
+        ])?;
         choices
             .viscosity
             .iter()
@@ -190,6 +224,23 @@ impl<const D: usize> UpdatedSph<D> {
                 other: "uncorrected velocity gradients",
                 hint: "correct both (corrected = true) or neither",
             });
+        }
+        if let ShearForces::Pairs { coefficient } = choices.shear {
+            MethodError::positive("shear-coefficient", coefficient)?;
+            if D == 1 {
+                return Err(MethodError::Incompatible {
+                    choice: "shear between pairs",
+                    other: "a chain, which has no shear",
+                    hint: "choose shear-forces = \"stress\", or a lattice of the plane or space",
+                });
+            }
+            if choices.penalty > 0.0 {
+                return Err(MethodError::Incompatible {
+                    choice: "a penalty",
+                    other: "shear between pairs, which resists zero-energy modes itself",
+                    hint: "choose penalty = 0, or shear-forces = \"stress\"",
+                });
+            }
         }
         if let Some(artificial_stress) = &choices.artificial_stress {
             artificial_stress.assert_admissible()?;
@@ -252,22 +303,42 @@ impl<const D: usize> UpdatedSph<D> {
         })
     }
 
+    /// Returns true if shear acts between pairs.
+    fn has_pairs(&self) -> bool {
+        self.choices.shear != ShearForces::Stress
+    }
+
     /// Calls `work` with the interactions of a state.
     fn with_interactions<T>(
         &self,
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
-        holds_positions: bool,
+        varied: Varied,
         work: impl FnOnce(&State<D>, &[SphInteraction<'_, D>]) -> T,
     ) -> Result<T, MethodError> {
         let volume = determinant(&f.leading::<D>());
         let state = self.state(f, |_| volume)?;
-        let response = PointResponse::new(material, f)?;
+        let springs = self.springs(material, f, &state)?;
+        let mean = MeanStress(material);
+        let law = match self.choices.shear {
+            ShearForces::Stress => material,
+            ShearForces::Pairs { .. } => &mean,
+        };
+        // Jaumann's rate does not integrate the pressure, which follows the density just as the sums in the forces do. The rate of Green and Naghdi
+        // also excludes the rotation, which follows neither.
+        let rest = PartOf {
+            law,
+            is_integrated: false,
+        };
+        let response = match varied {
+            Varied::Everything | Varied::Carried => PointResponse::new(law, f)?,
+            Varied::Density => PointResponse::new(&rest, f)?,
+        };
         let pairs = self.pairs_of(&state.layout, material, &response)?;
         let surroundings = Surroundings {
             responses: &Responses::Equal(response),
             pairs: &pairs,
-            holds_positions,
+            holds_positions: varied != Varied::Everything,
         };
         let mut interactions: Vec<SphInteraction<'_, D>> =
             self.stresses(&state, &surroundings).collect();
@@ -275,7 +346,48 @@ impl<const D: usize> UpdatedSph<D> {
             let bonds = Self::viscous_bonds(dashpot, &self.masses, &state);
             interactions.extend(bonds.into_iter().map(SphInteraction::Viscous));
         }
+        if varied != Varied::Density {
+            interactions.extend(springs.into_iter().map(SphInteraction::Springs));
+        }
         Ok(work(&state, &interactions))
+    }
+
+    /// Accumulated forces along pairs: of the penalty, or of shear between pairs.
+    fn springs(
+        &self,
+        material: &dyn Hyperelastic,
+        f: &DeformationGradient,
+        state: &State<D>,
+    ) -> Result<Vec<PairSprings<D>>, MethodError> {
+        let (factor, is_predicted) = match self.choices.shear {
+            ShearForces::Stress => (self.choices.penalty, true),
+            ShearForces::Pairs { coefficient } => (2.0 * coefficient, false),
+        };
+        if factor == 0.0 {
+            return Ok(Vec::new());
+        }
+        if !is_predicted
+            && material.is_path_dependent()
+            && material.integrated_tangent(f)?.is_none()
+        {
+            return Err(MethodError::Incompatible {
+                choice: "shear between pairs",
+                other: "a law whose shear stress depends on the path, as of metals that flow: the pairs are elastic",
+                hint: "choose shear-forces = \"stress\" with a penalty",
+            });
+        }
+        let factor = factor * shear_modulus::<D>(material)?;
+        let shares = self.masses.iter().zip(&state.densities);
+        let volumes: Vec<f64> = shares.map(|(mass, density)| mass / density).collect();
+        let both = state.neighborhoods.iter().zip(&state.gradients);
+        let of_site = |(neighborhood, gradients): (&Neighborhood<D>, &Vec<[f64; D]>)| {
+            let gradients = match is_predicted {
+                true => gradients.clone(),
+                false => Vec::new(),
+            };
+            PairSprings::new(neighborhood, factor, &volumes, gradients)
+        };
+        Ok(both.map(of_site).collect())
     }
 
     fn stresses<'a>(
@@ -288,7 +400,8 @@ impl<const D: usize> UpdatedSph<D> {
     }
 
     /// Minus the derivatives of the forces with respect to the displacements, if the particles of the crystal are at their current positions and carry the
-    /// given deformation gradients. `None` for supports whose size depends on the deformation.
+    /// given deformation gradients, and have accumulated no penalty. `None` for supports whose size depends on the deformation, and for shear between pairs,
+    /// which the deformation gradients do not determine.
     ///
     /// # Errors
     /// [`MethodError`] if the discretization or the material cannot be evaluated there.
@@ -297,7 +410,7 @@ impl<const D: usize> UpdatedSph<D> {
         material: &dyn Hyperelastic,
         deformations: &[DeformationGradient],
     ) -> Result<Option<BlochSum<D>>, MethodError> {
-        if self.choices.support_size != SupportSize::Fixed {
+        if self.choices.support_size != SupportSize::Fixed || self.has_pairs() {
             return Ok(None);
         }
         let undeformed = DeformationGradient::identity();
@@ -316,6 +429,9 @@ impl<const D: usize> UpdatedSph<D> {
         for interaction in self.stresses(&state, &surroundings) {
             checkpoint();
             interaction.add_stiffness(&mut blocks);
+        }
+        for springs in self.springs(material, &undeformed, &state)? {
+            springs.add_stiffness(&mut blocks);
         }
         Ok(Some(blocks.sum(&self.crystal)))
     }
@@ -469,7 +585,7 @@ impl<const D: usize> Discretization<D> for UpdatedSph<D> {
         f: &DeformationGradient,
     ) -> Result<WaveSystem<D>, MethodError> {
         let epsilon = self.choices.velocity_smoothing;
-        self.with_interactions(material, f, false, |state, interactions| {
+        self.with_interactions(material, f, Varied::Everything, |state, interactions| {
             let mass = Mass::Lumped(self.masses.clone());
             let system = linearized(&self.crystal, mass, interactions)?;
             // If only positions follow smoothed velocities, they are shifted where the forces are computed.
@@ -489,8 +605,8 @@ impl<const D: usize> Discretization<D> for UpdatedSph<D> {
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
     ) -> Result<Option<CarriedWaves<D>>, MethodError> {
-        let waves = |material: &dyn Hyperelastic| {
-            self.with_interactions(material, f, true, |_, interactions| {
+        let waves = |varied| {
+            self.with_interactions(material, f, varied, |_, interactions| {
                 linearized(
                     &self.crystal,
                     Mass::Lumped(self.masses.clone()),
@@ -498,15 +614,9 @@ impl<const D: usize> Discretization<D> for UpdatedSph<D> {
                 )
             })?
         };
-        // Jaumann's rate does not integrate the pressure, which follows the density just as the sums in the forces do. The rate of Green and Naghdi
-        // also excludes the rotation, which follows neither.
-        let rest = PartOf {
-            law: material,
-            is_integrated: false,
-        };
         Ok(Some(CarriedWaves {
-            all: waves(material)?,
-            density: Some(waves(&rest)?),
+            all: waves(Varied::Carried)?,
+            density: Some(waves(Varied::Density)?),
         }))
     }
 
@@ -514,8 +624,21 @@ impl<const D: usize> Discretization<D> for UpdatedSph<D> {
         let state = self.state(&DeformationGradient::identity(), |_| 1.0)?;
         let mut strain = StrainOperator::new();
         for (neighborhood, gradients) in state.neighborhoods.iter().zip(&state.gradients) {
-            let gradients = gradients.iter().map(|b| (*b).into()).collect();
-            strain.add_strain(&neighborhood.particles, gradients);
+            let gradients: Vec<SVector<f64, D>> = gradients.iter().map(|b| (*b).into()).collect();
+            let vectors: Vec<SVector<f64, D>> =
+                neighborhood.vectors.iter().map(|x| (*x).into()).collect();
+            let particles = &neighborhood.particles;
+            if self.has_pairs() {
+                // The mean stress resists changes of volume alone.
+                strain.add(particles.clone(), vec![SeenForm::Control(gradients)]);
+                let unpredicted = vec![SVector::zeros(); particles.len()];
+                strain.add_nonuniform(particles, &unpredicted, &vectors, true);
+                continue;
+            }
+            if self.choices.penalty > 0.0 {
+                strain.add_nonuniform(particles, &gradients, &vectors, true);
+            }
+            strain.add_strain(particles, gradients);
         }
         Ok(strain)
     }
@@ -527,7 +650,7 @@ impl<const D: usize> Discretization<D> for UpdatedSph<D> {
         patch: &PeriodicPatch<D>,
         work: &mut dyn FnMut(&dyn PatchForces<D>),
     ) -> Result<(), MethodError> {
-        self.with_interactions(material, f, false, |_, interactions| {
+        self.with_interactions(material, f, Varied::Everything, |_, interactions| {
             work(&Assembled::new(patch, interactions));
         })
     }
@@ -541,6 +664,10 @@ impl<const D: usize> Discretization<D> for UpdatedSph<D> {
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
     ) -> Result<Option<CurrentPairs<D>>, MethodError> {
+        // Bodies do not accumulate accelerations.
+        if self.choices.penalty > 0.0 || self.has_pairs() {
+            return Ok(None);
+        }
         let UpdatedSphChoices {
             kernel,
             radius,
@@ -564,7 +691,7 @@ mod tests {
     use nalgebra::SMatrix;
 
     /// All forms of the forces with every optional term.
-    fn choices(radius: f64) -> Vec<UpdatedSphChoices> {
+    fn choices(radius: f64, is_plane: bool) -> Vec<UpdatedSphChoices> {
         let mut all = Vec::new();
         for momentum in [
             MomentumForm::Symmetric,
@@ -573,6 +700,7 @@ mod tests {
         ] {
             for density_evolution in [DensityEvolution::Summation, DensityEvolution::Continuity] {
                 for (corrected, corrected_forces) in [(false, false), (true, false), (true, true)] {
+                    let has_pairs = is_plane && momentum == MomentumForm::Mean;
                     let repels = momentum != MomentumForm::Difference;
                     all.push(UpdatedSphChoices {
                         radius,
@@ -580,6 +708,11 @@ mod tests {
                         density_evolution,
                         corrected,
                         corrected_forces,
+                        penalty: if has_pairs { 0.0 } else { 4.0 },
+                        shear: match has_pairs {
+                            true => ShearForces::Pairs { coefficient: 3.5 },
+                            false => ShearForces::Stress,
+                        },
                         artificial_stress: repels.then(ArtificialStress::default),
                         velocity_smoothing: if corrected { 0.0 } else { 0.4 },
                         smoothed_motion: SmoothedMotion::Positions,
@@ -629,10 +762,10 @@ mod tests {
         radius: f64,
     ) {
         let law = ModifiedMooneyRivlin::default();
-        for choices in choices(radius) {
+        for choices in choices(radius, D > 1) {
             let sph = UpdatedSph::new(crystal.clone(), choices.clone()).expect("a method");
-            for holds_positions in [false, true] {
-                let found = sph.with_interactions(&law, f, holds_positions, |_, interactions| {
+            for varied in [Varied::Everything, Varied::Carried, Varied::Density] {
+                let found = sph.with_interactions(&law, f, varied, |_, interactions| {
                     let [mut by_chain, mut by_each] = [BlochBlocks::new(), BlochBlocks::new()];
                     for interaction in interactions {
                         interaction.add_stiffness(&mut by_chain);
@@ -641,7 +774,7 @@ mod tests {
                     difference([&by_each.sum(crystal), &by_chain.sum(crystal)])
                 });
                 let found = found.expect("a state");
-                assert!(found < 1e-13, "{found}: {choices:?}, {holds_positions}");
+                assert!(found < 1e-13, "{found}: {choices:?}, {varied:?}");
             }
         }
     }
