@@ -437,7 +437,7 @@ impl Read {
 }
 
 impl ThresholdArguments {
-    /// Limits with the given values, and defaults for the others.
+    /// Limits with the given values, or the defaults where no value is given.
     fn thresholds(self) -> Thresholds {
         Thresholds {
             weak: self.weak.share,
@@ -525,7 +525,7 @@ impl ProblemArguments {
         Read::of(file.as_deref(), &self.block, set.all()?)
     }
 
-    /// Material settings without a method.
+    /// Settings of a material without a method.
     fn law(&self) -> Result<MaterialSettings, Failure> {
         let read = self.read()?;
         let law = MaterialSettings::of_file(&read.name, &read.text, &read.assignments);
@@ -577,7 +577,7 @@ fn diagram(
     printing::print(&diagram, told.trim_end(), || diagram.csv())
 }
 
-/// Paragraph on the written files before a text.
+/// Prepends a paragraph that lists the written files to a text.
 fn wrote_before(files: &[PathBuf]) -> String {
     match files {
         [] => String::new(),
@@ -585,7 +585,7 @@ fn wrote_before(files: &[PathBuf]) -> String {
     }
 }
 
-/// Sentence on the written files: all of a few, or the first and the last of many.
+/// Sentence that lists the written files: all of them if they are few, otherwise the first and the last.
 pub fn wrote(files: &[PathBuf]) -> String {
     match &named(files)[..] {
         [] => String::new(),
@@ -713,7 +713,7 @@ fn named(files: &[PathBuf]) -> Vec<String> {
         .collect()
 }
 
-/// Prints topics, and draws the figure of the kernels at the place `out`.
+/// Prints topics, and draws the figure of the kernels to the path `out`.
 fn list(
     topic: Option<&str>,
     name: Option<&str>,

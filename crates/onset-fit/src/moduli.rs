@@ -74,7 +74,7 @@ pub(crate) struct Moduli<R> {
     cofactors: R,
 }
 
-/// Pairs of different principal axes.
+/// Pairs of distinct principal axes.
 pub(crate) const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 
 impl<R: Real> Moduli<R> {
@@ -149,7 +149,7 @@ impl<R: Real> Moduli<R> {
         self.quotients[3 - i - j] * self.squares[i]
     }
 
-    /// Mean of both coefficients of two axes.
+    /// Mean of the shear coefficients of two axes.
     fn mean_shear(&self, i: usize, j: usize) -> R {
         self.quotients[3 - i - j] * (self.squares[i] + self.squares[j]) * 0.5
     }
@@ -276,7 +276,7 @@ pub(crate) fn isochoric_basis() -> [[f64; 3]; 2] {
     [[a, -a, 0.0], [b, b, -2.0 * b]]
 }
 
-/// Points along an edge of the triangle of squared directions that are tried first.
+/// Number of points along an edge of the triangle of squared directions at which the search starts.
 const DIRECTIONS: usize = 12;
 
 impl Moduli<f64> {

@@ -20,19 +20,19 @@ pub struct Uncertainty {
 
 /// Rounding of the data, relative to their norm.
 const ROUNDING_FRACTION: f64 = 1e-13;
-/// Part of the gradient of the sum of squares that the active constraints may leave unexplained. Constraints with small multipliers matter: with 2e-3 a
-/// deviation of `polynomial-3` is 12 times too large.
+/// Fraction of the gradient of the sum of squares that the active constraints may leave unexplained. Constraints with small multipliers matter: with
+/// 2e-3 a deviation of `polynomial-3` is 12 times too large.
 const UNEXPLAINED: f64 = 1e-5;
-/// A smaller gradient, relative to the errors, is rounding: no constraint is active.
+/// A gradient that is smaller than this, relative to the errors, is due to rounding: no constraint is active.
 const STATIONARY: f64 = 1e-6;
 /// Correlations of larger magnitude are reported.
 const STRONG: f64 = 0.99;
-/// Constants whose deviation is a smaller part of that without constraints are determined by the constraints.
+/// Constants are determined by the constraints if their deviation is smaller than this fraction of the unconstrained deviation.
 const DETERMINED: f64 = 1e-9;
 
 impl Uncertainty {
-    /// Computes the uncertainty at the optimum. `active` are the gradients of constraints that may hold with equality; those count whose normals the
-    /// gradient of the sum of squares consists of. Constants that are not free are fixed or at their bounds.
+    /// Computes the uncertainty at the optimum. `active` are the gradients of constraints that may hold with equality; a constraint counts if its
+    /// normal contributes to the gradient of the sum of squares. Constants that are not free are fixed or at their bounds.
     pub(crate) fn new(
         family: &Family,
         equations: &Equations,

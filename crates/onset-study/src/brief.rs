@@ -19,7 +19,7 @@ pub trait Brief: Display {
     fn brief(&self) -> Short;
 }
 
-/// Parts of a short answer. If they exceed its lines, the least important parts are left out.
+/// Parts of a short answer. If they exceed its lines, the least important parts are omitted.
 #[derive(Clone, Debug, Default)]
 pub struct Short {
     sentence: String,
@@ -34,7 +34,7 @@ pub struct Short {
 struct Row {
     name: &'static str,
     text: String,
-    /// Rows of the largest rank are left out first.
+    /// Priority of the row; rows of the largest rank are omitted first.
     rank: u8,
 }
 
@@ -47,7 +47,7 @@ impl Short {
         }
     }
 
-    /// Adds a row; rows of the largest rank are left out first.
+    /// Adds a row; rows of the largest rank are omitted first.
     pub(crate) fn row(mut self, rank: u8, name: &'static str, text: impl Into<String>) -> Self {
         let text = text.into();
         self.rows.push(Row { name, text, rank });
@@ -72,7 +72,7 @@ impl Short {
         self
     }
 
-    /// The text; with the settings after it if `has_settings`.
+    /// Text of the answer, followed by the settings if `has_settings`.
     pub fn text(&self, has_settings: bool) -> String {
         let mut lines = wrapped(&self.sentence, 0);
         lines.push(String::new());
@@ -115,7 +115,7 @@ impl Short {
         lines.join("\n")
     }
 
-    /// The notes that fit into [`NOTE_LINES`] lines, each of them whole, and the number of the others.
+    /// Notes that fit into [`NOTE_LINES`] lines without being cut, and the number of notes omitted.
     ///
     /// A command in a note stays on one line, so that it can be copied.
     fn shown_notes(&self) -> Vec<String> {
@@ -160,7 +160,7 @@ fn named(name: &str, text: &str) -> Vec<String> {
     wrapped(&format!("{name:<NAME$}{text}"), NAME)
 }
 
-/// A text that is cut between words to a number of characters; a first word that is longer is kept.
+/// A text cut between words to a number of characters; a longer first word is kept.
 pub(crate) fn cut(text: &str, width: usize) -> String {
     if text.chars().count() <= width {
         return text.to_owned();

@@ -5,7 +5,8 @@ const SMALLEST_RATIO: f64 = 1e-4;
 
 /// Distributes values from `low` to `high`.
 ///
-/// The spacing is logarithmic if `low` is positive. If `low` is zero, the logarithmic values follow zero; if it is negative, the spacing is linear.
+/// The spacing is logarithmic if `low` is positive. If `low` is zero, zero is followed by logarithmically spaced values; if it is negative, the
+/// spacing is linear.
 ///
 /// ```
 /// use onset_study::range::spread;

@@ -1,4 +1,4 @@
-//! Runs of other codes with a known cause: LAMMPS (smd/tlsph), PySPH, and finite elements (forces of FElupe), every second frame of them.
+//! Runs of other codes with a known cause: LAMMPS (smd/tlsph), PySPH, and finite elements (forces of FElupe), with every second frame.
 //!
 //! The causes are known from variants of each run: half the time step, more viscosity, half the spacing, another method.
 
@@ -204,7 +204,7 @@ fn fewer_frames_and_a_reference_from_another_file_give_the_same_cause() {
     );
 }
 
-/// Text of a dump whose frames are in reverse order, whose particles are in another order in each frame, and which has no columns beyond the velocities.
+/// Text of a dump with the frames in reverse order, the particles of each frame in a different order, and no columns beyond the velocities.
 fn shuffled(path: &Path) -> String {
     let mut text = String::new();
     let file = std::fs::File::open(path).expect("a file");
@@ -248,7 +248,7 @@ fn order_of_frames_and_particles_and_lost_columns_do_not_matter() {
     );
 }
 
-/// LAMMPS sorts no rows by itself.
+/// LAMMPS does not sort rows by default.
 #[test]
 fn rows_in_another_order_without_numbers_of_particles_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -282,7 +282,7 @@ fn rows_in_another_order_without_numbers_of_particles_are_refused() {
     );
 }
 
-/// Far from the origin six digits leave a tenth of the spacing.
+/// Far from the origin, six digits resolve only a tenth of the spacing.
 #[test]
 fn rounding_of_positions_is_not_reported_as_short_waves() {
     let folder = tempfile::tempdir().expect("a folder");

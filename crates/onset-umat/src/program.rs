@@ -10,7 +10,7 @@ pub const HOST_VARIABLE: &str = "ONSET_UMAT_HOST";
 
 /// First argument of a process that runs a routine.
 ///
-/// The second argument shows the name of the library in process lists, and the third is the copy to load.
+/// The second argument makes the name of the library visible in process lists, and the third argument is the copy to load.
 pub(crate) const MODE: &str = "umat-host";
 
 /// Running program, if it can serve.
@@ -42,7 +42,7 @@ fn serve(_library: &Path) -> ExitCode {
     ExitCode::from(2)
 }
 
-/// Program to start: from the variable, the running program, or `onset` in the same folder or on the path.
+/// Program to start: the program named by the variable, the running program, or `onset` in the same folder or on the path.
 pub(crate) fn host() -> Result<PathBuf, UmatError> {
     if let Some(named) = std::env::var_os(HOST_VARIABLE) {
         let named = PathBuf::from(named);

@@ -122,7 +122,7 @@ pub fn test() -> Result<(), String> {
     abused(Duration::from_secs(45), 1, &[])
 }
 
-/// Abuses the programs in the given ways, or in all of them if there are none.
+/// Abuses the programs in the given ways, or in all ways if none is given.
 fn abused(time: Duration, seed: u64, only: &[&Kind]) -> Result<(), String> {
     let interpreter = python::interpreter("python");
     let has_package = |python: &PathBuf| {

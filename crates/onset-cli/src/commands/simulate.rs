@@ -192,7 +192,7 @@ impl Progress {
         Self { bar, is_kept }
     }
 
-    /// Ends the set-up and shows the bar.
+    /// Ends the setup phase and shows the progress bar.
     fn begun(&self, steps: u64) -> ProgressBar {
         patience::end();
         self.answer_interrupts();

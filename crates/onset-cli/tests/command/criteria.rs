@@ -117,7 +117,7 @@ fn block(name: &str, text: &str) -> Written {
     Written::new(&format!("{name}.inp"), text)
 }
 
-/// Treloar's rubber with the constants of Abaqus, `mu_i alpha_i / 2` in Ogden's, is the default of `ogden`.
+/// Treloar's rubber with the constants of Abaqus, which are `mu_i alpha_i / 2` in terms of Ogden's constants, equals the default of `ogden`.
 #[test]
 fn an_ogden_block_of_abaqus_gives_the_ogden_law() {
     let text = "** Treloar\n*MATERIAL, NAME=RUBBER\n*Hyperelastic, n=3, OGDEN\n0.40157, 1.3, 0.0029425, 5.0, 0.009807, -2.0, 0.02, 0.0\n0.0\n*DENSITY\n1e-9\n";

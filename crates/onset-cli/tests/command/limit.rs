@@ -394,7 +394,7 @@ fn invalid_settings_and_steps_are_refused() {
     }
 }
 
-/// With a viscosity of zero its switch would have no effect; for other values it has.
+/// A switch has no effect at a viscosity of zero, but has one at other values.
 #[test]
 fn a_key_that_takes_effect_through_the_varied_setting_may_be_set() {
     let sph = "set method=updated-sph set viscosity-switch=averaged";

@@ -269,7 +269,7 @@ fn held_across(loading: Loading, dimension: usize) -> Option<String> {
     })
 }
 
-/// Imposed stretch, or amount of shear, that the path reaches, and the reason if it is not the requested one.
+/// Imposed stretch, or amount of shear, that the path reaches, with the reason if it differs from the requested value.
 fn reached(path: &LoadingPath<'_>, imposed: f64) -> (f64, Option<String>) {
     let mode = path.loading.mode;
     let s = mode.parameter(imposed);

@@ -1,4 +1,4 @@
-//! Waves in discrete time, for methods that define their time step, in the answer about a state.
+//! Waves in discrete time, in the answer about a state, for methods that define their time step.
 
 use super::finite_body::LATTICE_NOTE;
 use super::problem::{Problem, ProblemError};

@@ -6,7 +6,7 @@ use crate::settings::Family;
 use nalgebra::SVector;
 use onset::bloch::Mode;
 
-/// Component of the polarization along the wave, as a fraction: longitudinal from the first value, transverse up to the second.
+/// Component of the polarization along the wave, as a fraction: waves are longitudinal above the first value and transverse below the second.
 const LONGITUDINAL: f64 = 0.95;
 const TRANSVERSE: f64 = 0.3;
 /// Relative tolerance for the lengths of wave vectors.

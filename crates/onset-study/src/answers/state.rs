@@ -65,7 +65,7 @@ pub struct StateAnswer {
     pub sentence: String,
     /// Notes on law and method.
     pub notes: Vec<String>,
-    /// Commands that follow up the verdict.
+    /// Suggested commands after the verdict.
     pub next: Vec<String>,
     /// All settings in effect.
     pub settings: Effective,

@@ -71,7 +71,7 @@ pub struct Rays {
     pub only_material: usize,
     /// Number of rays along which only the particles lose stability.
     pub only_discretization: usize,
-    /// Number of rays along which the discretization is undefined before it loses stability.
+    /// Number of rays along which the discretization becomes undefined before it loses stability.
     pub undefined: usize,
     /// Ray with the largest distance of the onsets, `[sum (lambda_i^num - lambda_i^exact)^2]^(1/2)`, relative to the exact stretch. `null` if no ray has both onsets.
     pub worst: Option<WorstRay>,

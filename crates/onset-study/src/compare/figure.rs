@@ -11,7 +11,7 @@ const SMALLEST_ERROR_SHOWN: f64 = 1e-4;
 
 /// Height of a row in lines of text, and distance of the markers of a row, in rows.
 ///
-/// Markers are 6 pixels wide and a row has 34: the markers of a row never touch.
+/// Markers are 6 pixels wide and a row is 34 pixels high, so the markers of a row never touch.
 const ROW_LINES: f64 = 2.0;
 const SHIFT: f64 = 0.2;
 
@@ -224,7 +224,7 @@ impl Table {
     }
 }
 
-/// Adds points to a panel, unless there are no points; the legend then omits them.
+/// Adds points to a panel unless there are none; the legend then omits them.
 fn with_some(panel: Panel, points: Points) -> Panel {
     if points.points.is_empty() {
         panel

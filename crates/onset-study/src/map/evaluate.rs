@@ -31,7 +31,7 @@ pub struct Evaluator {
 }
 
 impl Evaluator {
-    /// Prepares the settings, with some extra milliseconds of set-up if `many` states will follow.
+    /// Prepares the evaluation for the settings; the setup takes a few milliseconds longer if `many` states will follow.
     ///
     /// A method whose support holds too few or too many particles in the reference configuration is accepted: all its states are undefined.
     ///

@@ -122,7 +122,7 @@ fn bound(proved: &certificate::Certainty<3>) -> f64 {
     }
 }
 
-/// All results at a state. Numbers that do not exist there are NaN.
+/// All results at a state. Undefined numbers are NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record {
     /// Verdict and stability of the state.
@@ -167,7 +167,7 @@ impl Record {
     };
 }
 
-/// Results for the states of a tile, last dimension running fastest.
+/// Results for the states of a tile, the last dimension varying fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcomes {
     /// Verdict and stability of each state.

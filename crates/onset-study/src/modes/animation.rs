@@ -60,8 +60,8 @@ impl ModesAnswer {
     }
 }
 
-/// Draws particles that move periodically along their paths, all of equal numbers of points. `places` are the reference positions, which determine
-/// the frame. All lengths have the same unit.
+/// Draws particles that move periodically along their paths, which all have the same number of points. `places` are the reference positions, which
+/// determine the frame. All lengths have the same unit.
 pub(crate) fn moving_particles(
     places: &[[f64; 3]],
     paths: &[Vec<[f64; 3]>],

@@ -1,4 +1,4 @@
-//! Fit of waves into patches: numbers of cells that hold whole wavelengths.
+//! Fit of waves into patches: numbers of cells that contain whole wavelengths.
 
 use serde::Serialize;
 

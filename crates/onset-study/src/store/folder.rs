@@ -1,7 +1,7 @@
 //! Files of a store, each written completely or not at all.
 //!
-//! A file is written under a unique name in the folder `.partial` and then renamed. Readers therefore find complete files only, even if processes are
-//! killed or write simultaneously. The same folder holds the locks of tiles in progress. Writes are not synchronized to the disk: after a power
+//! A file is written under a unique name in the folder `.partial` and then renamed. Readers therefore find only complete files, even if processes are
+//! killed or write simultaneously. The same folder contains the locks of tiles in progress. Writes are not synchronized to the disk: after a power
 //! failure a chunk may be truncated, which its checksum detects.
 
 use super::occupancy::Taken;
@@ -76,7 +76,7 @@ impl Folder {
         })
     }
 
-    /// Checks that no link on the existing part of a path leads out of the folder.
+    /// Checks that no link in the existing part of a path leads out of the folder.
     fn check_inside(&self, path: &Path) -> io::Result<()> {
         let root = match fs::canonicalize(&self.root) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),

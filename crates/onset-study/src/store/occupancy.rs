@@ -57,7 +57,7 @@ impl Occupancy {
 
 /// Reservation of a tile until dropped.
 ///
-/// Other processes do not compute the tile meanwhile, unless the file system does not support locks.
+/// Other processes do not compute the tile while it is reserved, unless the file system does not support locks.
 #[derive(Debug)]
 pub struct Taken {
     lock: PathBuf,

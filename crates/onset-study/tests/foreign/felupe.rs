@@ -1,10 +1,10 @@
-//! Models of felupe other than the models of rubber with published stresses.
+//! Models of felupe that are not among the rubber models with published stresses.
 
 use crate::{STATES, agrees, invariants, read, told};
 use onset::kinematics::DeformationGradient;
 use onset_study::settings::Program::Felupe;
 
-/// `P11`, `P21`, `P33` at the first state as felupe 11.3.0 computes them.
+/// Values of `P11`, `P21`, `P33` at the first state as computed by felupe 11.3.0.
 #[test]
 fn further_models_have_the_stresses_of_felupe() {
     let volume = "& fem.Volumetric(bulk=50.0)";

@@ -51,7 +51,7 @@ fn a_vumat_and_a_function_in_c_respond_as_the_built_in_law() {
     }
 }
 
-/// Both subroutines integrate the same equations where the rotation grows in proportion to the strain.
+/// Both subroutines integrate the same equations if the rotation grows in proportion to the strain.
 #[test]
 fn a_plastic_vumat_has_the_stress_of_the_umat_and_a_consistent_tangent() {
     let plastic = |interface, source: &str| {

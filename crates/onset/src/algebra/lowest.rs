@@ -7,11 +7,11 @@ const BRENT_STEPS: usize = 60;
 
 /// Returns a local minimum of a function between two arguments, to `tolerance` in the argument.
 ///
-/// An argument between them must be given where the function is no higher than at the ends, with its value. The method combines parabolas through the
-/// lowest places with golden section (R. P. Brent, Algorithms for Minimization without Derivatives, 1973, ch. 5).
+/// The caller must give an argument between them at which the function is no higher than at the ends, with its value. The method combines parabolas
+/// through the lowest points with golden section (R. P. Brent, Algorithms for Minimization without Derivatives, 1973, ch. 5).
 ///
 /// # Errors
-/// The error of the function at a place. A function can also use it to end the search early with a result.
+/// The error of the function at a point. A function can also use it to end the search early with a result.
 pub(crate) fn lowest_between<E>(
     mut f: impl FnMut(f64) -> Result<f64, E>,
     [mut low, middle, mut high]: [f64; 3],
@@ -65,7 +65,7 @@ pub(crate) fn lowest_between<E>(
     Ok(best)
 }
 
-/// Vertex of the parabola through three places; `None` if they do not define a parabola.
+/// Vertex of the parabola through three points; `None` if they do not define a parabola.
 fn vertex(a: (f64, f64), b: (f64, f64), c: (f64, f64)) -> Option<f64> {
     let (to_b, to_c) = (a.0 - b.0, a.0 - c.0);
     let (r, q) = (to_b * (a.1 - c.1), to_c * (a.1 - b.1));

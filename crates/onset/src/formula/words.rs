@@ -287,7 +287,7 @@ pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> O
         .map(|(_, candidate)| candidate)
 }
 
-/// Edit distance of two words: letters changed, added, removed or exchanged with a neighbor.
+/// Edit distance of two words: number of letters changed, added, removed or exchanged with a neighbor.
 fn edits(a: &[char], b: &[char]) -> usize {
     let mut table = vec![vec![0; b.len() + 1]; a.len() + 1];
     for i in 0..=a.len() {

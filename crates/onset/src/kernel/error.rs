@@ -60,7 +60,7 @@ fn names() -> String {
     super::Kernel::ALL.map(super::Kernel::name).join(", ")
 }
 
-/// Message for an invalid formula: the problem, its place, and a remedy.
+/// Message for an invalid formula: the problem, its position, and a remedy.
 fn read(error: &FormulaError) -> String {
     let place = match &error.place {
         Some(place) => format!("kernel, {place}: {}\n{}", error.problem, place.marked()),

@@ -2,12 +2,13 @@
 
 use nalgebra::SVector;
 
-/// Shorter steps, relative to the end of the interval, are accepted regardless of their error.
+/// Step length, relative to the end of the interval, below which steps are accepted regardless of their error.
 const SHORTEST_STEP: f64 = 1e-12;
 
 /// Largest number of steps of an integration.
 const MOST_STEPS: usize = 20_000;
-/// Number of steps after which their length is compared with what remains: an integration whose steps become ever shorter is given up early.
+/// Number of steps after which their length is compared with the remaining interval, so that an integration whose steps become ever shorter is
+/// abandoned early.
 const BLOCK: usize = 500;
 
 /// Reason why an integration did not reach its end, and the last state `y(x)`.
@@ -87,7 +88,7 @@ pub(super) fn integrate<const N: usize, E>(
     Err(Stopped { why, y, x })
 }
 
-/// Takes one step from a state with known rates. Returns the new state, an estimate of its error, and the new rates.
+/// Performs one step from a state with known rates. Returns the new state, an estimate of its error, and the new rates.
 fn dormand_prince<const N: usize, E>(
     y: &SVector<f64, N>,
     begun: &SVector<f64, N>,
@@ -187,7 +188,7 @@ mod tests {
         assert!((stopped.x - 1.0).abs() < 2e-6, "{}", stopped.x);
     }
 
-    /// Steps become shorter as `exp(-x)`: the end is out of reach long before the largest number of steps.
+    /// Steps become shorter like `exp(-x)`: the end is out of reach long before the largest number of steps.
     #[test]
     fn a_path_of_ever_shorter_steps_is_given_up_early() {
         let count = Cell::new(0);

@@ -278,7 +278,7 @@ mod tests {
     use crate::real::{LANES, Lanes};
     use nalgebra::SMatrix;
 
-    /// Checks several vectors from the center to beyond the rim, with some on each side of the thresholds of the kernels, or all on one side.
+    /// Tests several vectors from the center to beyond the rim, with vectors on both sides of the thresholds of the kernels, or all on one side.
     fn assert_weights<const D: usize>(kernel: Kernel) {
         let mut sheared = SMatrix::<f64, D, D>::identity() * 1.1;
         sheared[(0, D - 1)] += 0.2;

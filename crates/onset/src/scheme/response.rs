@@ -39,7 +39,7 @@ impl Hyperelastic for PartOf<'_> {
     }
 }
 
-/// Law whose stress and tangent are evaluated at each deformation, even if the law is path-dependent, without a linear comparison solid.
+/// Law whose stress and tangent are evaluated at each deformation, even if it is path-dependent, without a linear comparison solid.
 pub(crate) struct Afresh<'a>(pub(crate) &'a dyn Hyperelastic);
 
 impl Hyperelastic for Afresh<'_> {

@@ -5,10 +5,10 @@ use nalgebra::DMatrix;
 
 /// Time-stepping scheme of a particle code: the quantities that follow positions or velocities, and the times at which these are evaluated.
 ///
-/// The waves of a state satisfy `dv/dt = -D u - C v`, `D = X + S + R`. The part `X` of the forces follows the positions `x`. The parts `S` and `R` follow
-/// stress and density, which particles carry along, and whose displacements `s` and `r` the code integrates from separate velocities. In continuous
-/// time both equal `x + const`. In discrete time they do not, and an initial difference persists as a constant. With velocities `h` at half steps,
-/// `a = -X x - S s - R r - C h` and the step `dt`:
+/// The waves of a state satisfy `dv/dt = -D u - C v`, `D = X + S + R`. The part `X` of the forces follows the positions `x`. The parts `S` and `R`
+/// follow stress and density, which particles carry and whose displacements `s` and `r` the code integrates from separate velocities. In continuous
+/// time both equal `x + const`. In discrete time they do not, and an initial difference persists as a constant. With velocities `h` at half steps, `a
+/// = -X x - S s - R r - C h` and the step `dt`:
 ///
 /// | stepping | a step |
 /// |---|---|
@@ -284,7 +284,7 @@ mod tests {
         }
     }
 
-    /// Rate closest to a given one.
+    /// Rate closest to a given rate.
     fn near(rates: &[Complex], expected: Complex) -> Complex {
         let apart = |z: &Complex| (z - expected).norm();
         let nearest = rates.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));

@@ -1,4 +1,4 @@
-//! Lowest modes of bodies in actual states against numerical derivatives of their forces, and known frequencies and buckling loads.
+//! Lowest modes of bodies in actual states, compared with numerical derivatives of their forces, and with known frequencies and buckling loads.
 
 use super::random::Random;
 use super::updated::{all_choices, disordered};

@@ -19,7 +19,7 @@ fn exactly(f: &DeformationGradient) -> DeformationGradient<Interval> {
     DeformationGradient::from_components(f.components().map(|row| row.map(Interval::point)))
 }
 
-/// Trouble at a state; all ways to evaluate it must agree.
+/// Reason why a state has no stress; all ways of evaluating the state must agree.
 pub fn refusal(law: &FormulaLaw, f: &DeformationGradient) -> Option<StateError> {
     let error = |result: Result<(), MaterialError>| match result {
         Ok(()) => None,

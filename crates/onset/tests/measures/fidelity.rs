@@ -9,7 +9,7 @@ use onset::method::{Frame, KernelMethodChoices};
 use onset::quadrature::Quadrature;
 use onset::verdict::{Survey, Verdict};
 
-/// A window in which the material is elliptic on a part only.
+/// Window in only part of which the material is elliptic.
 const WINDOW: StateWindow = StateWindow {
     stretches: [0.7, 3.1],
     states: 6,

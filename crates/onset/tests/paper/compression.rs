@@ -1,4 +1,4 @@
-//! Stable part of the compressive square for Eulerian kernels, material (5): the claim behind figure 6.
+//! Stable part of the compressive square for Eulerian kernels, material (5): the claim on which figure 6 is based.
 
 use crate::reference::{lagrangian, material, method, stretched, with_frame};
 use onset::bloch::Stability;

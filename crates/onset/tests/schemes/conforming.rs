@@ -1,4 +1,4 @@
-//! Nodal integration with smoothed gradients: the battery, exactness for linear fields, and zero-energy modes.
+//! Nodal integration with smoothed gradients: the general scheme checks, exactness for linear fields, and zero-energy modes.
 
 use crate::battery::{assert_long_waves_are_those_of_the_material, assert_scheme};
 use crate::random::Random;
@@ -417,7 +417,7 @@ fn choices_out_of_range_are_rejected() {
     ));
 }
 
-/// The bound is within 4e-7 of the minimum given, and a minimum smaller than this is also given.
+/// The bound is within 4e-7 of the reported minimum, and smaller minima are also reported.
 #[test]
 fn a_minimum_smaller_than_the_gap_to_its_bound_is_found() {
     let packed = Crystal::<3>::of(LatticeKind::HexagonalClosePacked, 1.0).expect("a crystal");

@@ -140,7 +140,7 @@ impl Patch {
         accelerations
     }
 
-    /// `omega^2 v` of the particle at the origin, for the velocities `v cos(k.X)`: minus the change of its acceleration while particles
+    /// Product `omega^2 v` for the particle at the origin, for the velocities `v cos(k.X)`: the negative change of its acceleration while particles
     /// move for a short time. Positions and deformations follow the smoothed or the unsmoothed velocities.
     fn squared_frequency(
         &self,

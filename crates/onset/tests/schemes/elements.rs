@@ -1,4 +1,4 @@
-//! Finite elements: the battery, and results from textbooks.
+//! Finite elements: the general scheme checks, and results from textbooks.
 
 use crate::battery::{assert_long_waves_are_those_of_the_material, assert_scheme};
 use crate::random::Random;
@@ -83,7 +83,7 @@ fn maximum_omega_squared<const D: usize>(scheme: &FiniteElements<D>) -> f64 {
     search.summary_of(&at_rest(scheme)).maximum_omega.powi(2)
 }
 
-/// `omega^2` in units of `(lambda + 2 mu) / (rho h^2)`.
+/// Squared frequencies `omega^2` in units of `(lambda + 2 mu) / (rho h^2)`.
 fn in_units(omega_squared: f64) -> f64 {
     omega_squared * DENSITY * SPACING * SPACING / MODULUS
 }
@@ -670,7 +670,7 @@ fn elements_with_a_mean_dilatation_have_an_energy_and_no_zero_energy_modes() {
     }
 }
 
-/// Energy of a patch of squares with a mean dilatation, written out, with the displacements of `CELLS` by `CELLS` nodes.
+/// Energy of a patch of squares with a mean dilatation, computed explicitly from the displacements of `CELLS` by `CELLS` nodes.
 fn energy_of_mean_dilatation(
     material: &dyn Hyperelastic,
     state: &DeformationGradient,

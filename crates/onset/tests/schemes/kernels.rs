@@ -1,4 +1,4 @@
-//! Kernel Galerkin methods on crystals: against the closed forms on Bravais lattices, and on crystals without closed forms.
+//! Kernel Galerkin methods on crystals, compared with the closed forms on Bravais lattices, and on crystals without closed forms.
 
 use crate::battery::{
     assert_equilibrium, assert_long_waves_are_those_of_the_material, assert_scheme,
@@ -33,7 +33,7 @@ fn nodal<const D: usize>(crystal: Crystal<D>, choices: KernelChoices) -> KernelS
     KernelScheme::new(crystal, CrystalQuadrature::Nodal, choices).expect("a scheme")
 }
 
-/// Scheme of a method, on the crystal of its lattice.
+/// Scheme of a method on the crystal of its lattice.
 fn scheme_of<const D: usize>(method: &Method<D>) -> KernelScheme<D> {
     let discretization = method.choices();
     let points = method.quadrature_points().iter();

@@ -18,7 +18,7 @@ use std::f64::consts::PI;
 
 const KERNEL: Kernel = Kernel::QuarticSpline;
 
-/// `W`, `W'`, `W''` of the normalized kernel at a distance in one dimension.
+/// Values `W`, `W'`, `W''` of the normalized kernel at a distance in one dimension.
 fn kernel(radius: f64, distance: f64) -> [f64; 3] {
     let x = SVector::<f64, 1>::new(distance);
     let weight = KERNEL.weight(&x, radius, &SMatrix::identity());

@@ -1,4 +1,4 @@
-//! Velocity transfers of the material point method: steps of linear waves, and an independent code that takes these steps.
+//! Velocity transfers of the material point method: steps of linear waves, compared with an independent code that performs these steps.
 
 use crate::battery::assert_scheme;
 use nalgebra::{Complex, SMatrix, SVector};
@@ -316,7 +316,7 @@ fn points_on_faces_with_linear_functions_and_invalid_shares_and_orders_are_rejec
     }
 }
 
-/// Explicit nonlinear code for a periodic patch of grid with material points. It shares only the law with the library.
+/// Explicit nonlinear code for a periodic patch of the grid with material points. It shares only the law with the library.
 struct Code<'a, const D: usize> {
     material: &'a dyn Hyperelastic,
     transfer: Transfer,
@@ -334,7 +334,7 @@ struct Code<'a, const D: usize> {
     mass: f64,
 }
 
-/// A node near a point: number, vector from the point, weight and gradient.
+/// Node near a point: number, vector from the point, weight and gradient.
 type Seen<const D: usize> = (usize, SVector<f64, D>, f64, SVector<f64, D>);
 
 impl<const D: usize> Code<'_, D> {
@@ -469,7 +469,7 @@ struct Mode<const D: usize> {
     k: SVector<f64, D>,
     u: SVector<Complex<f64>, D>,
     factor: Complex<f64>,
-    /// Velocities of points over displacements of nodes.
+    /// Ratio of the velocities of points to the displacements of nodes.
     speed: Complex<f64>,
 }
 
@@ -623,7 +623,7 @@ fn seeded(transfer: Transfer, gradients: GridGradients) -> MaterialPointChoices 
     }
 }
 
-/// Checks that the code, with steps of a fraction of the largest stable step, agrees with the prediction to a millionth.
+/// Checks that the code, with steps that are a fraction of the largest stable step, agrees with the prediction to one part in a million.
 fn assert_predicted<const D: usize>(
     transfer: Transfer,
     gradients: GridGradients,

@@ -1,6 +1,7 @@
 //! Updated SPH of solids in PySPH: the equations of Gray, Monaghan and Swift with their artificial stress.
 //!
-//! Pressures depend on the density, and deviators follow the Jaumann rate. The particles of a deck start with the deviator of the state.
+//! Pressures depend on the density, and deviatoric stresses follow the Jaumann rate. The particles of a deck start with the deviatoric stress of the
+//! state.
 //!
 //! Source: Ramachandran and others, ACM Trans. Math. Softw. 47 (2021) 34; `pysph/sph/integrator.py`, `pysph/sph/solid_mech/basic.py`.
 

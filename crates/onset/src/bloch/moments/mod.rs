@@ -51,7 +51,7 @@ const NEWTON_STEPS: usize = 12;
 /// Number of states that are processed together; their columns fit into the cache.
 const BATCH_STATES: usize = 1024;
 
-/// Gradient moments of a planar Lagrangian method over the zone. They serve all states with one method.
+/// Gradient moments of a planar Lagrangian method over the zone, valid for all states of the method.
 #[derive(Clone, Debug)]
 pub struct GradientMoments<const D: usize> {
     matrix: DynamicalMatrix<D>,
@@ -67,7 +67,7 @@ pub struct GradientMoments<const D: usize> {
     long: LongMoments,
     /// Rounding error of the scaled moments of long waves.
     long_noise: f64,
-    /// True if a wave with alternating neighbors causes no strain, so that it has zero energy at any state.
+    /// True if a wave with alternating neighbors causes no strain, so that it is a zero-energy mode at any state.
     misses_alternating: bool,
     /// Unit of the moments.
     moment_unit: f64,
@@ -149,7 +149,7 @@ fn has_no_strain<const D: usize>(
 impl<const D: usize> GradientMoments<D> {
     /// Computes the moments of a method. `speed_squared` is the `c^2` of the scaled measure.
     ///
-    /// `None` if `D(k)` is not a contraction with a single tangent, or not planar and real: for Eulerian kernels, an interpolated background, or
+    /// `None` if `D(k)` is not the contraction with a single tangent, or is not planar and real: for Eulerian kernels, an interpolated background, or
     /// quadrature points without an inversion center.
     ///
     /// # Errors
@@ -308,7 +308,7 @@ impl<const D: usize> GradientMoments<D> {
         extremes
     }
 
-    /// Softest wave among the bottom of the zone and the long-wave limit, by the rule that chooses among waves of equal measures: its measure times
+    /// Softest wave among the bottom of the zone and the long-wave limit, by the rule that selects among waves with equal measures: its measure times
     /// `c^2`, its wave vector or direction, and whether it is the limit.
     fn chosen(
         &self,
@@ -476,7 +476,7 @@ struct Batch<'a, const D: usize> {
 }
 
 impl<const D: usize> Batch<'_, D> {
-    /// Lowest bottom of each tangent; infinite if it is not below the limit.
+    /// Lowest bottom of each tangent; infinite if it is not below the long-wave limit.
     fn bottoms<const MIRRORED: bool>(
         &self,
         objective: Objective,

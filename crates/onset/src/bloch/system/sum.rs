@@ -269,7 +269,7 @@ impl<const D: usize> BlochSum<D> {
         }
     }
 
-    /// Phases of the cells: products of powers, unless the basis is so oblique that the powers outnumber the cells.
+    /// Phases of the cells, as products of powers unless the basis is so oblique that the powers outnumber the cells.
     fn cell_phases(&self, phase: impl Fn(&SVector<f64, D>) -> Complex) -> Vec<Complex> {
         let cells = self.cells.iter();
         if D * self.reach > self.cells.len() {

@@ -25,7 +25,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::ops::RangeInclusive;
 
-/// Admissible number of Gauss points along an edge. Results no longer change with more points.
+/// Admissible number of Gauss points along an edge. With more points results no longer change.
 const BOUNDARY_POINTS: RangeInclusive<usize> = 1..=16;
 
 /// Region over which the gradients at a node are averaged.

@@ -9,7 +9,8 @@ use crate::real::{LANES, Lanes, Real};
 
 /// Contribution of one particle to a pair force, `f_I = sum_J (r_I T_J +- r_J T_I) grad W_IJ`.
 ///
-/// `r = m`, `T = m s / rho^2` in the symmetric form and `r = m / rho`, `T = m s / rho` in the others, so that no division is needed per pair.
+/// Here `r = m`, `T = m s / rho^2` in the symmetric form and `r = m / rho`, `T = m s / rho` in the other forms, so that no division is needed per
+/// pair.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Laden<R, const D: usize> {
     /// Factor `r` of the force.
@@ -226,7 +227,7 @@ impl<const D: usize> CurrentPairs<D> {
         self.weight.radius()
     }
 
-    /// Maps a place to the coordinates of the kernels.
+    /// Maps a position to the coordinates of the kernels.
     pub(crate) fn measured(&self, x: &[f64; D]) -> [f64; D] {
         self.weight.measured(x)
     }

@@ -110,12 +110,10 @@ impl Default for UpdatedSphChoices {
 
 /// SPH with kernels in current coordinates, with particles at `F X` in the homogeneous state.
 ///
-/// The law gives the stress at the deformation gradient that a particle carries along, `Fdot = L F` with
-/// `L_I = sum_J m_J/rho_J (v_J - v_I) (x) grad W_IJ K_I^-1`, `K_I = sum_J m_J/rho_J x_IJ (x) grad W_IJ` or, uncorrected, `K = 1`.
-/// The [`MomentumForm`] gives the forces; corrected forces use the stresses `sigma_I K_I^-T`. The linearization is exact: kernels, densities and
-/// volumes move.
-/// If only positions follow the smoothed velocities of XSPH, displacements are integrals of the unsmoothed velocity, and the positions move by the
-/// smoothed displacements.
+/// The law gives the stress at the deformation gradient that a particle carries, `Fdot = L F` with `L_I = sum_J m_J/rho_J (v_J - v_I) (x) grad W_IJ
+/// K_I^-1`, `K_I = sum_J m_J/rho_J x_IJ (x) grad W_IJ` or, uncorrected, `K = 1`. The [`MomentumForm`] gives the forces; corrected forces use the
+/// stresses `sigma_I K_I^-T`. The linearization is exact: kernels, densities and volumes move. If only positions follow the smoothed velocities of
+/// XSPH, displacements are integrals of the unsmoothed velocity, and the positions move by the smoothed displacements.
 ///
 /// Source: Gray, Monaghan, Swift, Comput. Methods Appl. Mech. Engrg. 190 (2001) 6641; Randles and Libersky, Comput. Methods Appl.
 /// Mech. Engrg. 139 (1996) 375.
@@ -287,8 +285,8 @@ impl<const D: usize> UpdatedSph<D> {
         sites.map(move |site| SphInteraction::Moving(self.stress_of(site, state, surroundings)))
     }
 
-    /// Minus the derivatives of the forces with respect to the displacements, if the particles of the crystal are at their current positions and carry the
-    /// given deformation gradients. `None` for supports whose size depends on the deformation.
+    /// Negative derivatives of the forces with respect to the displacements, if the particles of the crystal are at their current positions and have
+    /// the given deformation gradients. `None` for supports whose size depends on the deformation.
     ///
     /// # Errors
     /// [`MethodError`] if the discretization or the material cannot be evaluated there.
@@ -591,7 +589,7 @@ mod tests {
         all
     }
 
-    /// Largest difference of two sums, over the largest entry of the first.
+    /// Largest difference of two sums, relative to the largest entry of the first.
     fn difference<const D: usize>(sums: [&BlochSum<D>; 2]) -> f64 {
         let [blocks, others] = sums.map(|sum| {
             let blocks = sum.blocks().map(|(from, to, block)| ((from, *to), *block));
