@@ -619,8 +619,8 @@ def screen(
     particle. The cause is the first of lost ellipticity, a predicted amplitude above `threshold`, and a time step above the largest stable step of the
     body.
 
-    Frames are read one by one as ``x[0]``, ``x[1]``, ..., and one frame is in memory. The arguments `x`, `velocity`, `F` and `stress` may be arrays, memory maps,
-    datasets of h5py or zarr, or arrays of Dask.
+    Frames are read one by one as ``x[0]``, ``x[1]``, ..., and only one frame is in memory at a time. The arguments `x`, `velocity`, `F` and `stress` may
+    be arrays, memory maps, datasets of h5py or zarr, or arrays of Dask.
 
     Parameters
     ----------
@@ -646,9 +646,9 @@ def screen(
     elements
         Node indices of each element in the order of VTK, shape (elements, nodes). States are then evaluated in the elements instead of the particles.
     region
-        Lower and upper corner of a box of reference positions; other particles are not judged.
+        Lower and upper corner of a box of reference positions; other particles are not assessed.
     time_step
-        Time step of the code. Its limit is not judged if it is omitted.
+        Time step of the code. Its limit is not assessed if it is omitted.
     stepping
         ``velocity-verlet`` (also leapfrog and central differences), ``extrapolated-stress`` (LAMMPS smd/tlsph), ``late-density`` (smd/ulsph) or
         ``late-acceleration`` (PySPH).

@@ -75,7 +75,7 @@ pub(crate) struct Term {
 pub(crate) const SHAPES: usize = 2;
 
 impl Term {
-    /// Sums over the stretches on which the energy depends.
+    /// Sums over the stretches that determine the energy.
     fn sums<R: Enclosed>(&self, [shape, _]: [R; SHAPES]) -> [Sum<R>; 2] {
         match self.part {
             Part::Powers(..) | Part::Gent | Part::ArrudaBoyce | Part::Fung => {
@@ -119,8 +119,8 @@ impl Term {
         value * self.factor
     }
 
-    /// Returns true if the energy is strictly convex at all states of constant volume: in the logarithms of the stretches for Drucker's inequality, and along
-    /// all lines `F + t m N` of constant volume for strong ellipticity. `None` if the theorem does not decide.
+    /// Returns true if the energy is strictly convex at all states of constant volume: in the logarithms of the stretches for Drucker's inequality,
+    /// and along all lines `F + t m N` of constant volume for strong ellipticity. `None` if the theorem does not decide.
     ///
     /// Both `tr C` and `tr C^-1` are convex in either sense, and increasing convex functions of convex functions are convex. On those lines the
     /// cofactor of `F` is linear in `t`, so that `sum lambda^alpha` is convex if `|alpha| >= 1`, as in Ball, Arch. Rational Mech. Anal. 63 (1977) 337.
@@ -198,7 +198,8 @@ impl Family {
         NAMES.into_iter()
     }
 
-    /// Returns the family with a name of [`Family::all`], of a law of the library, `ogden-N` (N up to 6) or `hyperfoam-N` (N up to 3); `None` for other names.
+    /// Returns the family with a name of [`Family::all`], of a law of the library, `ogden-N` (N up to 6) or `hyperfoam-N` (N up to 3); `None` for
+    /// other names.
     pub fn named(name: &str) -> Option<Self> {
         let polynomial = |powers: &[(i32, i32)]| Self::polynomial(name, powers);
         Some(match name {

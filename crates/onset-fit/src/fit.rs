@@ -183,7 +183,7 @@ impl Fit {
 
 /// Largest number of rounds in which states are added.
 const ROUNDS: usize = 80;
-/// Largest number of states that the samples miss but the proof finds.
+/// Largest number of states missed by the samples and found by the proof.
 const MISSED: usize = 6;
 /// States added in one round.
 const ADDED: usize = 6;
@@ -200,8 +200,8 @@ const STARTS_WITH_DEMANDS: usize = 6;
 
 /// Fits a law to tests.
 ///
-/// Laws that do not change volume are fitted to their incompressible response: `P = (w_1 - w_3)/lambda_1` with `w_i = dW/dln(lambda_i)` and the free face 3.
-/// The sum of squares contains the errors at all points, with the weights of their tests.
+/// Laws that do not change volume are fitted to their incompressible response: `P = (w_1 - w_3)/lambda_1` with `w_i = dW/dln(lambda_i)` and the free
+/// face 3. The sum of squares contains the errors at all points, with the weights of their tests.
 ///
 /// # Errors
 /// [`FitError`] if the tests do not determine the constants, or no constants are stable.

@@ -299,10 +299,11 @@ fn ordered(stamps: &[Stamp], ignored: &mut Vec<String>) -> Vec<(usize, Stamp)> {
         frames.dedup_by(|(_, b), (_, a)| compare(a, b) == Ordering::Equal);
         match count - frames.len() {
             0 => {}
-            1 => ignored
-                .push("a frame that repeats the time of another frame is left out".to_owned()),
+            1 => {
+                ignored.push("a frame that repeats the time of another frame is skipped".to_owned())
+            }
             repeated => ignored.push(format!(
-                "{repeated} frames that repeat the time of another frame are left out"
+                "{repeated} frames that repeat the time of another frame are skipped"
             )),
         }
     }

@@ -1,6 +1,7 @@
 //! Short form of an answer: at most [`LINES`] lines of at most [`WIDTH`] characters, with at most [`NOTE_LINES`] lines of notes.
 //!
-//! Lines are divided between words; a word longer than a line exceeds the width. The command line prints the short form by default. The full text of an answer is its `Display`.
+//! Lines are divided between words; a word longer than a line exceeds the width. The command line prints the short form by default. The full text of
+//! an answer is its `Display`.
 
 use std::fmt::Display;
 
@@ -228,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn notes_are_whole_and_take_no_line_of_the_answer() {
+    fn notes_are_not_cut_and_do_not_count_as_lines_of_the_answer() {
         let answer = |notes: &[String]| {
             let short = Short::new("One.").table((0..6).map(|n| format!("line {n}")));
             short.row(0, "limits", "in tension").notes(notes)
@@ -255,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_of_the_largest_rank_are_left_out_first_and_the_order_is_kept() {
+    fn rows_of_the_largest_rank_are_omitted_first_and_the_order_is_kept() {
         let mut answer = Short::new("One.");
         for rank in [9, 1, 2, 3, 4, 5, 6, 7, 8, 10] {
             answer = answer.row(rank, "row", format!("of rank {rank}"));

@@ -16,7 +16,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Programs under test.
+/// The programs under test.
 pub(crate) struct Programs {
     /// Executable of the command.
     onset: PathBuf,
@@ -122,7 +122,7 @@ pub fn test() -> Result<(), String> {
     abused(Duration::from_secs(45), 1, &[])
 }
 
-/// Abuses the programs in the given ways, or in all ways if none is given.
+/// Abuses the programs in the given ways, or in all ways by default.
 fn abused(time: Duration, seed: u64, only: &[&Kind]) -> Result<(), String> {
     let interpreter = python::interpreter("python");
     let has_package = |python: &PathBuf| {

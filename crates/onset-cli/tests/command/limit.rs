@@ -79,7 +79,7 @@ fn the_end_of_a_range_of_stretches_limits_the_lame_constant_that_keeps_it_stable
 }
 
 #[test]
-fn a_limit_is_of_a_time_step_or_of_stability() {
+fn a_limit_refers_to_a_time_step_or_to_stability() {
     for (more, told) in [
         ("", "--time-step"),
         ("--keeps stable --time-step 1", "--keeps"),
@@ -261,7 +261,7 @@ fn step_and_values_have_the_units_of_the_study() {
 }
 
 #[test]
-fn ranges_without_and_with_only_allowed_values_are_reported() {
+fn ranges_with_no_or_only_allowed_values_are_reported() {
     let line = |range: &str| {
         format!("limit --vary discretization.spacing --time-step 0.1 --range {range} {LAW} {BARS}")
     };

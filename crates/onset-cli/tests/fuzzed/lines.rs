@@ -1,4 +1,4 @@
-//! Random, mostly invalid command lines for every command; most of them are cheap, so many can be tried.
+//! Random, mostly invalid command lines for every command. Most are cheap, which allows a large number of trials.
 
 use crate::process::{Line, STUDY};
 use serde_json::Value;

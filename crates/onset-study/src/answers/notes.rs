@@ -155,12 +155,12 @@ fn shear_of_plane(response: &Response) -> Option<f64> {
 fn note_on_path(model: Model) -> Option<String> {
     model.is_in_rate_form().then(|| match model.yields() {
         false => format!(
-            "{} is hypoelastic: the state is reached along R U^t, 0 <= t <= 1 (proportional logarithmic strain), and waves meet the tangent of the rates that go on \
-             from there; of a stressed state it has no major symmetry, so that waves can flutter, even where the law is strongly elliptic",
+            "{} is hypoelastic: the state is reached along R U^t, 0 <= t <= 1 (proportional logarithmic strain), and waves are evaluated with the tangent of the \
+             rates that continue from there; of a stressed state it has no major symmetry, so that waves can flutter, even where the law is strongly elliptic",
             model.name()
         ),
         true => format!(
-            "{} {}: the state is reached along R U^t, 0 <= t <= 1 (proportional logarithmic strain), and beyond yield waves meet the \
+            "{} {}: the state is reached along R U^t, 0 <= t <= 1 (proportional logarithmic strain), and beyond yield waves are evaluated with the \
              tangent of continued loading (Hill's linear comparison solid): with associated flow stability under it is sufficient, and its loss is an instability \
              only while loading continues",
             model.name(),

@@ -6,8 +6,8 @@ use onset::kinematics::DeformationGradient;
 use onset::verdict::Verdict;
 use std::sync::Arc;
 
-/// Sentences on the settings that leave no zero-energy modes at a state; empty for methods with a stabilization, which can be tuned, and if none of
-/// the tested settings works.
+/// Sentences on the settings that remove all zero-energy modes at a state; empty for methods with a stabilization, which can be tuned, and if no
+/// tested setting succeeds.
 ///
 /// FLIP preserves velocities of points that the grid does not resolve. With a FLIP fraction below one they decay, and the affine transfer removes
 /// them. A cell with one point has modes of the grid that this point does not resolve.

@@ -161,7 +161,7 @@ impl<'a> SymmetryPoints<'a> {
         }
         path.add(self.route.iter().map(|(_, k)| stop(*k)).collect());
         loop {
-            // Points that an image of the path adds, in its order.
+            // Points that the image of the path adds, in the order of the image.
             let added = |map: &Matrix3<f64>| {
                 let mut numbers: Vec<(usize, Vector3<f64>)> = Vec::new();
                 for (_, k) in &self.route {

@@ -224,7 +224,7 @@ impl Table {
     }
 }
 
-/// Adds points to a panel unless there are none; the legend then omits them.
+/// Adds points to a panel. An empty set is not added, so that the legend omits it.
 fn with_some(panel: Panel, points: Points) -> Panel {
     if points.points.is_empty() {
         panel

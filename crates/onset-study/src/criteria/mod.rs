@@ -392,8 +392,8 @@ pub struct ChangeAnswer {
     pub change: Change,
     /// Imposed stretch at the change; in simple shear the amount of shear.
     pub imposed: f64,
-    /// Relative half width of the bracket of the stretch, or the shift that rounding can cause if it is larger; for an upper bound, the tolerance of the named
-    /// witness.
+    /// Relative half width of the bracket of the stretch, or the shift that rounding can cause if it is larger; for an upper bound, the tolerance of
+    /// the named witness.
     pub tolerance: f64,
     /// Nominal strain at the change: `lambda - 1`, in simple shear the amount of shear.
     pub nominal_strain: f64,
@@ -405,9 +405,9 @@ pub struct ChangeAnswer {
     pub deformation_gradient: [[f64; 3]; 3],
 }
 
-const SHEAR_LEFT_OUT: &str = "simple shear is left out: its principal axes turn, so that the proportional path to a state is not the loading itself, and each state \
+const SHEAR_LEFT_OUT: &str = "simple shear is omitted: its principal axes rotate, so that the proportional path to a state is not the loading itself, and each state \
                               takes long; select it with --mode simple-shear";
-const SHEAR_OF_AXES: &str = "simple shear is left out: its principal axes rotate relative to the axes of the metal, so that each state is integrated along a \
+const SHEAR_OF_AXES: &str = "simple shear is omitted: its principal axes rotate relative to the axes of the metal, so that each state is integrated along a \
                              separate path, which takes minutes";
 
 /// Refuses loadings whose principal axes do not coincide with the material axes of the metal.

@@ -365,7 +365,7 @@ mod tests {
     }
 
     #[test]
-    fn named_ticks_outside_the_range_are_left_out() {
+    fn named_ticks_outside_the_range_are_omitted() {
         let axis = Axis::linear("", (0.0, 2.0)).ticks([(2.0, "M"), (0.0, "Γ"), (3.0, "X")]);
         assert_eq!(labels(&axis), ["Γ", "M"]);
     }

@@ -393,7 +393,7 @@ struct Size {
 }
 
 impl Size {
-    /// Requested size, adjusted so that it can be drawn; the usual size if none is requested.
+    /// Requested size, adjusted so that it can be drawn; the usual size without a request.
     fn of(asked: Option<(f64, f64)>, usual: f64) -> Self {
         let sane = |pixels: f64| {
             if pixels.is_finite() {
@@ -573,7 +573,7 @@ mod tests {
     }
 
     #[test]
-    fn panels_of_a_printed_picture_take_the_room_that_is_there() {
+    fn panels_of_a_printed_picture_fill_the_available_width() {
         let label = "frequency ω; below 0: −(growth rate) (1/time)";
         let axis = || Axis::linear(label, (-1.0, 4.0));
         let panel = Panel::new("", Axis::linear("k", (0.0, 1.0)), axis()).wider(1.84);

@@ -4,7 +4,7 @@ use super::scene::{Paint, Stroke};
 use super::{Color, Figure};
 use std::str::FromStr;
 
-/// Pixels per millimeter.
+/// Number of pixels per millimeter.
 pub(super) const MILLIMETER: f64 = 96.0 / 25.4;
 /// Smallest and largest width of a picture in print, in millimeters.
 const WIDTHS: (f64, f64) = (30.0, 1000.0);

@@ -640,7 +640,7 @@ impl LawAnswer {
             };
         }
         if self.needs_no_demand {
-            return "The best fit is stable as it is: the stability constraint costs nothing."
+            return "The best fit is stable without the constraint, which therefore costs nothing."
                 .to_owned();
         }
         let mut text = format!(

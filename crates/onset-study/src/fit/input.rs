@@ -1,6 +1,6 @@
 //! Test data: tables in CSV with a header, in decks of Abaqus and Ansys, and arrays.
 //!
-//! Data that contradict themselves or a header are refused, because a misread table can be fitted as well as any other.
+//! Inconsistent data, and data that contradict a header, are refused, because even a misread table can be fitted.
 
 use crate::input::{self, MOST_TEXT};
 use crate::number::{counted, told, told_with};
@@ -572,7 +572,7 @@ impl Table<'_> {
         {
             return Err(self.line(
                 n + 1,
-                format!("`{}` is a keyword of a deck, and the deck has no test data", brief(text)),
+                format!("`{}` is a keyword of an input deck, which contains no test data", brief(text)),
                 "expected *UNIAXIAL, *BIAXIAL, *PLANAR, *SIMPLE SHEAR or *VOLUMETRIC TEST DATA, or a table with a header",
             ));
         }

@@ -59,7 +59,7 @@ impl<'a, T: Trial> Varied<'a, T> {
             [only] if is_open(&only.from) => format!("{key} up to {}", to(only)),
             [only] if is_open(&only.to) => {
                 let [_, last] = self.ends_told();
-                format!("{key} from {} on, as far as {last}", from(only))
+                format!("{key} from {} up to at least {last}", from(only))
             }
             several => {
                 let several = several.iter();

@@ -18,7 +18,7 @@ pub struct LocalizationAnswer {
     pub settings: serde_json::Map<String, serde_json::Value>,
     /// Units of all numbers with dimensions: the units of the parameters, or SI.
     pub units: Units,
-    /// Parameters as text.
+    /// Parameters of the law, formatted for printing.
     #[serde(skip)]
     pub told: String,
     /// State at first yield.

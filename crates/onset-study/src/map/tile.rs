@@ -138,7 +138,7 @@ impl Default for Pace {
 }
 
 impl Pace {
-    /// Duration below which a batch is followed by a larger batch; batches longer than `LONG_BATCH` are followed by smaller ones.
+    /// After a batch shorter than this duration a larger batch follows, and after a batch longer than `LONG_BATCH` a smaller batch.
     const SHORT_BATCH: Duration = Duration::from_millis(50);
     const LONG_BATCH: Duration = Duration::from_millis(250);
 

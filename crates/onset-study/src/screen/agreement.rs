@@ -6,7 +6,7 @@ use crate::settings::Family;
 use nalgebra::Matrix3;
 use onset::kinematics::DeformationGradient;
 
-/// Median relative difference above which the gradients or stresses of one state disagree.
+/// Gradients or stresses of one state disagree if their median relative difference exceeds this value.
 const DISAGREEMENT: f64 = 0.05;
 /// Smallest norm of `F - 1` for which gradients are compared.
 const COMPARABLE_STRAIN: f64 = 1e-3;

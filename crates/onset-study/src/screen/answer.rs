@@ -339,7 +339,7 @@ impl ScreenAnswer {
         };
         let step = question.time_step;
         let at_limit_of_step = course.step.as_ref().zip(step).is_some_and(|(limit, step)| {
-            // The limit of the undeformed body, and the least during the run.
+            // The limit of the undeformed body, and the smallest limit during the run.
             let limits = limit.least..=limit.body.unwrap_or(limit.lattice).max(limit.least);
             matches!(cause, Cause::None | Cause::TimeStep | Cause::Forced)
                 && step > (1.0 - LIMIT_TOLERANCE) * limits.start()
@@ -590,7 +590,7 @@ impl ScreenAnswer {
 
     fn limits_of(&self, problem: &Problem, cut: f64, points: [usize; 2], end: f64) -> Vec<String> {
         let mut limits = vec![
-            "states are taken as homogeneous: regions smaller than half of the growing wave are not judged".to_owned(),
+            "states are taken as homogeneous: regions smaller than half of the growing wavelength are not assessed".to_owned(),
         ];
         if cut > 0.0 {
             limits.push(format!(
@@ -600,7 +600,7 @@ impl ScreenAnswer {
         }
         if points[1] > 0 {
             limits.push(format!(
-                "{} near held particles are not judged",
+                "{} near held particles are not assessed",
                 counted(points[1], "point")
             ));
         }

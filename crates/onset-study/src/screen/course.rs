@@ -372,7 +372,7 @@ impl<'p> Follower<'p> {
         let asked = is_asked.iter().filter(|is| **is).count();
         if asked == 0 || !nodes.contains(&true) {
             return Err(ScreenError::Run {
-                what: "no particle is left to be judged: all are held, near held particles, or outside of the region".to_owned(),
+                what: "no particle remains to be assessed: all are held, near held particles, or outside of the region".to_owned(),
                 hint: "choose held particles with --held, or another --region".to_owned(),
             });
         }
@@ -474,7 +474,7 @@ impl<'p> Follower<'p> {
             self.course.seed = self.first_seed;
             self.by_step = 0.0;
         }
-        // States of the points.
+        // States of the points follow.
         let (points, run, is_asked) = (&self.points, self.run, &self.is_asked);
         let found: Vec<Option<Matrix3<f64>>> = (0..count)
             .into_par_iter()

@@ -115,7 +115,7 @@ pub struct Source {
     pub reference: Reference,
     /// Particles with prescribed motion.
     pub held: Held,
-    /// Box to which the answer is restricted; `None` for all particles.
+    /// Box that contains the particles to be assessed; `None` for all particles.
     pub region: Option<Region>,
 }
 
@@ -229,7 +229,7 @@ impl Recording {
             let fault = own.ordered(&mut frame).or_else(|| broken(&frame));
             if let Some(fault) = fault {
                 own.notes
-                    .push(format!("{fault}: this and all later frames are left out"));
+                    .push(format!("{fault}: this and all later frames are skipped"));
                 break;
             }
             if written > frame.len() && !has_others {

@@ -2,8 +2,9 @@
 //! step is the cause.
 //!
 //! A [`Run`] is read from output files, or given as arrays. For each particle and frame the deformation gradient follows from the positions. Its state
-//! has a smallest acoustic eigenvalue and a fastest-growing wave. The integral of the growth rate over time, from the short waves at the start, gives the
-//! amplitude that is expected. It is compared with the short waves in the positions. The largest stable step refers to the body and to the scheme of the code.
+//! has a smallest acoustic eigenvalue and a fastest-growing wave. The integral of the growth rate over time, from the short waves at the start, gives
+//! the amplitude that is expected. It is compared with the short waves in the positions. The largest stable step refers to the body and to the scheme
+//! of the code.
 
 mod actual;
 mod agreement;
@@ -30,7 +31,7 @@ use crate::output::OutputError;
 use onset_frames::FrameError;
 use thiserror::Error;
 
-/// Default amplitude above which short waves count; spacings.
+/// Default threshold for the amplitude of short waves; spacings.
 pub const THRESHOLD: f64 = 0.05;
 /// Default width of the bins of stretch.
 pub const BIN: f64 = 0.001;
@@ -97,7 +98,7 @@ pub struct Run {
     pub cells: Option<Vec<Vec<usize>>>,
     /// Rounding of positions in the file; length.
     pub rounding: f64,
-    /// Box to which the answer is restricted; `None` for all particles.
+    /// Box that contains the particles to be assessed; `None` for all particles.
     pub region: Option<Region>,
 }
 

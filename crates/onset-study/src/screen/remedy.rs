@@ -11,7 +11,7 @@ use onset::method::Frame;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// Factors by which the present coefficient of a stabilization is multiplied, and values that are tried without a stabilization.
+/// Multiples of the present coefficient of a stabilization, and values that are tried without a stabilization.
 const FACTORS: [f64; 4] = [2.0, 5.0, 10.0, 30.0];
 const VALUES: [f64; 4] = [0.05, 0.1, 0.3, 1.0];
 /// Largest number of changes in an answer.

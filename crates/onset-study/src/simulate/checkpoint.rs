@@ -23,7 +23,7 @@ pub(super) struct Progress {
     pub(super) history: Vec<f64>,
     /// Times and amplitudes of the record.
     pub(super) samples: Vec<[f64; 2]>,
-    /// Displacements of all fields written so far, concatenated; kept for small patches only.
+    /// Displacements of all fields that have been written, concatenated; kept for small patches only.
     pub(super) fields: Vec<f64>,
 }
 

@@ -197,7 +197,7 @@ pub(crate) fn compared(
         return (
             Outcome::Undecided,
             format!(
-                "the record is not a single wave: {:.1} % of it remain unexplained",
+                "the record is not a single wave: {:.1} % of it remains unexplained",
                 100.0 * residual
             ),
         );

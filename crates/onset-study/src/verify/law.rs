@@ -1,4 +1,4 @@
-//! Properties of a law on which decks depend: isotropy, rate form, and purely volumetric resistance.
+//! Properties of a law that determine its deck: isotropy, rate form, and purely volumetric resistance.
 
 use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, MaterialError};
@@ -83,9 +83,9 @@ pub(super) fn is_in_rate_form(
 /// Pressure of a law `W(J)` at a state, and its derivative with respect to the density ratio `rho/rho0 = 1/J`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Volumetric {
-    /// Pressure `p = -W'(J)`; stress.
+    /// The pressure `p = -W'(J)`; stress.
     pub(super) pressure: f64,
-    /// Slope `dp/d(1/J) = J^2 W''(J)`; stress.
+    /// The slope `dp/d(1/J) = J^2 W''(J)`; stress.
     pub(super) slope: f64,
 }
 

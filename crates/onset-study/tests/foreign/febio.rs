@@ -142,7 +142,7 @@ fn yeoh_and_arruda_boyce_have_the_stresses_of_the_sources() {
 }
 
 #[test]
-fn a_law_inside_of_a_viscoelastic_material_is_found() {
+fn a_law_inside_a_viscoelastic_material_is_found() {
     let text = "<material id=\"2\" name=\"skin\" type=\"uncoupled viscoelastic\">\n<g1>0.5</g1>\n<t1>10</t1>\n<k>30</k>\n\
                 <elastic type=\"Ogden\">\n<c1>0.6</c1>\n<m1>2</m1>\n</elastic>\n</material>\n<material id=\"3\" type=\"neo-Hookean\"><E>1</E><v>0</v></material>";
     agrees(&*read(Febio, text, &[]), |f| {

@@ -428,7 +428,7 @@ fn moduli_of_ogden_in_felupe_add_up_to_the_shear_modulus() {
 }
 
 #[test]
-fn incomplete_python_models_are_refused_with_their_place() {
+fn incomplete_python_models_are_refused_with_their_position() {
     for (program, text, fact) in [
         (
             Program::Felupe,

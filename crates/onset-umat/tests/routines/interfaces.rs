@@ -131,7 +131,7 @@ fn short_increments_of_a_vumat_do_not_unload_its_tangent() {
 }
 
 #[test]
-fn a_vumat_turns_with_the_body() {
+fn the_response_of_a_vumat_rotates_with_the_body() {
     let settings = UmatSettings {
         state_variables: 1,
         increments: 16,

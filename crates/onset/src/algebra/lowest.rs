@@ -18,7 +18,7 @@ pub(crate) fn lowest_between<E>(
     value: f64,
     tolerance: f64,
 ) -> Result<(f64, f64), E> {
-    // Lowest place, second lowest place, and the previous second lowest.
+    // Lowest point, second lowest point, and the previous second lowest point.
     let (mut best, mut second, mut third) = ((middle, value), (middle, value), (middle, value));
     let (mut step, mut before): (f64, f64) = (0.0, high - low);
     for _ in 0..BRENT_STEPS {
@@ -99,7 +99,7 @@ mod tests {
         let (x, asked) = sought(|x| (x - 0.3).abs() + 0.2 * x, 0.5);
         assert!((x - 0.3).abs() < 1e-6, "{x}");
         assert!(asked < 60, "{asked}");
-        // Functions that are not smooth on one side, flat, or infinite beyond a place.
+        // Functions that are not smooth on one side, flat, or infinite beyond a point.
         let (x, _) = sought(|x| if x < 0.3 { 1.0 } else { (x - 0.3).sqrt() }, 0.5);
         assert!((x - 0.3).abs() < 1e-6, "{x}");
         let (x, _) = sought(|_| 1.0, 0.5);

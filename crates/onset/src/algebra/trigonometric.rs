@@ -163,7 +163,7 @@ mod tests {
     use super::TrigonometricPolynomial;
 
     #[test]
-    fn minimum_between_any_samples_is_found() {
+    fn a_minimum_between_samples_is_found() {
         // A narrow minimum: (1 - cos(t - 0.123456))^1 plus a slope, squared.
         let shifted =
             TrigonometricPolynomial::first_order(1.0, -(0.123456_f64).cos(), -(0.123456_f64).sin());

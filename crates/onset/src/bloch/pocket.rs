@@ -156,7 +156,7 @@ impl<S: Scalar, const D: usize> Pair<S, D> {
             let height = crossing.height.at(&u);
             u[crossing.axis] = height.clamp(-MODEL_RANGE_STEPS, MODEL_RANGE_STEPS);
             if height == u[crossing.axis] {
-                // Most places: two real branches that repel each other.
+                // At most wave vectors two real branches repel each other.
                 if !is_real || crossing.product(&u).real() < 0.0 {
                     look(crossing.growth(&u), u);
                 }
@@ -188,7 +188,7 @@ impl<S: Scalar, const D: usize> Pair<S, D> {
         fastest
     }
 
-    /// Line or surface on which the uncoupled branches cross, if it passes within range.
+    /// Line or surface of the crossings of the uncoupled branches, if it passes within range.
     fn crossing(&self) -> Option<Crossing<S, D>> {
         let distance = (self.values[0] - self.values[1]).real();
         let closing: [f64; D] = array_of(|a| (self.slopes[0][a] - self.slopes[1][a]).real());

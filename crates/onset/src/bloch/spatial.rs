@@ -216,7 +216,7 @@ mod tests {
     use crate::lattice::{LatticeKind, Reduced, WaveGrids};
     use nalgebra::{Matrix3, Vector3};
 
-    /// Bonds of a simple cubic lattice, and a term by which a translation costs energy, with their common symmetry.
+    /// Bonds of a simple cubic lattice, and a term that assigns energy to translations, with their common symmetry.
     #[test]
     fn shared_spectra_of_symmetric_waves_agree_with_the_spectrum_of_each_wave() {
         let lattice = LatticeKind::SimpleCubic

@@ -5,7 +5,7 @@ use crate::algebra::Complex;
 use crate::lattice::Particle;
 use nalgebra::SVector;
 
-/// Multiple of the rounding error of `omega^2` below which its values count as zero.
+/// Values of `omega^2` count as zero below this multiple of its rounding error.
 pub(crate) const ZERO_FREQUENCY_NOISE_FACTOR: f64 = 64.0;
 /// Amplification factors below this count as zero. A solution that vanishes within a step has no rate.
 const SMALLEST_FACTOR: f64 = 1e-12;

@@ -139,7 +139,7 @@ fn entries<const D: usize>(entry: impl Fn(usize, usize) -> Interval) -> [Interva
     }
 }
 
-/// Channels of a neighbor: as the particle on which the force acts, and as the particle that moves.
+/// Channels of a neighbor: as the particle that experiences the force, and as the particle that moves.
 fn channels<const D: usize>(
     point: &Point<D>,
     neighbor: &Neighbor<D>,

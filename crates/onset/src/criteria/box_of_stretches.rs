@@ -57,13 +57,13 @@ const STATES_PER_RAY_ANISOTROPIC: usize = 20;
 const IMPROVED_RAYS: usize = 3;
 /// Largest ratio of the length of a ray to the shortest length at which the ray is followed.
 const FOLLOWED_LENGTH_RATIO: f64 = 1.2;
-/// Smallest step by which rays are rotated, in units of the box.
+/// Smallest step of the rotation of rays, in units of the box.
 const SMALLEST_TURN: f64 = 1e-11;
 /// Width of the bracket of a loss of ellipticity along a ray, in units of the box.
 const RESOLUTION: f64 = 1e-14;
-/// Factor by which rays extend beyond the range, because a loss between two rays can be nearer than the losses on them.
+/// Length of the rays relative to the range. Rays extend beyond it, because a loss between two rays can be nearer than the losses on them.
 const RAY_END: f64 = 1.25;
-/// Points along an edge of the coarse and the fine grid on which the inside of a box is checked.
+/// Points along an edge of the coarse and the fine grid that check the inside of a box.
 const CHECK_GRIDS: [usize; 2] = [21, 41];
 const CHECK_GRIDS_ANISOTROPIC: [usize; 2] = [9, 13];
 /// Largest number of times that a box is shrunk on one grid.
@@ -84,7 +84,8 @@ const AT_END: f64 = 1e-7;
 
 /// Returns the largest box `[h^-k, h]^3` of principal stretches within a range in which a law is strongly elliptic.
 ///
-/// The exponent `k = skew` is 1 for a box that is symmetric in the logarithms. The result is `None` if the law is not elliptic in the reference configuration.
+/// The exponent `k = skew` is 1 for a box that is symmetric in the logarithms. The result is `None` if the law is not elliptic in the reference
+/// configuration.
 ///
 /// The principal axes are the coordinate axes, which is not a restriction for an isotropic law ([`is_isotropic`]). The box results from a dense
 /// search with local improvement and is not proved. Rays from the reference configuration through grid points on the surface of the box are followed
@@ -628,7 +629,7 @@ impl Grid {
         indices.each(|index| index as f64 / (self.count - 1) as f64)
     }
 
-    /// Points with values no higher than those of their neighbors, and the lowest of all points, sorted by value.
+    /// Points with values no higher than the values of their neighbors, and the lowest of all points, sorted by value.
     fn low_points(&self) -> Vec<[f64; 3]> {
         let mut order: Vec<usize> = (0..self.values.len())
             .filter(|n| !self.isotropic || self.indices(*n).is_sorted_by(|a, b| a >= b))

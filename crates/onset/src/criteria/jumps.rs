@@ -209,7 +209,7 @@ impl<'a> JumpSearch<'a> {
         self.or_preserving_volume(state, own, |search| search.lowest_beside(state, wave))
     }
 
-    /// Also searches among volume-preserving jumps if the law is nearly incompressible and the given jump does not lower the energy.
+    /// Extends the search to volume-preserving jumps if the law is nearly incompressible and the given jump does not lower the energy.
     fn or_preserving_volume(
         &self,
         state: &Response,

@@ -434,7 +434,7 @@ const TRIALS: usize = 16 * PATH_STEPS;
 const HALVINGS: i32 = 44;
 /// Cosine of the largest angle between the branch at a state and the chord to the next state.
 const ALONG: f64 = 0.9;
-/// Step length below which the branch may turn by any angle, as at a kink of the stress.
+/// Step length; in shorter steps the branch may turn by any angle, as at a kink of the stress.
 const KINKED: f64 = 1e-7;
 /// Longest step along a branch that does not reach the next parameter of the path.
 const LONGEST: f64 = 0.05;

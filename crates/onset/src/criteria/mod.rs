@@ -1,9 +1,10 @@
-//! Stability criteria: each is a quantity with a sign and a witness, known by its established name.
+//! Stability criteria: each is a quantity with a sign and a witness, under its established name.
 //!
 //! "Stable" has many meanings. A wave, a dead load, a testing machine and a program that fits laws to tests impose different conditions, and a law
 //! can satisfy one and violate another at the same state. A [`Criterion`] names the condition. Its [`Measure`] at a [`State`] is positive where the
 //! condition holds, and includes the perturbation that minimizes it. A [`Loading`] leads to states, with traction-free faces solved for, and
-//! [`follow`] finds where along it a criterion is violated. [`safe_box`] is the largest box of principal stretches in which a law is strongly elliptic.
+//! [`follow`] finds where along it a criterion is violated. [`safe_box`] is the largest box of principal stretches in which a law is strongly
+//! elliptic.
 //!
 //! With `P = dW/dF`, `A = dP/dF`, Kirchhoff stress `tau = P F^T`, the polar decomposition `F = R U`, and principal stretches `lambda_i`:
 //!
@@ -74,10 +75,10 @@ pub enum Criterion {
     /// Source: Hadamard, Leçons sur la propagation des ondes (1903). Truesdell and Noll, The non-linear field theories of mechanics (1965), section
     /// 44. When it is lost, a wave speed vanishes, and shear bands and other bands of arbitrary thickness can form.
     ///
-    /// For isotropic laws the decision is exact. In principal axes, with `W_ij` the second derivatives of the energy with respect to the stretches, the form is
-    /// nonnegative if and only if the shear stiffnesses `A_ijij` are nonnegative and the matrices with `W_ii` on the diagonal and
-    /// `e_i e_j (W_ij + A_ijji) + A_ijij` off the diagonal are copositive for all signs `e` (Simpson and Spector, Arch. Ration. Mech. Anal. 84 (1983)
-    /// 55). The measure is the smallest value attained in these conditions, a value of the form at unit vectors. For other laws it is the smallest
+    /// For isotropic laws the decision is exact. In principal axes, with `W_ij` the second derivatives of the energy with respect to the stretches,
+    /// the form is nonnegative if and only if the shear stiffnesses `A_ijij` are nonnegative and the matrices with `W_ii` on the diagonal and `e_i
+    /// e_j (W_ij + A_ijji) + A_ijij` off the diagonal are copositive for all signs `e` (Simpson and Spector, Arch. Ration. Mech. Anal. 84 (1983) 55).
+    /// The measure is the smallest value attained in these conditions, a value of the form at unit vectors. For other laws it is the smallest
     /// eigenvalue of all acoustic tensors. Units of stress.
     StrongEllipticity,
     /// Strong ellipticity restricted to waves in the plane of the first two axes, as in a simulation in plane strain.
@@ -90,8 +91,8 @@ pub enum Criterion {
     /// Source: Ball, Arch. Ration. Mech. Anal. 63 (1977) 337; Morrey (1952). The measure is the smallest
     /// `2 (W(F + a (x) N) - W(F) - P : a (x) N) / |a|^2` found by a [`JumpSearch`]. Units of stress. A negative value is a proof to rounding (or in
     /// interval arithmetic: [`JumpSearch::proves`]). A positive value means that the search found no such jump, so a limit along a loading is an
-    /// upper bound: other jumps may lower the energy nearer to the reference configuration. The limit is never later than the loss of ellipticity, and it is earlier if
-    /// the third derivative of the energy along the critical wave does not vanish.
+    /// upper bound: other jumps may lower the energy nearer to the reference configuration. The limit is never later than the loss of ellipticity,
+    /// and it is earlier if the third derivative of the energy along the critical wave does not vanish.
     RankOneConvexity,
     /// Baker-Ericksen inequalities: the larger principal stress acts along the larger principal stretch,
     /// `(sigma_i - sigma_j)(lambda_i - lambda_j) > 0`.
@@ -122,18 +123,18 @@ pub enum Criterion {
     Drucker,
     /// Drucker stability as Abaqus and other fitting codes check it: with principal axes held, `dtau_i dln(lambda_i) > 0`.
     ///
-    /// The matrix `dtau_i / dln(lambda_j)` is positive definite. For incompressible response (`D = 0`) increments satisfy `sum dln(lambda_i) = 0`,
-    /// and the 2 x 2 matrix after elimination of the third strain must be positive definite: no pressure does work on such increments, so neither the
-    /// pressure nor the volumetric part of the law matters. Source: Abaqus Analysis Guide, Hyperelastic behavior of rubberlike materials, "Material
-    /// stability" (checked there for stretches 0.1 to 10). The measure is the smallest eigenvalue for logarithmic strain of unit length. Units of
-    /// stress.
+    /// The matrix `dtau_i / dln(lambda_j)` is positive definite. For incompressible response (`D = 0`) increments satisfy `sum dln(lambda_i) = 0`.
+    /// The 2 x 2 matrix after elimination of the third strain must then be positive definite. No pressure does work on such increments, so neither
+    /// the pressure nor the volumetric part of the law matters. Source: Abaqus Analysis Guide, Hyperelastic behavior of rubberlike materials,
+    /// "Material stability" (checked there for stretches 0.1 to 10). The measure is the smallest eigenvalue for logarithmic strain of unit length.
+    /// Units of stress.
     DruckerAbaqus,
     /// True stress grows with true strain (TSTS-M++): `sigma° : D > 0` for all rates of deformation `D`, with the Jaumann rate of Cauchy stress.
     ///
-    /// The condition is `(tau° : D - (tau : D) tr D) / J > 0`. For isotropic laws the derivative of the Cauchy stress with respect to the logarithmic strain is
-    /// positive definite. Source: Jog and Patil, Arch. Appl. Mech. 83 (2013) 661; Wollner, Holzapfel and Neff, arXiv 2509.08597 (2025), who show that
-    /// neither this condition nor polyconvexity implies the other. At constant volume it equals Drucker's inequality. The measure is the smallest
-    /// eigenvalue on symmetric `D`. Units of stress.
+    /// The condition is `(tau° : D - (tau : D) tr D) / J > 0`. For isotropic laws the derivative of the Cauchy stress with respect to the logarithmic
+    /// strain is positive definite. Source: Jog and Patil, Arch. Appl. Mech. 83 (2013) 661; Wollner, Holzapfel and Neff, arXiv 2509.08597 (2025), who
+    /// show that neither this condition nor polyconvexity implies the other. At constant volume it equals Drucker's inequality. The measure is the
+    /// smallest eigenvalue on symmetric `D`. Units of stress.
     TrueStressMonotonicity,
     /// Ordered forces: the larger principal force acts along the larger principal stretch, `(T_i - T_j)(lambda_i - lambda_j) > 0`,
     /// `T_i = dW/dlambda_i` (Biot stress).
@@ -168,7 +169,7 @@ pub struct Measure {
     /// Largest value that is zero to rounding and does not count as positive, as for
     /// [`AcousticMinimum::rounding`](crate::continuum::AcousticMinimum).
     pub zero: f64,
-    /// Magnitude below which the sign of a value along a loading may be determined by rounding.
+    /// Rounding may determine the sign of a value along a loading if its magnitude is smaller.
     pub rounding: f64,
     /// Perturbation with the smallest value.
     pub witness: Witness,

@@ -104,7 +104,7 @@ pub enum Problem {
     NotAFunction {
         /// Name in the text.
         name: String,
-        /// Description of what the name means.
+        /// Description of the meaning of the name.
         what: &'static str,
     },
     /// A function has no arguments.

@@ -148,7 +148,9 @@ impl<'a> Parser<'a> {
                 Some("name a part with let name = ...; compare with <, <=, > or >=")
             }
             Token::Sign("&&") => Some("write and"),
-            Token::Sign("||") => Some("write or; abs(...) for an absolute value"),
+            Token::Sign("||") => {
+                Some("write `or` for alternatives, abs(...) for an absolute value")
+            }
             Token::Sign(",") => {
                 Some("arguments belong in the parentheses of a function; decimals use a point")
             }

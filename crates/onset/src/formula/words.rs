@@ -239,7 +239,7 @@ pub(super) fn instead_of(character: char) -> &'static str {
         '\u{2265}' => "write >=",
         '[' | ']' | '{' | '}' => "group with round parentheses",
         '?' => "write if(condition, value, otherwise)",
-        '|' => "write abs(...) for an absolute value, or for alternatives",
+        '|' => "write abs(...) for an absolute value, `or` for alternatives",
         '&' => "write and",
         '!' => "write not; numbers are compared with <, <=, > and >=",
         '"' | '\'' => "a formula has no quotation marks",

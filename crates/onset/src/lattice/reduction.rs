@@ -61,7 +61,7 @@ impl<const D: usize> Reduced<D> {
 
     /// Reduced basis that is independent of the basis in which the lattice is given.
     ///
-    /// Among equally short vectors the order is by the inclination to the diagonal `(1, 1, 1)`: vectors whose inclination is closest to that of the
+    /// Among equally short vectors the order is by the inclination to the diagonal `(1, 1, 1)`: vectors inclined most nearly like the
     /// axes come first. For named lattices these are the standard vectors. The given basis is returned if it differs only in order and signs.
     ///
     /// # Errors

@@ -69,7 +69,7 @@ impl<const D: usize> Symmetry<D> {
 /// Orbits of the points of a grid of wave vectors, restricted to first indices up to half of the resolution.
 #[derive(Debug)]
 pub(crate) struct Wedge {
-    /// First point of the orbit to which each point belongs.
+    /// First point of the orbit of each point.
     pub(crate) first: Vec<u32>,
     /// Range along each line (all indices except the last) of the points that are the first of their orbit.
     pub(crate) lines: Vec<Range<usize>>,

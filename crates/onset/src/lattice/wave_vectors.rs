@@ -429,7 +429,7 @@ mod tests {
         }
     }
 
-    /// Each point is no farther from zero than any equivalent point, in the metric of the zone, and is equivalent to the point of the original grid.
+    /// Each point is equivalent to the point of the original grid. No equivalent point is closer to zero in the metric of the zone.
     #[test]
     fn folded_wave_vectors_are_equivalent_and_in_the_zone() {
         for (kind, stretch) in [

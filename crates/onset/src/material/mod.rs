@@ -211,8 +211,8 @@ pub trait StrainEnergy {
 
     /// Energy and stress of several states, as for [`Hyperelastic::lane_stress`].
     ///
-    /// They are computed from derivatives with respect to the components of `F` unless a law overrides this method with a faster one. Lanes may be
-    /// wrong if the law requests a single value on which the lanes differ.
+    /// They are computed from derivatives with respect to the components of `F` unless a law overrides this method with a faster method. Lanes may be
+    /// wrong if the law requests a single value that differs between the lanes.
     fn lane_stress(&self, states: &DeformationGradient<Lanes>, dimension: usize) -> LaneStress
     where
         Self: Sized,
@@ -277,7 +277,7 @@ pub trait Hyperelastic: Send + Sync {
         self.response(f)
     }
 
-    /// Number of dimensions of the states on which the law depends: 3, unless it computes the remaining components of `F` itself.
+    /// Number of dimensions of the states that determine the response: 3, unless the law computes the remaining components of `F` itself.
     ///
     /// [`PlaneStress`] is such a law. [`Response::deformation`] contains the computed components.
     fn dimension(&self) -> usize {

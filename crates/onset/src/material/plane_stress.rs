@@ -22,7 +22,8 @@ const CONTRACTION: f64 = 0.25;
 const STEP_ROUNDING: f64 = 1e-15;
 /// Largest relative step that counts as rounding if the steps do not contract.
 const CONTRACTION_FLOOR: f64 = 1e-7;
-/// Smallest step along the branch, as a fraction of the path from the reference configuration to a state. For a stretch of ten thousand it is a small strain.
+/// Smallest step along the branch, as a fraction of the path from the reference configuration to a state. For a stretch of ten thousand it is a small
+/// strain.
 const SMALLEST_STRIDE: f64 = 1.0 / (1u32 << 26) as f64;
 /// Stiffness across the sheet, relative to the largest stiffness, that is a rounding error.
 const STIFFNESS_ROUNDING: f64 = 1e-12;
@@ -51,8 +52,8 @@ const WIDENINGS: usize = 8;
 ///
 /// `Q` is the acoustic tensor of waves across the sheet, so the stationary point is a minimum if these waves have real speeds. For isotropic laws, or
 /// if the plane of the sheet is a plane of mirror symmetry, `F_13` and `F_23` are zero and one stretch is computed; otherwise all three components
-/// are. A bar has the second column too, up to a rotation about its axis. If several minima exist, the minimum that continues from the reference configuration
-/// along `R ((1 - t) 1 + t U)` is used, with the in-plane `F = R U`.
+/// are. A bar has the second column too, up to a rotation about its axis. If several minima exist, the minimum that continues from the reference
+/// configuration along `R ((1 - t) 1 + t U)` is used, with the in-plane `F = R U`.
 ///
 /// Components of a state beyond its dimensions are not read: [`Response::deformation`] contains the computed components. Stress and tangent beyond
 /// the dimensions are zero; components like `A_3131` are the components `dP_31/dF_31` of the membrane. Units of stress, per reference volume.
@@ -113,7 +114,7 @@ impl PlaneStress {
             Some(reference) => sheet.reference = reference,
             None => {
                 return refused(
-                    "no state near F = 1 without traction on the faces is stable against strains across (a fluid's is not)",
+                    "near F = 1 no state with traction-free faces is stable against thickness strains, as for a fluid",
                 );
             }
         }

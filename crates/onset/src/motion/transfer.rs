@@ -17,7 +17,7 @@ use crate::time_step::TransferredWaves;
 use nalgebra::{DVector, SMatrix, SVector};
 use std::f64::consts::TAU;
 
-/// Amplitude at the points, as a fraction of the amplitude at the nodes, below which waves count as invisible; also used for waves of points at the
+/// Waves count as invisible if their amplitude at the points is a smaller fraction of the amplitude at the nodes; also used for waves of points at the
 /// nodes.
 const INVISIBLE_AMPLITUDE: f64 = 1e-9;
 /// Distance in spacings at which a point counts as lost.

@@ -347,24 +347,24 @@ impl Reached {
 
 fn outside(reached: f64, halt: &Halt) -> MaterialError {
     MaterialError::OutsideDomain {
-        what: "the part of the path to it that can be followed",
+        what: "the fraction of the path to the state that can be followed",
         value: reached,
         expected: match halt {
-            Halt::Unloads => "there the material unloads".to_owned(),
+            Halt::Unloads => "beyond it the material unloads".to_owned(),
             Halt::TurnsBack => {
-                "there the law softens so fast that the strain does not determine the stress"
+                "beyond it the law softens so fast that the strain does not determine the stress"
                     .to_owned()
             }
-            Halt::Law(error) => format!("there {error}"),
+            Halt::Law(error) => format!("beyond it {error}"),
         },
     }
 }
 
 fn too_many_steps(reached: f64) -> MaterialError {
     MaterialError::OutsideDomain {
-        what: "the part of the path to it that can be followed",
+        what: "the fraction of the path to the state that can be followed",
         value: reached,
-        expected: "there too many short steps are needed".to_owned(),
+        expected: "too many short steps are needed beyond it".to_owned(),
     }
 }
 

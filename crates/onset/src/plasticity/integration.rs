@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-/// Step length, relative to the end of the interval, below which steps are accepted regardless of their error.
+/// Shorter steps, relative to the end of the interval, are accepted regardless of their error.
 const SHORTEST_STEP: f64 = 1e-12;
 
 /// Largest number of steps of an integration.
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pendulum_returns() {
+    fn the_integration_of_a_pendulum_returns_to_the_initial_state() {
         let rates = |y: &SVector<f64, 2>, _: f64| Ok(SVector::from([y[1], -y[0]]));
         let end = ended([0.0, 1.0], 2.0 * std::f64::consts::PI, rates);
         let end = end.unwrap_or_else(|_| panic!("the end is reached"));
@@ -190,7 +190,7 @@ mod tests {
 
     /// Steps become shorter like `exp(-x)`: the end is out of reach long before the largest number of steps.
     #[test]
-    fn a_path_of_ever_shorter_steps_is_given_up_early() {
+    fn an_integration_with_ever_shorter_steps_is_abandoned_early() {
         let count = Cell::new(0);
         let rates = |y: &SVector<f64, 1>, x: f64| {
             count.set(count.get() + 1);

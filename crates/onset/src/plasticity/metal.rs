@@ -256,7 +256,7 @@ fn is_diagonal(tensor: &Matrix3<f64>) -> bool {
 /// Error for a state that a metal cannot reach.
 fn no_path<const N: usize>(stopped: Stopped<N, ()>) -> MaterialError {
     MaterialError::OutsideDomain {
-        what: "the path to the state",
+        what: "the fraction of the path that must be followed",
         value: 1.0,
         expected: match stopped.why {
             Stop::Rates(()) => {
@@ -339,7 +339,9 @@ impl Metal {
         Err(MaterialError::OutsideDomain {
             what: "the flow stress",
             value,
-            expected: format!("softening has exhausted it at the plastic strain {slip:?}"),
+            expected: format!(
+                "softening has reduced it to zero before the plastic strain {slip:?}"
+            ),
         })
     }
 

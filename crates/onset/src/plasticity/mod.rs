@@ -222,7 +222,7 @@ pub enum PlasticityError {
     Unloads,
     /// The law already flows in the first small increment.
     #[error(
-        "the law flows from the first small increment on; expected an elastic range with an unloading tangent"
+        "the law flows plastically from the first increment; expected an elastic range with an unloading tangent"
     )]
     NoElasticRange,
     /// The lateral stresses cannot be kept constant.

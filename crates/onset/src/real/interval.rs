@@ -4,7 +4,7 @@ use super::{Real, Side};
 use std::f64::consts::FRAC_1_PI;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Number of units in the last place by which results of `exp`, `ln`, `sin`, `cos`, `sinh`, `cosh`, `tanh` and `powf` are widened. The mathematical
+/// Widening, in units in the last place, of the results of `exp`, `ln`, `sin`, `cos`, `sinh`, `cosh`, `tanh` and `powf`. The mathematical
 /// libraries in use (glibc, musl, the Rust port of musl, the libraries of Apple and Microsoft) state errors of at most two units.
 const LIBRARY_ULPS: u32 = 4;
 

@@ -19,7 +19,8 @@ pub enum FiniteBodies {
         /// Bound of the damping rate.
         damping: f64,
     },
-    /// The body is the infinite lattice without some positive semidefinite interactions, so that its frequencies do not exceed those of the lattice.
+    /// The body is the infinite lattice without some positive semidefinite interactions, so that its frequencies do not exceed the frequencies of the
+    /// lattice.
     Lattice,
 }
 

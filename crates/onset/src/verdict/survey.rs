@@ -624,7 +624,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         Ok((phase, judgment.measure))
     }
 
-    /// Returns the verdict on a state and the measures that are drawn in maps, identical to those of [`Survey::assess`].
+    /// Returns the verdict on a state and the measures that are drawn in maps, identical to the results of [`Survey::assess`].
     ///
     /// # Errors
     /// [`MethodError`] when the discretization or the material cannot be evaluated there.
@@ -802,9 +802,9 @@ impl<'a, const D: usize> Survey<'a, D> {
         strains.as_ref().map_err(Clone::clone)
     }
 
-    /// Returns the weakest wave of the reference configuration: the wave with the lowest frequency relative to the material's slowest wave with the same wave
-    /// vector, zero-energy modes included. `None` if the slowest waves of the material have frequency zero (shear waves of a fluid), or if the law is
-    /// not differentiable in the reference configuration.
+    /// Returns the weakest wave of the reference configuration: the wave with the lowest frequency relative to the material's slowest wave with the
+    /// same wave vector, zero-energy modes included. `None` if the slowest waves of the material have frequency zero (shear waves of a fluid), or if
+    /// the law is not differentiable in the reference configuration.
     ///
     /// The weakest wave depends only on method and law; it is computed once for all states.
     pub fn weakest(&self) -> Option<WeakestMode<D>> {

@@ -195,7 +195,7 @@ type Kink<const D: usize> = (SVector<f64, D>, f64);
 
 /// Kinks nearer to a wave than a given distance, the nearest first.
 ///
-/// A wave vector and its image `k - G` have equal lengths on `k.G = |G|^2/2`. Where three of them have equal lengths, a third plane begins, on which
+/// A wave vector and its image `k - G` have equal lengths on `k.G = |G|^2/2`. Where three of them have equal lengths, a third plane begins, where
 /// the two images have equal lengths: the edges of a corner do not all lie on the faces of one zone.
 fn kinks<const D: usize>(
     wave: &SVector<f64, D>,

@@ -96,7 +96,7 @@ fn a_boundary_is_followed_by_its_phases_alone() {
 }
 
 #[test]
-fn the_corners_of_a_turned_square_are_found_to_1e_9() {
+fn the_corners_of_a_rotated_square_are_found_to_1e_9() {
     let (sine, cosine) = 0.3_f64.sin_cos();
     let turned = |x: f64, y: f64| (cosine * x + sine * y, cosine * y - sine * x);
     let measure = |x: f64, y: f64| {
@@ -180,7 +180,7 @@ fn every_component_is_found_exactly_once() {
 }
 
 #[test]
-fn an_annulus_has_two_curves_that_run_against_each_other() {
+fn the_two_curves_of_an_annulus_have_opposite_directions() {
     let boundary = trace(|x, y| signed((x.hypot(y) - 0.5) * (1.0 - x.hypot(y))));
     let mut areas: Vec<f64> = boundary.curves.iter().map(area).collect();
     areas.sort_by(f64::total_cmp);

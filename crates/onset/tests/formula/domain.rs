@@ -106,7 +106,7 @@ fn an_unselected_side_needs_no_value() {
 }
 
 #[test]
-fn errors_contain_the_place_of_the_undefined_part() {
+fn errors_contain_the_position_of_the_undefined_part() {
     let error = refusal(&law("I1 + max(0, sqrt(3 - I1))"), &state([1.3, 1.2, 1.0]));
     let text = error.expect("not defined").to_string();
     assert!(

@@ -174,7 +174,7 @@ fn dense<const D: usize>(
                 for sign in [-1.0, 1.0] {
                     let mut tried = place;
                     tried[axis] += sign * size;
-                    // Waves longer than a thousand cells are left out.
+                    // Waves longer than a thousand cells are omitted.
                     let own = if tried.norm() > 2e-3 {
                         at(&tried)
                     } else {

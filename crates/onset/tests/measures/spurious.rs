@@ -236,7 +236,7 @@ fn the_weakest_wave_of_a_survey_is_the_weakest_mode_in_all_cells() {
         let shape = wave / TAU;
         let expected = SVector::from([0.5, 0.0]);
         assert!((shape - expected).amax() < 1e-9, "{cells}: {shape}");
-        // The search names the same wave.
+        // The search reports the same wave.
         let wave = searched.modes[0].wave.map(|k| k.abs() / TAU);
         assert!(
             (wave.max() - 0.5).abs() < 1e-9 && wave.min() < 1e-9,

@@ -1,4 +1,4 @@
-//! Stable part of the compressive square for Eulerian kernels, material (5): the claim on which figure 6 is based.
+//! Stable part of the compressive square for Eulerian kernels, material (5): the claim that figure 6 illustrates.
 
 use crate::reference::{lagrangian, material, method, stretched, with_frame};
 use onset::bloch::Stability;

@@ -81,7 +81,7 @@ fn assert_conforming<const D: usize>(crystal: &Crystal<D>, choices: &ConformingC
 }
 
 #[test]
-fn methods_with_smoothed_gradients_pass_the_battery_and_agree_with_the_material_for_long_waves() {
+fn methods_with_smoothed_gradients_pass_the_checks_and_agree_with_the_material_for_long_waves() {
     for modification in [0.0, 0.4, 1.0] {
         let choices = modified(modification);
         assert_conforming(&chain(), &choices);
@@ -106,7 +106,7 @@ fn methods_with_smoothed_gradients_pass_the_battery_and_agree_with_the_material_
 }
 
 #[test]
-fn methods_with_smoothed_gradients_in_3d_pass_the_battery_and_agree_with_the_material_for_long_waves()
+fn methods_with_smoothed_gradients_in_3d_pass_the_checks_and_agree_with_the_material_for_long_waves()
  {
     let small = ConformingChoices {
         radius: 1.6,

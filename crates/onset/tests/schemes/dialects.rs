@@ -244,7 +244,7 @@ fn smoothing_only_positions_changes_no_wave_and_no_time_step_in_the_reference_st
 }
 
 #[test]
-fn methods_with_smoothed_positions_pass_the_battery() {
+fn methods_with_smoothed_positions_pass_the_scheme_checks() {
     let material = ModifiedMooneyRivlin::default();
     for momentum in [MomentumForm::Symmetric, MomentumForm::Mean] {
         for density_evolution in [DensityEvolution::Continuity, DensityEvolution::Summation] {

@@ -139,7 +139,7 @@ fn distorted_elements_pass_the_patch_test_with_and_without_hourglass_control() {
 }
 
 #[test]
-fn elements_on_any_lattice_pass_the_battery() {
+fn elements_on_any_lattice_pass_the_scheme_checks() {
     let mut random = Random::new(8);
     let vectors = SMatrix::<f64, 3, 3>::identity() + SMatrix::from_fn(|_, _| 0.3 * random.number());
     let lattice = BravaisLattice::new(vectors).expect("a lattice");

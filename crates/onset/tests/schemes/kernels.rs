@@ -133,7 +133,7 @@ fn dual_numbers_and_closed_forms_give_the_same_waves_for_every_kernel() {
 }
 
 #[test]
-fn kernel_methods_on_bravais_lattices_pass_the_battery() {
+fn kernel_methods_on_bravais_lattices_pass_the_scheme_checks() {
     let material = ModifiedMooneyRivlin::default();
     let cubic = BravaisLattice::<3>::new(nalgebra::Matrix3::identity()).expect("a lattice");
     let f = DeformationGradient::from_stretches([1.1, 0.9, 1.05]).expect("a state");
@@ -163,7 +163,7 @@ fn kernel_methods_on_bravais_lattices_pass_the_battery() {
 }
 
 #[test]
-fn kernel_methods_on_the_honeycomb_pass_the_battery_in_equilibrium() {
+fn kernel_methods_on_the_honeycomb_pass_the_scheme_checks_in_equilibrium() {
     let material = ModifiedMooneyRivlin::default();
     let points = vec![
         (SVector::from([0.0, 0.0]), 0.5),

@@ -75,7 +75,7 @@ fn lame() -> (f64, f64) {
 }
 
 #[test]
-fn every_formulation_passes_the_battery_with_every_function_in_every_dimension() {
+fn every_formulation_passes_the_scheme_checks_with_every_function_in_every_dimension() {
     fn checked<const D: usize>(per_side: &[usize], functions: &[GridFunctions]) {
         for per_side in per_side {
             for functions in functions.iter().copied() {

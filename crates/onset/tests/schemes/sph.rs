@@ -86,7 +86,7 @@ fn all_updated(radius: f64) -> Vec<UpdatedSphChoices> {
 }
 
 #[test]
-fn total_lagrangian_sph_passes_the_battery() {
+fn total_lagrangian_sph_passes_the_scheme_checks() {
     let material = ModifiedMooneyRivlin::default();
     let pairs = ShearForces::Pairs { coefficient: 1.07 };
     for corrected in [false, true] {
@@ -175,7 +175,7 @@ fn pairwise_shear_leaves_no_zero_energy_mode() {
 }
 
 #[test]
-fn every_form_of_updated_sph_passes_the_battery() {
+fn every_form_of_updated_sph_passes_the_scheme_checks() {
     let material = ModifiedMooneyRivlin::default();
     for choices in all_updated(2.3) {
         let f = stretched([1.1, 0.9, 1.05]);

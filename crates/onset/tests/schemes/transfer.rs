@@ -68,7 +68,7 @@ fn stepped<const D: usize>(
 }
 
 #[test]
-fn every_transfer_passes_the_battery_with_the_gradients_of_functions_and_with_moments() {
+fn every_transfer_passes_the_scheme_checks_with_the_gradients_of_functions_and_with_moments() {
     let material = ModifiedMooneyRivlin::default();
     for (gradients, transfer) in BOTH.into_iter().flat_map(|own| ALL.map(|t| (own, t))) {
         for functions in [GridFunctions::Gimp, GridFunctions::CubicSpline] {

@@ -7,7 +7,7 @@ use onset::lattice::{Crystal, LatticeKind, Particle};
 use onset::time_step::{TransferredWaves, VelocityFilter};
 use std::f64::consts::PI;
 
-/// Chain of unit masses and springs whose velocities are averaged with those of the neighbors.
+/// Chain of unit masses and springs whose velocities are averaged with the velocities of the neighbors.
 fn chain(share: f64, flip: f64) -> TransferredWaves<1> {
     chain_of(1.0, share, flip)
 }

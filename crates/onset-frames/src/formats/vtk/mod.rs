@@ -371,7 +371,7 @@ pub(crate) fn open(paths: &[PathBuf], reading: &Reading) -> Result<Opened, Frame
             stamps.push(Stamp { time, step: None });
         } else if !own.is_whole {
             ignored.push(format!(
-                "{} is cut off or damaged: some of the files that it lists are left out",
+                "{} is cut off or damaged: some of the files that it lists are skipped",
                 path.display()
             ));
         }

@@ -15,7 +15,7 @@ use std::iter;
 const SMALLEST_HALF_SIDE: f64 = 1e-9;
 /// Minimum number of affordable boxes in one, two and three dimensions. A smaller budget gives no useful bound.
 const MINIMUM_BOXES: [usize; 3] = [64, 256, 2048];
-/// Ratio of the gaps that are tried in turn for a remaining box.
+/// Ratio of successive gaps that are tried for a remaining box.
 const GAP_FACTOR: f64 = 4.0;
 /// Work between two comparisons with the smallest known value, in units of [`Pencil::cost`].
 const BATCH_WORK: usize = 40_000;
@@ -233,7 +233,7 @@ fn divided<const D: usize>(cell: Cell<D>, mut bends: [f64; D], divisions: usize)
     parts
 }
 
-/// Lower bound of all values, including those in the remaining boxes.
+/// Lower bound of all values, including the values in the remaining boxes.
 fn below<const D: usize>(
     pencil: &Pencil<D>,
     question: &Question<'_, D>,

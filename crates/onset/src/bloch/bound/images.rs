@@ -36,7 +36,7 @@ impl<const D: usize> Images<D> {
     /// Returns true if an image of a box in the examined half also lies in this half and has a smaller weighted sum, or an equal sum at the rim.
     ///
     /// A bound on all boxes without such an image then holds for all wave vectors: the weighted sum of an omitted wave vector decreases from image to
-    /// image, and the number of images is finite. On planes on which the sum is constant, or within rounding of them, the bound follows from the
+    /// image, and the number of images is finite. On planes of a constant sum, or within rounding of them, the bound follows from the
     /// neighborhood.
     pub(super) fn are_before(&self, cell: &Cell<D>) -> bool {
         self.0.iter().any(|map| match cell.chart {

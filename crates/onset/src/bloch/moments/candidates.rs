@@ -222,7 +222,7 @@ impl NullaryFnOnce for Low<'_> {
     }
 }
 
-/// Returns true for each point whose moments differ from those of all earlier points. Other points are images under a symmetry of the lattice.
+/// Returns true for each point whose moments differ from the moments of all earlier points. Other points are images under a symmetry of the lattice.
 fn own_points(columns: &[Vec<f64>; 3], scale: f64) -> Vec<bool> {
     let mut known = BTreeSet::new();
     (0..columns[0].len())

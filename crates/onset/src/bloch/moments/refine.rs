@@ -16,7 +16,7 @@ const APPROACH_STEPS: usize = 2;
 const APPROACH_PHASE: f64 = 0.15;
 /// Longest Newton step, as a phase.
 const LONGEST_STEP_PHASE: f64 = 0.6;
-/// Largest Newton step, as a phase, of a converged descent: after one more quadratic step the error is below rounding.
+/// Largest Newton step, as a phase, of a converged descent: a further quadratic step reduces the error below rounding.
 const STEP_TOLERANCE_PHASE: f64 = 1e-4;
 /// Largest decrease, relative to the value, of a converged descent.
 const DECREASE_TOLERANCE: f64 = 1e-8;
@@ -39,7 +39,7 @@ pub(super) struct Descents {
     pub(super) phases: [Vec<f64>; 2],
     /// Indices of the candidates at which the descents start.
     pub(super) candidates: Vec<usize>,
-    /// Values below which a descent must fall.
+    /// Upper limits of the values that a descent must reach.
     pub(super) floors: Vec<f64>,
     /// Objective at the end.
     pub(super) values: Vec<f64>,

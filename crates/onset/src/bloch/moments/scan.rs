@@ -36,7 +36,7 @@ pub(super) struct Scan<'a, const D: usize, const MIRRORED: bool> {
     pub(super) columns: &'a Columns,
     /// 1 for the smaller eigenvalue, -1 for minus the larger one.
     pub(super) sign: f64,
-    /// Value below which each tangent must fall.
+    /// Upper limits of the values that the tangents must reach.
     pub(super) limits: &'a [f64],
     /// Largest value of each tangent, padded like the columns.
     pub(super) scales: &'a [f64],

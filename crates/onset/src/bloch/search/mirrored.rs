@@ -339,8 +339,8 @@ impl Mirrored {
     }
 }
 
-/// Values below which descents must fall: the floor of the request and the lowest value of other descents. For the discriminant only the floor
-/// counts, because all its wells are needed.
+/// Upper limits of the values that descents must reach: the floor of the request and the lowest value of other descents. For the discriminant only
+/// the floor counts, because all its wells are needed.
 struct Floors([f64; 5]);
 
 impl Floors {

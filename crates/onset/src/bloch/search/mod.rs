@@ -1053,7 +1053,7 @@ fn lower<const D: usize>(
 enum Wells<const D: usize> {
     /// Wells of a grid, not yet followed.
     Grid(Box<Grid<D>>),
-    /// Wells of a matrix with a mirror line, with the known bottoms; initially only those of the real objectives.
+    /// Wells of a matrix with a mirror line, with the known bottoms; initially only the wells of the real objectives.
     Mirrored(Box<Mirrored>),
 }
 

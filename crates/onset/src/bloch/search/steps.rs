@@ -284,7 +284,7 @@ impl Stepper {
         }
         let is_growth = is(sought, Objective::Growth);
         if is_growth.any() {
-            // Minus the square of the growth rate of a complex pair, `(h - sqrt(h^2 - p)) / 2`. It continues smoothly to real branches and is
+            // Negative square of the growth rate of a complex pair, `(h - sqrt(h^2 - p)) / 2`. It continues smoothly to real branches and is
             // positive there.
             let determinant = Jet([zero; 6]).minus(p).plus_product(mean, mean);
             let growth = mean.minus(&determinant.root());

@@ -28,7 +28,7 @@ pub(super) enum NoFactors {
     TooMany,
 }
 
-/// Particles that are eliminated together, with the later particles to which they are coupled.
+/// Particles that are eliminated together, with the later particles that are coupled to them.
 struct Front {
     own: Vec<u32>,
     beyond: Vec<u32>,

@@ -45,8 +45,8 @@ impl BodyMode {
 
 /// Returns the mode of a free body in a homogeneous state that limits the time step of a scheme.
 ///
-/// The result is `None` for methods whose particles have no forces at arbitrary positions: finite elements, conforming integration, material points, and
-/// quadrature points other than the particles.
+/// The result is `None` for methods whose particles have no forces at arbitrary positions: finite elements, conforming integration, material points,
+/// and quadrature points other than the particles.
 ///
 /// Particles marked in `held` have no displacement. Bodies of more than 1500 particles are divided into overlapping boxes; the mode then vanishes
 /// outside one box. The fastest modes are so localized that the difference is negligible.
@@ -104,7 +104,7 @@ pub(crate) fn fastest_mode<const D: usize>(
     Ok(fastest)
 }
 
-/// Part of a body: the particles of a box, with all particles with which they interact.
+/// Part of a body: the particles of a box, with all particles that interact with them.
 struct Part {
     all: Vec<usize>,
     /// Whether a particle belongs to the box or its overlap, so that all of its forces are known.

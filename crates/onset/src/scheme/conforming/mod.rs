@@ -215,7 +215,7 @@ impl<const D: usize> Discretization<D> for ConformingIntegration<D> {
         &self,
         cells: [usize; D],
     ) -> Result<Option<Box<dyn Discretization<D>>>, MethodError> {
-        // Regions at the faces of a block are those inside of the lattice.
+        // Regions at the faces of a block equal those inside the lattice.
         let block = self.crystal.block(cells)?;
         let block = Self::over(self.regions.clone(), block, &self.choices)?;
         Ok(Some(Box::new(block)))

@@ -191,7 +191,7 @@ impl<const D: usize> Mesh<D> {
     pub fn supercell(&self, counts: [usize; D]) -> Result<Self, MethodError> {
         let crystal = self.crystal.supercell(counts)?;
         let sites = self.crystal.sites().len();
-        // Sites of the supercell are numbered cell by cell, the first coordinate running fastest.
+        // Sites of the supercell are numbered cell by cell, the first coordinate varying fastest.
         let renamed = |node: &Particle<D>| {
             let of = |i: usize| (node.cell[i], counts[i] as i32);
             let small = (0..D).rev().fold(0, |sum, i| {

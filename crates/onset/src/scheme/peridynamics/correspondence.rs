@@ -39,7 +39,8 @@ pub(super) fn of_family<const D: usize>(
 /// Returns the points of the bonds of a family. The deformation gradient of a bond is computed from the neighbors that also belong to the family of
 /// its other end (Chen 2018).
 ///
-/// The energy of a family is the mean over its bonds, weighted with the volumes of their neighborhoods. Pairwise forces act on the ends of the bond alone.
+/// The energy of a family is the mean over its bonds, weighted with the volumes of their neighborhoods. Pairwise forces act on the ends of the bond
+/// alone.
 ///
 /// # Errors
 /// [`MethodError::HorizonTooSmall`] if the neighbors of a bond do not span the space.
@@ -195,7 +196,7 @@ impl<const D: usize> Control<D> {
 #[derive(Clone)]
 pub(super) struct Point<'a, const D: usize> {
     pub(super) stressed: Stressed<'a, D>,
-    /// Control, with the family on which it acts.
+    /// Control, with its family.
     pub(super) control: Option<(Control<D>, &'a Family<D>)>,
 }
 

@@ -147,7 +147,7 @@ impl<const D: usize> CurrentPairs<D> {
     /// Gradient `grad W_IJ` with respect to `x_I`, and this gradient times the factor of the artificial stress.
     #[inline(always)]
     pub(crate) fn slopes<R: Real>(&self, weight: &Weighed<R, D>) -> [[R; D]; 2] {
-        // Minus the gradient along x_J - x_I.
+        // Negative gradient along x_J - x_I.
         let slope = weight.gradient.each(|slope| -slope);
         let less = match &self.repulsion {
             None => [R::constant(0.0); D],
