@@ -265,7 +265,7 @@ pub fn source(file: &Path) -> Result<(String, String), Failure> {
         let text = text.map_err(|error| unreadable(&name, error))?;
         return match text.trim().is_empty() {
             true => Err(Failure::input(
-                "standard input is empty\n  hint: expected a study; leave - out for the defaults",
+                "standard input is empty\n  hint: expected a study; omit - for the defaults",
             )),
             false => Ok((name, text)),
         };
@@ -350,7 +350,7 @@ fn law_of_deck(
             Ok(Some((program, read.map_err(Failure::input)?)))
         }
         (None, Some(_)) => Err(Failure::input(format!(
-            "--material has no effect: {name} is not recognized as a deck of another program\n  hint: leave --material out, or name the program of the deck, for example --from abaqus (in `onset path`, --read-as abaqus)"
+            "--material has no effect: {name} is not recognized as a deck of another program\n  hint: omit --material, or name the program of the deck, for example --from abaqus (in `onset path`, --read-as abaqus)"
         ))),
         (None, None) => Ok(None),
     }
@@ -470,7 +470,7 @@ fn with_energy(assignments: &[String], energy: Option<&str>) -> Result<Vec<Strin
     for (key, meant) in meant {
         if let Some(assignment) = another(assignments, key, meant) {
             return Err(Failure::input(format!(
-                "--energy and --set {assignment} name two laws: --energy sets {key}={meant}\n  hint: leave out one of them"
+                "--energy and --set {assignment} name two laws: --energy sets {key}={meant}\n  hint: omit one of them"
             )));
         }
     }
@@ -493,7 +493,7 @@ impl SetArguments {
             let key = "discretization.method";
             if let Some(assignment) = another(&assignments, key, preset) {
                 return Err(Failure::input(format!(
-                    "--preset and --set {assignment} name two methods: --preset sets {key}={preset}\n  hint: leave out one of them"
+                    "--preset and --set {assignment} name two methods: --preset sets {key}={preset}\n  hint: omit one of them"
                 )));
             }
             assignments.insert(0, format!("{key}={preset}"));

@@ -17,7 +17,7 @@ pub fn check() -> Result<(), Failure> {
         Ok(()) => Ok(()),
         Err(most) => Err(Failure::input(format!(
             "{VARIABLE} is {asked}; expected a number of threads up to {most}, {THREADS_PER_CORE} for each of {cores} cores\n  \
-             hint: leave {VARIABLE} out for one thread per core"
+             hint: unset {VARIABLE} for one thread per core"
         ))),
     }
 }

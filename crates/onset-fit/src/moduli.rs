@@ -6,9 +6,9 @@
 //! `Q_jj = (L_jj - t_j) n_j^2 + sum_(i != j) g_ij e_i n_i^2`, `Q_ij = (L_ij + (g_ij (e_i + e_j) - t_i - t_j)/2) n_i n_j`.
 //!
 //! These are the moduli of Ogden, Non-linear elastic deformations (1984), section 6.1. Strong ellipticity means that `Q(N)` is positive definite; for
-//! incompressible response, on amplitudes normal to `n`, where the terms with `t` add up to `(sum t_i n_i m_i)(sum n_j m_j) = 0` and are left out. Only the squares
-//! `q_i = n_i^2` enter the condition: `|n|^2 tr Q - n . Q n` is a quadratic and `n . adj(Q) n` a cubic form of `q`, whose coefficients in the Bernstein
-//! basis bound them over all directions.
+//! incompressible response, on amplitudes normal to `n`, where the terms with `t` add up to `(sum t_i n_i m_i)(sum n_j m_j) = 0` and are omitted.
+//! Only the squares `q_i = n_i^2` enter the condition: `|n|^2 tr Q - n . Q n` is a quadratic and `n . adj(Q) n` a cubic form of `q`, whose
+//! coefficients in the Bernstein basis bound them over all directions.
 //!
 //! Drucker's inequality means that `L` is positive definite; for incompressible response, on increments without change of volume.
 //!

@@ -47,7 +47,7 @@ impl Mode {
         }
     }
 
-    /// What the tests of this loading measure: stretches, amounts of shear or volume ratios.
+    /// Quantity that the tests of this loading measure: stretches, amounts of shear or volume ratios.
     pub fn measures(self) -> &'static str {
         match self {
             Self::SimpleShear => "amounts of shear",
@@ -94,7 +94,7 @@ impl Mode {
 #[serde(rename_all = "kebab-case")]
 pub enum Range {
     /// All states whose principal stretches are between the smallest and the largest stretch of the tests, widened by a factor; for incompressible
-    /// response no stretch above the largest one.
+    /// response no stretch exceeds the largest stretch of the tests.
     Data(f64),
     /// All states with principal stretches between two limits.
     Box(f64, f64),
@@ -129,7 +129,7 @@ impl Patch {
 
     /// Returns true if a state at constant volume with descending stretches belongs to the patch.
     fn reaches(&self, logs: [f64; 3]) -> bool {
-        // Parameters of the state: for a line the coordinate along its axis, for a plane the largest strain and minus the smallest one.
+        // Parameters of the state: for a line the coordinate along its axis, for a plane the largest strain and the negative of the smallest strain.
         let at = match self.axes.as_slice() {
             [axis] => vec![logs[0] / axis[0]],
             _ => vec![logs[0], -logs[2]],
@@ -196,7 +196,7 @@ impl Range {
                 ordered: true,
             }];
         }
-        // Largest strain and minus the smallest one; the third follows.
+        // Largest strain and the negative of the smallest strain; the third follows.
         vec![Patch {
             axes: vec![[1.0, -1.0, 0.0], [0.0, 1.0, -1.0]],
             low: vec![0.0; 2],

@@ -192,7 +192,7 @@ fn reduced<R: Real>(state: &State<R>, own: [R; 3], quotients: [R; 3]) -> Curvatu
 /// Number of terms of the series of `sinh(x)/x`.
 const SERIES: i32 = 9;
 
-/// Hyperbolic sine over its argument, `sinh(x)/x`.
+/// Hyperbolic sine divided by its argument, `sinh(x)/x`.
 ///
 /// The remainder of the series after the term of degree `2 n - 2` is `x^2n/(2 n + 1)!` times a mean of `cosh(x u)` over `u` between 0 and 1.
 fn sine_quotient<R: Enclosed>(x: R) -> R {

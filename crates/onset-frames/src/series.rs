@@ -57,7 +57,7 @@ impl Format {
             _ if text.starts_with(b"ITEM:") => Ok(Self::Lammps),
             _ if text.starts_with(b"<") => Ok(Self::Vtk),
             _ if text.starts_with(b"# vtk DataFile") => refused(
-                "the file is of the legacy format of VTK",
+                "the file has the legacy format of VTK",
                 "convert it to .vtu, for example with meshio or ParaView",
             ),
             _ if start.starts_with(b"\x89HDF\r\n\x1a\n") => Ok(Self::Hdf5),

@@ -293,7 +293,7 @@ impl Rows {
     }
 }
 
-/// Iterates over the words between blanks.
+/// Iterates over the words separated by blanks.
 pub(crate) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(u8::is_ascii_whitespace)
         .filter(|word| !word.is_empty())

@@ -71,7 +71,7 @@ pub fn hint(error: &MethodError) -> &'static str {
             "\n  hint: give discretization.vectors that are linearly independent"
         }
         MethodError::Material(MaterialError::NoYoungsModulus) => {
-            "\n  hint: leave discretization.penalty out, or give the law a shear modulus (material.mu)"
+            "\n  hint: omit discretization.penalty, or give the law a shear modulus (material.mu)"
         }
         MethodError::Material(MaterialError::NoPlaneStress { .. }) => {
             "\n  hint: set material.plane=strain; plane stress is for chains and lattices of the plane, and for laws with stiffness against all strains"

@@ -94,7 +94,7 @@ pub fn counted(count: usize, name: &str) -> String {
     }
 }
 
-/// Formats a vector; components within rounding of the largest one become zero.
+/// Formats a vector; components within rounding of the largest component become zero.
 pub fn vector(components: &[f64]) -> String {
     let largest = components
         .iter()

@@ -1,6 +1,6 @@
 //! Values of a setting over a range.
 
-/// Ratio of the smallest positive value to the largest one, for ranges that begin at zero.
+/// Ratio of the smallest positive value to the largest value, for ranges that begin at zero.
 const SMALLEST_RATIO: f64 = 1e-4;
 
 /// Distributes values from `low` to `high`.

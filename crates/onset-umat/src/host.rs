@@ -1,6 +1,6 @@
 //! Process in which the routine runs.
 //!
-//! It reads paths from standard input, which is a socket, and replies there. Standard output and standard error belong to the routine.
+//! It reads paths from standard input, which is a socket, and replies on this socket. Standard output and standard error belong to the routine.
 
 use crate::frame::{self, GREETING, Loaded};
 use crate::interface::Interface;

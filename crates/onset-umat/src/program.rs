@@ -13,7 +13,7 @@ pub const HOST_VARIABLE: &str = "ONSET_UMAT_HOST";
 /// The second argument makes the name of the library visible in process lists, and the third argument is the copy to load.
 pub(crate) const MODE: &str = "umat-host";
 
-/// Running program, if it can serve.
+/// Running program, if it can act as the host.
 static SELF: OnceLock<PathBuf> = OnceLock::new();
 
 /// Runs a UMAT if another process started this program to run it, and returns the exit code.

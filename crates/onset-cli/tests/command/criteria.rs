@@ -313,7 +313,7 @@ fn blocks_that_determine_no_law_are_refused_with_the_line_number() {
     );
 }
 
-/// With default settings the command finds this limit or an earlier one.
+/// With default settings the command finds this limit or an earlier limit.
 #[test]
 fn jumps_to_zero_volume_are_followed_for_any_range() {
     for (law, limit) in [("cubic-crystal", 0.969_65), ("fung", 0.952_13)] {

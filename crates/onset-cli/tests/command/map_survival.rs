@@ -251,7 +251,7 @@ fn a_store_written_by_four_processes_is_identical_to_a_store_of_a_single_process
     assert_eq!(tree(&place.store("same.zarr")), whole, "one command");
 }
 
-/// The tile is the first one, which would be computed first if it were free.
+/// The tile is the first tile, which would be computed first if it were free.
 #[test]
 fn a_tile_reserved_by_another_process_is_computed_last() {
     let place = Place::new(STUDY);

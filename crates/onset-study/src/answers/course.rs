@@ -286,7 +286,7 @@ fn reached(path: &LoadingPath<'_>, imposed: f64) -> (f64, Option<String>) {
     (mode.imposed(last), Some(why))
 }
 
-/// Scaled minima below this are rounding errors.
+/// Largest scaled minimum that counts as a rounding error.
 const SCALED_ROUNDING: f64 = 1e-12;
 /// Number of states along a path.
 const SAMPLES: usize = 97;

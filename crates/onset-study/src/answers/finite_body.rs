@@ -118,7 +118,7 @@ impl BodyStepAnswer {
 /// Hint for a body that cannot be built.
 pub(crate) fn hint_on_body(error: &BodyError) -> &'static str {
     match error {
-        BodyError::NoContact(_) => "leave body.contact out",
+        BodyError::NoContact(_) => "omit body.contact",
         BodyError::NoBodies => {
             "bodies are run with discretization.method = \"updated-sph\" or \"total-lagrangian-sph\", the latter without viscosity and velocity smoothing"
         }

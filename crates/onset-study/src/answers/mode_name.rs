@@ -42,7 +42,7 @@ pub(super) fn name(
         );
     }
     let omega_squared = mode.omega_squared;
-    // Values within rounding of the largest one are zero.
+    // Values within rounding of the largest value are zero.
     let is_zero = told_of(omega_squared.re, fastest * fastest) == "0";
     let frequency = match omega_squared.re > 0.0 && omega_squared.im == 0.0 && !is_zero {
         true => {

@@ -258,7 +258,7 @@ impl Extent {
             what,
             given,
             expected: format!("{own}: {found}"),
-            hint: "leave out the other components, or set material.plane=strain to prescribe them"
+            hint: "omit the other components, or set material.plane=strain to prescribe them"
                 .to_owned(),
         }
     }
@@ -387,7 +387,7 @@ impl Settings {
     }
 }
 
-/// Reads finite numbers separated by commas; `what` names the argument in messages.
+/// Reads finite numbers separated by commas; `what` is the name of the argument in messages.
 ///
 /// # Errors
 /// [`ProblemError`] when an item is not a finite number.

@@ -125,7 +125,7 @@ impl Subject<'_> {
         Ok(start.map_or(f.matrix(), |start| f.matrix() * start))
     }
 
-    /// Evaluates the material at each state after visiting the preceding state (for the first state, the last one).
+    /// Evaluates the material at each state after visiting the preceding state (for the first state, the last state).
     ///
     /// # Errors
     /// [`MaterialError`] when the material fails at a state.

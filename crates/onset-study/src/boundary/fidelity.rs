@@ -88,7 +88,7 @@ pub struct WorstRay {
     pub discretization: [f64; 2],
     /// Distance between the two onsets.
     pub error: f64,
-    /// Distance over the norm of the stretches at the material's onset.
+    /// Distance divided by the norm of the stretches at the material's onset.
     pub relative: f64,
 }
 
@@ -101,7 +101,7 @@ pub struct WorstStress {
     pub discretization: [f64; 2],
     /// Frobenius norm of the difference of the Cauchy stresses; stress.
     pub error: f64,
-    /// Error over the norm of the stress at the material's onset.
+    /// Error divided by the norm of the stress at the material's onset.
     pub relative: f64,
 }
 

@@ -15,7 +15,7 @@ const SMALLEST_ERROR_SHOWN: f64 = 1e-4;
 const ROW_LINES: f64 = 2.0;
 const SHIFT: f64 = 0.2;
 
-/// Vertical offset of the `n`-th of `count` series from the middle of its row; the first one is at the top.
+/// Vertical offset of the `n`-th of `count` series from the middle of its row; the first series is at the top.
 fn shift(n: usize, count: usize) -> f64 {
     ((count - 1) as f64 / 2.0 - n as f64) * SHIFT
 }
@@ -81,7 +81,7 @@ impl Table {
         rows.filter_map(|(n, row)| Some((self.height(n), row.measured.as_ref().ok()?)))
     }
 
-    /// Vertical position of a method; the first one is at the top.
+    /// Vertical position of a method; the first method is at the top.
     fn height(&self, number: usize) -> f64 {
         (self.rows.len() - number) as f64
     }

@@ -36,7 +36,7 @@ pub enum CriteriaError {
     Material(#[from] MaterialError),
     /// The incompressible response is known only for isotropic laws.
     #[error(
-        "{law} is not isotropic; expected an isotropic law with --incompressible\n  hint: leave --incompressible out; a large bulk modulus is a good approximation"
+        "{law} is not isotropic; expected an isotropic law with --incompressible\n  hint: omit --incompressible; a large bulk modulus is a good approximation"
     )]
     NotIsotropic {
         /// Name of the law.
@@ -44,7 +44,7 @@ pub enum CriteriaError {
     },
     /// The incompressible response needs a law with an energy, which can be split into an isochoric and a volumetric part.
     #[error(
-        "{law} has no energy, so that its incompressible response is not known; expected a law with an energy for --incompressible\n  hint: leave --incompressible out; a large bulk \
+        "{law} has no energy, so that its incompressible response is not known; expected a law with an energy for --incompressible\n  hint: omit --incompressible; a large bulk \
          modulus is a good approximation"
     )]
     NoEnergy {

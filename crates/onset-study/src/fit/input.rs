@@ -877,7 +877,7 @@ impl Table<'_> {
                 return Err(self.line(
                     n,
                     format!("the value {value} is not a finite number"),
-                    "leave out points that were not measured",
+                    "omit points that were not measured",
                 ));
             }
             self.check_stretch(n, own.mode, *stretch, lateral, Column::Array)?;

@@ -1,4 +1,4 @@
-//! Critical time steps over the values of a setting, and the intervals of values for which a step is stable.
+//! Critical time steps as a function of a setting, and the intervals of values for which a step is stable.
 
 use super::interval::{Admitted, Trial, admitted, refuse_undefined};
 use super::varied::Varied;
@@ -331,7 +331,7 @@ impl LimitAnswer {
         }
     }
 
-    /// Figure of the critical step over the values, with the required step.
+    /// Figure of the critical step as a function of the value, with the required step.
     pub fn figure(&self) -> Figure {
         let varied = self.varied();
         let step = |one: &Tried| {

@@ -265,7 +265,7 @@ impl KeepsAnswer {
             .to_string()
     }
 
-    /// Fraction of stable states over the values.
+    /// Fraction of stable states as a function of the value.
     pub fn figure(&self) -> Figure {
         let varied = self.varied();
         let stable = |one: &Kept| Some(100.0 * one.stable_share?);

@@ -476,7 +476,9 @@ impl PlasticSettings {
                 origin,
                 format!("{MODEL} = {name} is a separate user material"),
             )
-            .hint("leave material.model out, and name the library: --set material.library=./my_umat.so"));
+            .hint(
+                "omit material.model, and name the library: --set material.library=./my_umat.so",
+            ));
         }
         self.routine = Some(material);
         Ok(())

@@ -96,7 +96,7 @@ impl Evaluator {
                         true => own.transferred(f)?.map(|waves| waves.critical_time_step()),
                         false => Some(self.time_step(own, f, &state)?),
                     };
-                    // An undefined step is not a number, which the minimum leaves out.
+                    // An undefined step is NaN, which the minimum ignores.
                     let step = step.unwrap_or(f64::INFINITY).min(record.critical_time_step);
                     record.critical_time_step = if step.is_finite() { step } else { f64::NAN };
                 }

@@ -72,7 +72,7 @@ impl From<&certificate::Certainty<3>> for Certainty {
 /// Proved facts about a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proof {
-    /// Certainty for the material, on strong ellipticity.
+    /// Proof status of the strong ellipticity of the material.
     pub material: Certainty,
     /// Bound on the acoustic eigenvalue, divided by `rho0 c^2`: a lower bound if elliptic, an upper bound otherwise.
     pub material_bound: f64,

@@ -17,8 +17,8 @@ pub(crate) const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-wid
 main{display:flex;flex-wrap:wrap;gap:1.5rem}figure{margin:0}figcaption{max-width:320px}";
 
 impl ModesAnswer {
-    /// Writes a page that animates every mode. Each particle moves along its ellipse, all with the same period; the amplitudes equal those of the
-    /// exported fields.
+    /// Writes a page that animates every mode. Each particle moves along its ellipse, all with the same period; the amplitudes equal the amplitudes
+    /// of the exported fields.
     pub fn page(&self) -> String {
         let mut page = format!(
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\

@@ -14,7 +14,7 @@ use serde::Serialize;
 
 /// Number of modes in an answer.
 const MODES: usize = 6;
-/// Smallest `omega^2` that is not a rounding error, relative to the largest entry of the tangent over the masses.
+/// Smallest `omega^2` that is not a rounding error, relative to the largest entry of the tangent divided by the masses.
 const ROUNDING_FRACTION: f64 = 1e-9;
 /// Radius of the neighborhoods in which a mode is compared with a linear field, in spacings: nearest neighbors and, on square lattices, those along
 /// diagonals.

@@ -395,7 +395,7 @@ impl ScreenAnswer {
         let rates = rates.or(course.growing.as_ref());
         let rates = rates.filter(|_| cause == Cause::Numerical);
         let spacing = problem.analysis.spacing();
-        // The map shows the first short waves, or else the first event.
+        // The map shows the first short waves, otherwise the first event.
         let time = course.observed.as_ref().or(event.as_ref());
         let time = time.map(|event| event.window[1]);
         let mut pictures = course.pictures.iter();

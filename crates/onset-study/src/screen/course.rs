@@ -372,7 +372,7 @@ impl<'p> Follower<'p> {
         let asked = is_asked.iter().filter(|is| **is).count();
         if asked == 0 || !nodes.contains(&true) {
             return Err(ScreenError::Run {
-                what: "no particle remains to be assessed: all are held, near held particles, or outside of the region".to_owned(),
+                what: "no particle remains to be assessed: all are held, near held particles, or outside the region".to_owned(),
                 hint: "choose held particles with --held, or another --region".to_owned(),
             });
         }

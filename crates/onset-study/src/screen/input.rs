@@ -235,7 +235,7 @@ impl Recording {
             if written > frame.len() && !has_others {
                 has_others = true;
                 own.notes.push(format!(
-                    "{}: {} that the first frame lacks, left out from here on",
+                    "{}: {} that the first frame lacks, skipped from this frame on",
                     frame.source,
                     counted(written - frame.len(), "particle")
                 ));

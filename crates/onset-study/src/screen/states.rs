@@ -140,7 +140,7 @@ impl<'p> States<'p> {
         self.known.extend(new.into_iter().zip(found));
     }
 
-    /// Rates of a bin; `None` if the law or the method is not defined there.
+    /// Rates of a bin; `None` if the law or the method is not defined at its state.
     pub(super) fn of(&self, key: &[i32; 6]) -> Option<&StateRates> {
         self.known.get(key)?.as_ref()
     }

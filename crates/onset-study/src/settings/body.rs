@@ -366,7 +366,7 @@ impl BodySettings {
                         origin.clone(),
                         "`body.height` has no effect in two dimensions",
                     )
-                    .hint("leave body.height out"));
+                    .hint("omit body.height"));
                 }
                 Ok(Shape::Ring {
                     radius: needed("body.radius")?,

@@ -184,7 +184,7 @@ impl Plan {
                     "--integrator {} has backward substeps, in which damping amplifies",
                     stepper.name()
                 ),
-                "choose kick-drift-kick, or leave the viscosity out",
+                "choose kick-drift-kick, or omit the viscosity",
             ));
         }
         let wave = chosen(problem, question, patch, &cells)?;
@@ -408,7 +408,7 @@ fn stepped(
         None => Ok((stepper, transfer)),
         Some(_) => Err(refused(
             format!("--integrator has no effect: the {transfer} transfer defines the step"),
-            "leave --integrator out, or set discretization.transfer=continuous for equations in continuous time",
+            "omit --integrator, or set discretization.transfer=continuous for equations in continuous time",
         )),
     }
 }

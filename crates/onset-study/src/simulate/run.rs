@@ -298,7 +298,7 @@ impl<'a> Keeper<'a> {
     pub(super) fn failed(&self, fault: Box<Fault>) -> SimulateError {
         let hint = match fault.ground {
             _ if self.course.step > self.course.critical => {
-                "the step is above the largest stable step: leave --supercritical out"
+                "the step is above the largest stable step: omit --supercritical"
             }
             Ground::Method(MethodError::SingularMoment { .. }) => {
                 "the particle has lost its neighbors: with discretization.corrected = false it would continue as a free particle"

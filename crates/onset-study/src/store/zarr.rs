@@ -99,7 +99,7 @@ pub struct ZarrStore {
     attributes: Map<String, Value>,
     identity: String,
     tiling: Tiling,
-    /// Fields of the store; the first one marks a tile as finished.
+    /// Fields of the store; the first field marks a tile as finished.
     fields: Vec<Array>,
     /// Lock of a writing process.
     occupancy: Option<Occupancy>,
@@ -215,7 +215,7 @@ impl ZarrStore {
         &self.path
     }
 
-    /// Names of the fields; the first one marks a tile as finished.
+    /// Names of the fields; the first field marks a tile as finished.
     pub fn fields(&self) -> impl Iterator<Item = &str> {
         self.fields.iter().map(|field| field.name.as_str())
     }

@@ -202,7 +202,7 @@ impl TuneAnswer {
         })
     }
 
-    /// Figure of the errors over the values.
+    /// Figure of the errors as functions of the value.
     pub fn figure(&self) -> Figure {
         let positive: Vec<f64> = self
             .tried

@@ -110,7 +110,7 @@ impl Case {
         if problem.analysis.is_transferred() {
             return Err(VerifyError::Wave {
                 what: "discretization.transfer: predictions are for waves of the nodes, and decks would place particles".to_owned(),
-                hint: "leave discretization.transfer out, or evaluate the method with `onset state`".to_owned(),
+                hint: "omit discretization.transfer, or evaluate the method with `onset state`".to_owned(),
             });
         }
         let dimension = problem.dimension();
@@ -464,7 +464,7 @@ fn steps(
                         exact(duration),
                         exact(critical)
                     ),
-                    hint: format!("leave --steps out for {fewest} steps, or set --time-step"),
+                    hint: format!("omit --steps for {fewest} steps, or set --time-step"),
                 });
             }
             (step, count)

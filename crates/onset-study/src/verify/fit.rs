@@ -301,7 +301,7 @@ impl Series {
         }
     }
 
-    /// Residual and its Jacobian after Kaufman: minus the component of `dPhi c` orthogonal to the functions.
+    /// Residual and its Jacobian after Kaufman: the negative component of `dPhi c` orthogonal to the functions.
     fn jacobian(&self, place: &Vector2<f64>) -> (DVector<f64>, DMatrix<f64>) {
         let (q, r, left) = self.projected(place);
         let amplitudes = r.solve_upper_triangular(&(q.transpose() * &self.values));

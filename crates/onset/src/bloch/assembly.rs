@@ -141,7 +141,7 @@ pub(super) fn moment_matrix<const D: usize>(
     of_gradients(method, f, &unit, method.particle_mass())
 }
 
-/// Matrix `sum_q V_q conj(B_J) T_iJkL B_L + M_jl conj(B_J,j) T_iJkL B_L,l` over a divisor, with a given tangent in place of the material.
+/// Matrix `sum_q V_q conj(B_J) T_iJkL B_L + M_jl conj(B_J,j) T_iJkL B_L,l`, divided by a divisor, with a given tangent in place of the material.
 fn of_gradients<const D: usize>(
     method: &Method<D>,
     f: &DeformationGradient,
@@ -286,8 +286,8 @@ fn contracted<const D: usize>(
     contracted
 }
 
-/// Adds the force constants of a point of a Lagrangian kernel, `V conj(B_J) T_iJkL B_L` over a divisor. With strains expanded over the cell of the
-/// point, also `M_jl conj(B_J,j) T_iJkL B_L,l`.
+/// Adds the force constants of a point of a Lagrangian kernel, `V conj(B_J) T_iJkL B_L`, divided by a divisor. With strains expanded over the cell of
+/// the point, also `M_jl conj(B_J,j) T_iJkL B_L,l`.
 fn add_lagrangian<const D: usize>(
     constants: &mut ForceConstants<D>,
     point: &ConfiguredPoint<D>,

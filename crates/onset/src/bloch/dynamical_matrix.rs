@@ -272,7 +272,7 @@ impl<const D: usize> ForceConstants<D> {
         }
     }
 
-    /// Converts a lattice vector from the short basis to the given one.
+    /// Converts a lattice vector from the short basis to the given basis.
     fn given(&self, cell: &[i32; D]) -> [i32; D] {
         if self.basis.is_given() {
             return *cell;

@@ -175,7 +175,7 @@ impl<S: Scalar, const D: usize> Pair<S, D> {
             }
             let mut u = places.each(place);
             look_at(u);
-            // Along a line through the places, the product of the couplings is quadratic and can be negative only between two of them.
+            // Along a line through the positions, the product of the couplings is quadratic and can be negative only between two of them.
             for a in others().filter(|a| places[*a] == 0) {
                 u[a] = 0.0;
                 if let Some(x) = crossing.lowest_along(a, &u) {

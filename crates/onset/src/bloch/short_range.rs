@@ -71,7 +71,7 @@ impl<const D: usize> ShortRange<D> {
         lattice.in_coordinates(&self.map, &self.change)
     }
 
-    /// Maps the result of a search in these coordinates back to the given ones. `folded` moves a wave vector to the reported zone.
+    /// Maps the result of a search in these coordinates back to the given coordinates. `folded` moves a wave vector to the reported zone.
     pub(super) fn carried_back(
         &self,
         found: &SpectrumSummary<D>,

@@ -7,7 +7,7 @@ use nalgebra::SVector;
 
 /// Values of `omega^2` count as zero below this multiple of its rounding error.
 pub(crate) const ZERO_FREQUENCY_NOISE_FACTOR: f64 = 64.0;
-/// Amplification factors below this count as zero. A solution that vanishes within a step has no rate.
+/// Smallest amplification factor that does not count as zero. A solution that vanishes within a step has no rate.
 const SMALLEST_FACTOR: f64 = 1e-12;
 /// Growth rate relative to the frequency that exceeds the rounding error of `ln(z)`.
 const GROWTH_TOLERANCE: f64 = 1e-10;
@@ -44,7 +44,7 @@ struct Filtered {
     damped: f64,
     /// Fraction `R` of its previous velocity that a point keeps.
     own: f64,
-    /// Inverse mass of the nodes over the inverse lumped mass.
+    /// Ratio of the inverse mass of the nodes to the inverse lumped mass.
     mobility: f64,
 }
 

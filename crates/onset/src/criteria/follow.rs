@@ -229,7 +229,7 @@ fn lose_at_concave_kinks(
             .map(|_| event(false, low, high, witness));
         events.extend(lost.into_iter().chain(regained));
     }
-    // The order of events at one place is kept.
+    // The order of events at the same position is kept.
     sort_by_value(events, |event| event.place().abs());
 }
 

@@ -26,7 +26,7 @@ pub(super) fn bracket_zero(
         } else if inside {
             secant
         } else {
-            // The secant meets an end of the bracket: step half the resolution away from it, so that the bracket closes.
+            // The secant reaches an end of the bracket: step half the resolution away from it, so that the bracket closes.
             let end = if (secant - low).abs() <= guard {
                 low
             } else {

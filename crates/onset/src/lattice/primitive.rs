@@ -77,7 +77,7 @@ impl<const D: usize> Cell<D> {
                     |(other, _): &(Fractional<D>, f64)| cell.apart(&place, other) > rounding;
                 if known.iter().all(is_new) {
                     let folded = place.map(|x| x - (x + PLACE_TOLERANCE).floor());
-                    // A place close to the origin is set to the origin exactly.
+                    // A position close to the origin is set to the origin exactly.
                     let settled = folded.map(|x| if x.abs() < PLACE_TOLERANCE { 0.0 } else { x });
                     known.push((settled, *volume));
                 }

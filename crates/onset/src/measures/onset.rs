@@ -97,7 +97,7 @@ pub enum StretchOnset {
     AtRest,
     /// Stability is lost at this stretch; 1 if any strain is sufficient.
     At(f64),
-    /// Stability is retained up to this stretch, the last one evaluated.
+    /// Stability is retained up to this stretch, the last stretch evaluated.
     NotBefore(f64),
     /// The method or the law is not defined from this stretch on.
     Undefined(f64),

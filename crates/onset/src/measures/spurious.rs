@@ -20,7 +20,7 @@ pub struct SpuriousMode<const D: usize> {
     /// The modes of a cell with several particles determine it only up to reciprocal vectors. It is then the wave vector of the longest wave with a
     /// large amplitude in the mode.
     pub wave: SVector<f64, D>,
-    /// Frequency over the frequency of the slowest material wave with the wave vector `wave`; zero for a zero-energy mode.
+    /// Frequency divided by the frequency of the slowest material wave with the wave vector `wave`; zero for a zero-energy mode.
     pub relative_frequency: f64,
     /// Number of independent zero-energy modes at this wave vector, without translations. Their displacements strain no point, for any material.
     pub nullity: usize,

@@ -44,7 +44,7 @@ impl Lanes {
     /// Loads the numbers starting at an index; lanes beyond the end are filled with `beyond`.
     #[inline(always)]
     pub(crate) fn at(numbers: &[f64], place: usize, beyond: f64) -> Self {
-        // Select a place rather than numbers, which would pass through memory.
+        // Select an index rather than numbers, which would pass through memory.
         let partly;
         Self::of(match numbers.get(place..place.wrapping_add(LANES)) {
             Some(own) => own,

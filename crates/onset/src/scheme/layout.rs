@@ -34,7 +34,7 @@ pub(crate) struct Weighed<R, const D: usize> {
 pub(crate) struct Measured<R, const D: usize> {
     /// Direction of the gradient, `C x`; 1/length.
     pub(crate) slant: [R; D],
-    /// Squared distance `q^2` over the squared support radius.
+    /// Squared distance `q^2`, relative to the squared support radius.
     pub(crate) squared: R,
 }
 

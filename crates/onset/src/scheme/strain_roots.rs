@@ -14,7 +14,7 @@ const ROUGH_ROOT_SINGULAR_VALUE: f64 = 1e-7;
 const ROOT_STRAIN_RATIO: f64 = 1e-3;
 /// Distance within which the root is then computed, relative to the wave number.
 const ROOT_DISTANCE_RATIO: f64 = 1e-2;
-/// First and smallest step toward `k = 0` from a wave of a line of zero-energy modes to a shorter one, relative to the wave number.
+/// First and smallest step toward `k = 0` from a wave of a line of zero-energy modes to a shorter wave vector, relative to the wave number.
 const INWARD_STEPS: [f64; 2] = [0.2, 1e-6];
 /// Largest number of these steps.
 const MAXIMUM_INWARD_STEPS: usize = 400;

@@ -414,8 +414,8 @@ impl<'a, const D: usize> Survey<'a, D> {
         reference.as_ref().map_err(Clone::clone)
     }
 
-    /// Squared wave speed `c^2` of the scaled measures: the largest acoustic eigenvalue of the material in the reference state over the reference
-    /// density. Length^2/time^2.
+    /// Squared wave speed `c^2` of the scaled measures: the largest acoustic eigenvalue of the material in the reference state, divided by the
+    /// reference density. Length^2/time^2.
     pub fn speed_squared(&self) -> f64 {
         self.ground.speed_squared
     }

@@ -55,8 +55,8 @@ fn rounding_of_a_huge_bulk_stiffness_limits_no_box() {
 }
 
 /// The neo-Hookean law is elliptic while `mu + g(J)/(smallest stretch)^2 > 0`, `g = mu + lambda (1 - ln J)`. At the largest volume of a box all
-/// stretches are `h`. If one stretch is smaller, the volume is smaller and the factor larger: the worst value of `h^2 x` over the smallest stretch `x` limits the
-/// box.
+/// stretches are `h`. If one stretch is smaller, the volume is smaller and the factor larger: the smallest value of `h^2 x` for the smallest stretch
+/// `x` limits the box.
 #[test]
 fn the_elliptic_box_of_neo_hooke_agrees_with_the_closed_form() {
     let (mu, lambda) = (1.0, 3.0);

@@ -639,8 +639,8 @@ fn controls_leave_no_zero_energy_modes() {
     }
 }
 
-/// Checks the zero-energy modes of a lattice whose strains vanish on crossing lines, with the length of their shortest wave in units of `TAU` over
-/// the cube's edge.
+/// Checks the zero-energy modes of a lattice whose strains vanish on crossing lines, with the length of their shortest wave in units of `TAU` divided
+/// by the edge of the cube.
 fn assert_crossing_lines(scheme: &dyn Discretization<3>, edge: f64, points: usize, shortest: f64) {
     let zeros = found(scheme, &*laws().remove(0)).modes;
     let zeros: Vec<_> = zeros.iter().filter(|mode| mode.is_zero()).collect();

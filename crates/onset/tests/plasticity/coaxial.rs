@@ -446,7 +446,7 @@ fn states_that_cannot_be_reached_are_refused_with_the_reason() {
         let error = material(name, own).response(&f).expect_err("a refusal");
         error.to_string()
     };
-    // Hydrostatic tension meets the apex of the cone.
+    // Hydrostatic tension reaches the apex of the cone.
     let apex = told("drucker-prager", &[("friction", 0.5)], [1.1; 3]);
     assert!(apex.contains("no deviator"), "{apex}");
     let corner = told(

@@ -153,7 +153,7 @@ fn the_normal_is_the_gradient_of_the_yield_function_and_flow_stays_on_the_yield_
     }
 }
 
-/// Every direction of the sphere has a critical modulus of at most the largest one, and some direction comes close to it.
+/// Every direction of the sphere has a critical modulus of at most the largest critical modulus, and some direction comes close to it.
 #[test]
 fn no_direction_exceeds_the_critical_modulus_of_any_law() {
     let mut numbers = Numbers(3);

@@ -209,7 +209,7 @@ fn a_step_of_kick_drift_kick_agrees_with_the_damped_oscillator() {
 
 /// Amplification factors of the generalized-alpha method, or of backward Euler without parameters, for `a + w u = 0` and `dt = 1`.
 fn implicit_factors(parameters: Option<[f64; 2]>, w: f64) -> Vec<Complex<f64>> {
-    // All equations of a step, A y' = B y with y = (u, v, a), solved as they stand.
+    // All equations of a step, A y' = B y with y = (u, v, a), solved directly.
     let (left, right) = match parameters {
         Some([alpha_m, alpha_f]) => {
             let gamma = 0.5 - alpha_m + alpha_f;

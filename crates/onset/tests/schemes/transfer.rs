@@ -795,7 +795,7 @@ fn the_step_of_an_isolated_point_follows_from_its_change_of_volume() {
     assert!((alone.expect("no stress") / expected - 1.0).abs() < 1e-12);
 }
 
-/// Factors of all waves at some wave vectors of the plane, for a step.
+/// Amplification factors of all waves in a time step, at some wave vectors of the plane.
 fn factors(waves: &TransferredWaves<2>, step: f64) -> Vec<Complex<f64>> {
     let each = (0..25).flat_map(|n| {
         let place = SVector::from([f64::from(n % 5), f64::from(n / 5)]);
@@ -879,7 +879,7 @@ fn fmpm_of_high_order_has_the_waves_of_the_consistent_mass_matrix() {
     }
 }
 
-/// Largest stable step of unstressed points on a chain, in units of the grid spacing over the sound speed.
+/// Largest stable step of unstressed points on a chain, in units of the grid spacing divided by the sound speed.
 fn largest_step_of_a_chain(per_side: usize, functions: GridFunctions, transfer: Transfer) -> f64 {
     let material = ModifiedMooneyRivlin::default();
     let rest = DeformationGradient::identity();

@@ -522,7 +522,7 @@ fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
             format!(
                 "*HYPERFOAM has POISSON={nu} in addition to constants; Abaqus takes POISSON with TEST DATA INPUT only"
             ),
-            "leave POISSON out: the Poisson's ratios nu1, nu2, ... are the last constants (after mu1, alpha1, mu2, alpha2, ...), and zero where they are missing",
+            "omit POISSON: the Poisson's ratios nu1, nu2, ... are the last constants (after mu1, alpha1, mu2, alpha2, ...), and zero where they are missing",
         ));
     }
     let n = block.count("N", 3)?;

@@ -77,7 +77,7 @@ pub(super) fn law(
             return Err(Trouble::new(
                 line,
                 format!("POISSON is {nu}; expected a number above -1 and below 0.5"),
-                "leave POISSON out for an incompressible material",
+                "omit POISSON for an incompressible material",
             ));
         }
     };
@@ -123,7 +123,7 @@ fn knots(line: usize, test: Test, data: &[(usize, &str)]) -> Result<Vec<Knot>, T
             return Err(Trouble::new(
                 *own,
                 "the table has tension and compression, which determine the same energy twice",
-                "leave out one of them, because Marlow's form needs a single test",
+                "omit one of them, because Marlow's form needs a single test",
             ));
         }
         sense = strain.signum();

@@ -254,7 +254,7 @@ pub fn law_of(
             origin(),
             "the block and --set material.model name different laws",
         )
-        .hint("leave out one of them"));
+        .hint("omit one of them"));
     }
     Ok(law.reading(set, name, text))
 }

@@ -473,7 +473,7 @@ impl Call {
             Some(bulk) => Err(Trouble::new(
                 self.line,
                 format!("bulk is {bulk}; expected a positive number"),
-                "leave bulk out for an incompressible material",
+                "omit bulk for an incompressible material",
             )),
         }
     }

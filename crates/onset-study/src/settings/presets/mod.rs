@@ -36,7 +36,7 @@ pub(crate) struct Preset {
     pub(crate) note: &'static str,
 }
 
-/// All presets, in the order of lists.
+/// All presets, in the order in which they are listed.
 pub(crate) const PRESETS: &[Preset] = &[
     lammps_smd_tlsph::PRESET,
     lammps_smd_ulsph::PRESET,

@@ -52,28 +52,25 @@ fn refused(what: impl Into<String>, hint: &str) -> VerifyError {
 
 fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, VerifyError> {
     if problem.dimension() != 2 {
-        return Err(refused(
-            "decks are planar",
-            "leave out discretization.lattice",
-        ));
+        return Err(refused("decks are planar", "omit discretization.lattice"));
     }
     if f.components()[2][2] != 1.0 {
         return Err(refused(
             "planar decks have an out-of-plane stretch of 1",
-            "leave out the third stretch",
+            "omit the third stretch",
         ));
     }
     if problem.settings.material.plane() != Plane::Strain {
         return Err(refused(
             "planar decks are in plane strain",
-            "leave out material.plane",
+            "omit material.plane",
         ));
     }
     let jacobian = f.jacobian();
     if !(VOLUME_RATIO_RANGE[0] < jacobian && jacobian < VOLUME_RATIO_RANGE[1]) {
         return Err(refused(
             format!(
-                "the code deletes particles with the volume ratio {jacobian}: outside of {} to {}",
+                "the code deletes particles with the volume ratio {jacobian}: outside the range from {} to {}",
                 VOLUME_RATIO_RANGE[0], VOLUME_RATIO_RANGE[1]
             ),
             "choose another state",

@@ -62,7 +62,7 @@ fn rates(
     if problem.dimension() != 2 || f.components()[2][2] != 1.0 {
         return Err(refused(
             "decks are planar, with an out-of-plane stretch of 1",
-            "leave out the third stretch",
+            "omit the third stretch",
         ));
     }
     let law = &*problem.material;

@@ -115,7 +115,7 @@ pub(super) fn read_csv(text: &str, mut projector: Projector<'_>) -> Result<Recor
     Ok(projector.finish(is_cut))
 }
 
-/// Ends a frame that is not the last one.
+/// Ends a frame that is not the last frame.
 fn end_frame(
     projector: &mut Projector<'_>,
     line: usize,

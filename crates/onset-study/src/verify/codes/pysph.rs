@@ -35,7 +35,7 @@ fn rates(problem: &Problem, f: &DeformationGradient) -> Result<JaumannRates, Ver
     if problem.dimension() != 2 || f.components()[2][2] != 1.0 {
         return Err(refused(
             "decks are planar, with an out-of-plane stretch of 1",
-            "set discretization.lattice=square, and leave out the third stretch",
+            "set discretization.lattice=square, and omit the third stretch",
         ));
     }
     let own = JaumannRates::of(&*problem.material, f, 1.0).map_err(MethodError::from)?;

@@ -129,7 +129,7 @@ const fn signs<const D: usize>() -> [[f64; FILLED]; 2] {
 }
 
 impl<const D: usize> PhaseSum<D> {
-    /// Builds the sum of a system: its blocks over the square roots of the masses, divided by `unit`.
+    /// Builds the sum of a system: its blocks divided by the square roots of the masses and by `unit`.
     pub(super) fn of_system(
         sum: &BlochSum<D>,
         crystal: &Crystal<D>,

@@ -2,7 +2,8 @@
 //!
 //! If all quadrature points have the same deformation, `D(k) = A : H(k)` with the gradient moments `H_JL(k) = 1/m sum_q V_q conj(B_qJ) B_qL`, which
 //! depend neither on the material nor on the state. In the plane and with inversion centers, `H(k)` is real and thus a point in three dimensions. The
-//! smallest eigenvalue of `A : H` is concave and the largest one convex in `H`, so that only extreme points of the set of all `H(k)` matter.
+//! smallest eigenvalue of `A : H` is concave in `H` and the largest eigenvalue is convex, so that only extreme points of the set of all `H(k)`
+//! matter.
 //!
 //! 1. A few grid points near extreme points are selected once, as candidates for all tangents (`candidates`).
 //! 2. For each tangent, the best candidate of each region of the zone is found (`scan`).

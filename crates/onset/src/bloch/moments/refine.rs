@@ -78,7 +78,7 @@ pub(super) struct Refine<'a, const D: usize, const MIRRORED: bool> {
     pub(super) sums: &'a Sums,
     pub(super) candidates: &'a Candidates<D>,
     pub(super) columns: &'a Columns,
-    /// 1 for the smaller eigenvalue, -1 for minus the larger one.
+    /// Sign of the objective: 1 for the smaller eigenvalue, -1 for the negative of the larger eigenvalue.
     pub(super) sign: f64,
     /// True if the eigenvalue is divided by the lattice Laplacian.
     pub(super) scaled: bool,

@@ -34,7 +34,7 @@ pub(super) struct Starts {
 pub(super) struct Scan<'a, const D: usize, const MIRRORED: bool> {
     pub(super) candidates: &'a Candidates<D>,
     pub(super) columns: &'a Columns,
-    /// 1 for the smaller eigenvalue, -1 for minus the larger one.
+    /// Sign of the objective: 1 for the smaller eigenvalue, -1 for the negative of the larger eigenvalue.
     pub(super) sign: f64,
     /// Upper limits of the values that the tangents must reach.
     pub(super) limits: &'a [f64],

@@ -21,7 +21,7 @@ const EDGE_INTERVALS: usize = 24;
 const EDGE_TOLERANCE: f64 = 1e-6;
 /// Length of a converged Newton step, relative to the longest reciprocal vector.
 const STEP_TOLERANCE: f64 = 1e-9;
-/// Smallest determinant of a clearly positive planar curvature, over the square of its trace; a heuristic value.
+/// Smallest determinant of a clearly positive planar curvature, relative to the square of its trace; a heuristic value.
 pub(super) const CONVEXITY_RATIO: f64 = 1e-6;
 
 impl<const D: usize> ZoneSearch<D> {

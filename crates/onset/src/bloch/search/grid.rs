@@ -230,7 +230,7 @@ impl<const D: usize> ZoneSearch<D> {
         } else {
             points_per_period * 4 * matrix.effective_reach().clamp(4, 32) / 3
         };
-        // A multiple of six places M, X and K on the grid.
+        // With a multiple of six the points M, X and K lie on the grid.
         let resolution = resolution.next_multiple_of(6);
         let resolution = if D == 3 {
             resolution.min(48)

@@ -74,7 +74,7 @@ struct Well {
 struct Descent {
     objective: Objective,
     place: [f64; 2],
-    /// Last position that was lower than all earlier ones, and the step from there.
+    /// Last position that was lower than all earlier positions, and the step from it.
     last: [f64; 2],
     step: [f64; 2],
     value: f64,
@@ -405,7 +405,7 @@ impl Descent {
         }
     }
 
-    /// Performs one step of Newton's method from the values at the current position. If this position is higher than the last one, the step is
+    /// Performs one step of Newton's method from the values at the current position. If this position is higher than the last position, the step is
     /// shortened instead.
     fn proceed(&mut self, here: &Steps, lane: usize, floor: f64, search: &Mirrored) {
         let reach = search.sums.reach;
@@ -419,7 +419,7 @@ impl Descent {
         if value.is_nan() || value >= self.value {
             self.step = [0.25 * self.step[0], 0.25 * self.step[1]];
             if length(self.step) < STEP_TOLERANCE_PHASE {
-                // The value belongs to the last place.
+                // The value belongs to the last position.
                 self.place = self.last;
                 self.state = State::Lost;
             } else {

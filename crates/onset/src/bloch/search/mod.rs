@@ -61,7 +61,7 @@ const FOLLOWED_POCKETS: usize = 16;
 /// Distances from `k = 0` of starts along the softest or fastest growing long waves, in grid steps. The grid can miss wells that open there, because
 /// they are narrow in angle.
 const RAY_STEPS: [f64; 4] = [0.15, 0.35, 0.7, 1.2];
-/// Distances of [`RAY_STEPS`] preceded by a shorter one, for soft waves that require the relaxation of the particles of a cell and disappear at
+/// Distances of [`RAY_STEPS`] preceded by a shorter distance, for soft waves that require the relaxation of the particles of a cell and disappear at
 /// shorter wavelengths.
 pub(in crate::bloch) const RELAXED_RAY_STEPS: [f64; 5] =
     [0.05, RAY_STEPS[0], RAY_STEPS[1], RAY_STEPS[2], RAY_STEPS[3]];

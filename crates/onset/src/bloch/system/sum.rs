@@ -297,7 +297,7 @@ impl<const D: usize> BlochSum<D> {
         scaled
     }
 
-    /// Returns the sum in lattice coordinates of another basis. `inverse` maps the present lattice coordinates to the new ones and has integer
+    /// Returns the sum in lattice coordinates of another basis. `inverse` maps the present lattice coordinates to the new coordinates and has integer
     /// entries.
     pub(super) fn relabeled(&self, inverse: &SMatrix<f64, D, D>, crystal: &Crystal<D>) -> Self {
         let blocks = self.terms.iter().map(|term| {

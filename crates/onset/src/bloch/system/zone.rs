@@ -1214,7 +1214,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .collect()
     }
 
-    /// Starts of descents along a ray, given one grid step along it. In large cells only the lowest of them.
+    /// Starts of descents along a ray, given one grid step along it. In large cells only the lowest start.
     fn along_ray(&self, objective: Objective, step: &SVector<f64, D>) -> Vec<Candidate<D>> {
         let ray = RELAXED_RAY_STEPS.each(|steps| step * steps);
         let values = self.branches_at(objective, &ray);

@@ -22,8 +22,8 @@ pub(crate) struct Laden<R, const D: usize> {
 }
 
 impl<R: Real, const D: usize> Laden<R, D> {
-    /// Returns `T grad W` minus the artificial stress. For one pair this is the force over the factor `r` of the other particle; for several pairs
-    /// the slopes are sums weighted by `r`.
+    /// Returns `T grad W` minus the artificial stress. For one pair this is the force divided by the factor `r` of the other particle; for several
+    /// pairs the slopes are sums weighted by `r`.
     #[inline(always)]
     pub(crate) fn traction(&self, slopes: &[[R; D]; 2]) -> [R; D] {
         let traction = times_vector(&self.tension, &slopes[0]);
