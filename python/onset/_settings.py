@@ -314,7 +314,7 @@ class Material(_Settings):
         Parameters
         ----------
         block
-            Text of the block, or the path of a file. A text that names an existing file is its path.
+            Text of the block, or the path of a file. A text that is the path of an existing file is read as this path.
         program
             ``abaqus``, ``ansys``, ``calculix``, ``febio``, ``felupe``, ``hyperelastic``, ``lsdyna`` or ``radioss``; recognized by its keywords if omitted.
         material

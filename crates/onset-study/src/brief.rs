@@ -77,7 +77,7 @@ impl Short {
     pub fn text(&self, has_settings: bool) -> String {
         let mut lines = wrapped(&self.sentence, 0);
         lines.push(String::new());
-        // The last line names the options for more.
+        // The last line names the options for longer answers.
         let mut left = LINES.saturating_sub(lines.len() + 1);
         let rows: Vec<Vec<String>> = self.rows.iter().map(Row::lines).collect();
         let kept = |rank: u8| {

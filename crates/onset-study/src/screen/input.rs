@@ -136,7 +136,7 @@ pub struct Recording {
     pub particles: usize,
     /// Number of elements; zero if the particles have the states.
     pub elements: usize,
-    /// Columns with the quantities that they were read as.
+    /// Columns, with the quantities assigned to them.
     pub columns: Vec<String>,
     /// Columns that are not used.
     pub unused: Vec<String>,

@@ -220,7 +220,7 @@ fn a_vumat_that_updates_more_state_variables_than_there_are_is_detected() {
 }
 
 #[test]
-fn state_variables_of_a_function_follow_the_path_and_not_the_differences() {
+fn finite_differences_do_not_change_the_state_variables_of_a_function() {
     let settings = UmatSettings {
         state_variables: 1,
         increments: 5,

@@ -253,7 +253,7 @@ pub(crate) fn fields(line: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// A word in capitals without spaces; Abaqus ignores case and spaces, except between quotation marks, which are left out.
+/// A word in capitals without spaces; Abaqus ignores case and spaces, except between quotation marks, which are removed.
 fn word(text: &str) -> String {
     let parts = text.split('"').enumerate().map(|(n, part)| match n % 2 {
         0 => part
@@ -299,8 +299,8 @@ impl Block<'_> {
 
     /// Compressibilities as the program takes them, with a note if it replaces zeros.
     ///
-    /// CalculiX replaces `D_i` below 1e-10 by `(0.1/mu)^i`. A term with a much larger `D_i` than `D_1` vanishes in rounding, which is how its decks leave
-    /// out terms.
+    /// CalculiX replaces `D_i` below 1e-10 by `(0.1/mu)^i`. A term with a much larger `D_i` than `D_1` vanishes in rounding, so that its decks omit
+    /// terms in this way.
     fn filled(&self, shear: f64, compressibilities: &[f64]) -> (Vec<f64>, Option<String>) {
         let mut own = compressibilities.to_vec();
         if self.program != Program::Calculix {

@@ -5,7 +5,7 @@
 //! points.
 //!
 //! Between the points `w` is a cubic that is monotone where the points are (F. N. Fritsch and J. Butland, *SIAM J. Sci. Stat. Comput.* 5 (1984) 300).
-//! The energy has two continuous derivatives, and meets the test exactly at the points. Before the first point and after the last one `w` is
+//! The energy has two continuous derivatives, and reproduces the test exactly at the points. Before the first point and after the last point `w` is
 //! extrapolated along its tangent.
 
 use super::law::{Energy, ForeignLaw, Volume};
@@ -101,7 +101,7 @@ pub(super) fn law(
     Ok(law)
 }
 
-/// The points of the table by `x`, with a first one at `x = 0`.
+/// The points of the table by `x`, with an additional first point at `x = 0`.
 fn knots(line: usize, test: Test, data: &[(usize, &str)]) -> Result<Vec<Knot>, Trouble> {
     let mut points: Vec<(f64, f64)> = Vec::new();
     let mut sense = 0.0;

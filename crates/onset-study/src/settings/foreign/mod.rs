@@ -68,7 +68,7 @@ impl FromStr for Program {
 }
 
 impl Program {
-    /// All programs, in the order of lists.
+    /// All programs, in the order in which they are listed.
     pub const ALL: [Self; 8] = [
         Self::Abaqus,
         Self::Ansys,

@@ -51,7 +51,7 @@ pub(crate) const PRESETS: &[Preset] = &[
     taichi_mpm88::PRESET,
 ];
 
-/// Names of all presets, in the order of lists.
+/// Names of all presets, in the order in which they are listed.
 pub fn preset_names() -> impl Iterator<Item = &'static str> {
     PRESETS.iter().map(|preset| preset.name)
 }

@@ -18,7 +18,7 @@ fn error(text: &str) -> String {
     }
 }
 
-/// Study with two axes; the second one varies the given quantity.
+/// Study with two axes; the second axis varies the given quantity.
 fn with_axis(before: &str, quantity: &str, range: &str) -> String {
     format!(
         "{before}[[axes]]\nquantity = \"stretch-1\"\nrange = [0.5, 2]\nstates = 4\n\

@@ -78,7 +78,7 @@ const VALLEY_WIDTHS: [f64; 3] = [0.1, 1e-2, 1e-3];
 /// Half the side of the cube of points around `k = 0`, in grid steps: the largest shell of long waves.
 const SHELL_STEPS: usize = 4;
 
-/// Objective of the lowest branches at a wave vector, lowest first; infinite where there are fewer.
+/// Values of the objective for the lowest branches at a wave vector, lowest first; infinite if there are fewer branches.
 type Branches = [f64; TRACKED_BRANCHES];
 
 /// Placeholder for the branches of long waves, which are not sampled.
@@ -398,7 +398,7 @@ impl Effort {
 /// Box of wave vectors around a center.
 struct Region<const D: usize> {
     center: SVector<f64, D>,
-    /// Objective of the lowest branches at the center.
+    /// Values of the objective for the lowest branches at the center.
     branches: Branches,
     /// Branch with the lowest estimated values in the box, its estimated lower limit from the slope, and its expected minimum.
     branch: usize,
@@ -996,7 +996,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .map(|(_, k)| self.fluttering(&k))
     }
 
-    /// Objective of the lowest branches at a wave vector, lowest first, from its spectrum.
+    /// Values of the objective for the lowest branches at a wave vector, lowest first, from its spectrum.
     fn branches(
         &self,
         objective: Objective,
@@ -1035,7 +1035,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         self.branches_at(objective, &[*k])[0][0]
     }
 
-    /// Objective of the lowest branches at wave vectors whose spectra are not yet known.
+    /// Values of the objective for the lowest branches, at wave vectors whose spectra are not yet known.
     fn branches_at(&self, objective: Objective, wave_vectors: &[SVector<f64, D>]) -> Vec<Branches> {
         let all = wave_vectors.iter();
         if objective == Objective::Function {
