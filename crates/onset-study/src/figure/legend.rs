@@ -172,7 +172,7 @@ pub(super) fn draw(
 ) -> f64 {
     let mut available = right - left;
     let mut rows = legend_rows(entries, available);
-    // Narrower rows, while their number stays the same, have more equal lengths.
+    // The width is reduced while the number of rows stays the same, which balances the lengths of the rows.
     while available > 0.0 {
         available -= 8.0;
         let narrower = legend_rows(entries, available);
