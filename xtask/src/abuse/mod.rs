@@ -140,7 +140,7 @@ fn abused(time: Duration, seed: u64, only: &[&Kind]) -> Result<(), String> {
     if programs.python.is_none() {
         kinds.retain(|kind| kind.name != PYTHON.name);
         eprintln!(
-            "== NOT TESTED: arrays and forks in Python. There is no package: cargo xtask python"
+            "== NOT TESTED: arrays and forks in Python. The package has not been built: cargo xtask python"
         );
     }
     eprintln!("== abuse: {} s, seed {seed}", time.as_secs());

@@ -421,7 +421,7 @@ fn a_limit_is_drawn_and_listed() {
 }
 
 #[test]
-fn the_figure_shows_the_neighborhood_of_the_limit_over_a_named_quantity() {
+fn the_figure_shows_the_neighborhood_of_the_limit_with_a_named_axis() {
     let folder = Scratch::new("limit-window");
     let drawn = |more: &str| {
         let line = format!(

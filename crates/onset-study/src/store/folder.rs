@@ -129,7 +129,7 @@ pub(super) fn read(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
     let too_long = || io::Error::new(ErrorKind::InvalidData, "it is longer than possible");
     match fs::metadata(path) {
         Ok(found) if !found.is_file() => {
-            return Err(io::Error::new(ErrorKind::InvalidData, "it is no file"));
+            return Err(io::Error::new(ErrorKind::InvalidData, "it is not a file"));
         }
         Ok(found) if found.len() > most => return Err(too_long()),
         Ok(_) => {}

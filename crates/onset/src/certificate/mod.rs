@@ -105,7 +105,7 @@ pub enum Reason {
     WithinTolerance,
     /// The measure is positive, proved or sampled, but oscillations may grow slightly faster than [`GROWTH`].
     Growth,
-    /// The number of boxes was exhausted although the measure is beyond the tolerance.
+    /// The limit on the number of boxes was reached although the measure is beyond the tolerance.
     Budget,
     /// The quadrature points have no inversion symmetry, which the proof requires.
     NoInversionCenter,

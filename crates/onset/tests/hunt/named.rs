@@ -167,7 +167,7 @@ fn sprung(ground: f64) -> WaveSystem<2> {
 }
 
 #[test]
-fn if_a_mode_grows_at_gamma_the_scaled_minimum_is_the_lowest_over_the_largest_laplacian() {
+fn if_a_mode_grows_at_gamma_the_scaled_minimum_is_the_lowest_divided_by_the_largest_laplacian() {
     let system = sprung(-0.3);
     let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 2.0);
     let summary = search.summary_of(&system);

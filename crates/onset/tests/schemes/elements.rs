@@ -204,7 +204,7 @@ fn frequencies_are_invariant_under_rotations_of_the_setup_and_of_the_body() {
 }
 
 #[test]
-fn the_largest_frequency_of_bars_is_2_or_root_12_times_the_speed_over_the_length() {
+fn the_largest_frequency_of_bars_is_2_or_root_12_times_the_speed_divided_by_the_length() {
     for (formulation, highest) in [(full(), 4.0), (ONE_POINT, 4.0), (consistent(), 12.0)] {
         let bars = elements::<1>(ElementMesh::Bars, formulation);
         let found = in_units(maximum_omega_squared(&bars));
