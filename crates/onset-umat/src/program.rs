@@ -50,7 +50,10 @@ pub(crate) fn host() -> Result<PathBuf, UmatError> {
             Ok(named)
         } else {
             Err(UmatError::NoProcess {
-                message: format!("{HOST_VARIABLE} is {}, which is not a file", named.display()),
+                message: format!(
+                    "{HOST_VARIABLE} is {}, which is not a file",
+                    named.display()
+                ),
             })
         };
     }

@@ -987,7 +987,8 @@ impl Table<'_> {
             ),
             (Mode::Volumetric, _) => (
                 "volume ratio",
-                "a volume ratio is the deformed over the undeformed volume, near 1".to_owned(),
+                "a volume ratio is the deformed volume divided by the undeformed volume, near 1"
+                    .to_owned(),
             ),
             (_, Some(columns)) => ("stretch", format!("{columns}, not percentages")),
             (_, None) => (
