@@ -223,7 +223,7 @@ class Answer(Record):
         title
             Title of the figure.
         bare
-            Leave title and caption out of the figure; they are written into a separate text file.
+            Omit title and caption from the figure; they are written into a separate text file.
         theme
             Colors of background, axes and words.
 
@@ -273,7 +273,7 @@ class Answer(Record):
         Parameters
         ----------
         ax
-            Axes, one for each panel; a single one is divided for several panels.
+            Axes, one for each panel; a single axes is divided for several panels.
         fig
             Figure or subfigure in which the panels are laid out, instead of `ax`; by default a new figure.
 
@@ -495,7 +495,7 @@ class Bands(_Moving):
         """Returns the bands in the layout of phonopy's ``band.yaml``, and writes them into a file if `path` is given.
 
         - ``frequency`` is ``sign(omega^2) sqrt(|omega^2|) / (2 pi)`` in 1/time. A negative frequency denotes a wave that grows without oscillation;
-          its magnitude is the growth rate over ``2 pi``.
+          its magnitude is the growth rate divided by ``2 pi``.
         - ``eigenvector`` has the real and imaginary parts of ``e = sqrt(m) u`` of length 1: three for each particle of the cell, zero beyond the
           dimensions of the lattice. Particles move by ``Re(e exp(i k.X)) / sqrt(m)``. The number of bands is the number of branches.
         - ``lattice``, ``reciprocal_lattice`` (without ``2 pi``) and ``distance`` refer to the current configuration. Each direction without waves has
@@ -796,7 +796,7 @@ class Simulation(Answer):
 class Screening(Answer):
     """First cause of an instability in a run, with evidence and remedy.
 
-    ``cause`` is ``physical``, ``numerical``, ``time-step``, ``zero-energy``, ``forced`` or ``none``; ``sentence`` says it in words. ``first`` and
+    ``cause`` is ``physical``, ``numerical``, ``time-step``, ``zero-energy``, ``forced`` or ``none``; ``sentence`` states it as a sentence. ``first`` and
     ``observed`` are the times and places at which the cause begins and at which short waves are observed.
     """
 

@@ -209,7 +209,7 @@ def frames_of(
         full[:, :dimension] = array[:, :dimension]
         # Fits use the squares of positions. NaN is not below the limit either.
         if not np.all(np.abs(full) < 1e100):
-            raise InputError(f"{what} has values that are not finite and below 1e100; leave out the frames after the run has broken down")
+            raise InputError(f"{what} has values that are not finite and below 1e100; omit the frames after the run has broken down")
         return full
 
     reference = vectors(x[0] if X is None else X, "x[0]" if X is None else "X", None)

@@ -619,8 +619,8 @@ def screen(
     particle. The cause is the first of lost ellipticity, a predicted amplitude above `threshold`, and a time step above the largest stable step of the
     body.
 
-    Frames are read one by one as ``x[0]``, ``x[1]``, ..., and one frame is in memory. The arguments `x`, `velocity`, `F` and `stress` may be arrays, memory maps,
-    datasets of h5py or zarr, or arrays of Dask.
+    Frames are read one by one as ``x[0]``, ``x[1]``, ..., and only one frame is in memory at a time. The arguments `x`, `velocity`, `F` and `stress` may
+    be arrays, memory maps, datasets of h5py or zarr, or arrays of Dask.
 
     Parameters
     ----------
@@ -646,9 +646,9 @@ def screen(
     elements
         Node indices of each element in the order of VTK, shape (elements, nodes). States are then evaluated in the elements instead of the particles.
     region
-        Lower and upper corner of a box of reference positions; other particles are not judged.
+        Lower and upper corner of a box of reference positions; other particles are not assessed.
     time_step
-        Time step of the code. Its limit is not judged if it is omitted.
+        Time step of the code. Its limit is not assessed if it is omitted.
     stepping
         ``velocity-verlet`` (also leapfrog and central differences), ``extrapolated-stress`` (LAMMPS smd/tlsph), ``late-density`` (smd/ulsph) or
         ``late-acceleration`` (PySPH).
@@ -660,8 +660,8 @@ def screen(
         Width of the bins of stretch in which particles share a state.
     actual
         Time at whose nearest frame the lowest modes of the body are found: ``K u = omega^2 M u`` with ``K`` the tangent of the forces on all particles at
-        their positions, minus the derivative of the forces with respect to the displacements. Held particles are fixed, and rigid motions are left
-        out. ``answer["actual"]`` has ``omega_squared`` (1/time^2), the growth rate (1/time) and the kind of each mode; ``modes()`` has its displacements.
+        their positions, minus the derivative of the forces with respect to the displacements. Held particles are fixed, and rigid motions are
+        excluded. ``answer["actual"]`` has ``omega_squared`` (1/time^2), the growth rate (1/time) and the kind of each mode; ``modes()`` has its displacements.
     fields
         Keep the fields of all frames for ``fields()`` of the answer.
 
@@ -865,11 +865,11 @@ def fit(
     unit
         Unit of stress of tests without a unit, for example ``MPa``.
     area
-        Undeformed area of the cross-section, which turns the forces of a table into nominal stresses; length^2.
+        Undeformed area of the cross-section, which converts the forces of a table to nominal stresses; length^2.
     range
         Smallest and largest stretch of the points that are used.
     material
-        Material whose tests are read from a deck of Abaqus or Ansys with several ones: its name or its number.
+        Material whose tests are read from a deck of Abaqus or Ansys with several materials: its name or its number.
 
     Returns
     -------
@@ -1136,7 +1136,7 @@ def tune(
     Returns
     -------
     Tuning
-        Values that were tried; ``recommended`` is the smallest sufficient one, or ``None``.
+        Values that were tried; ``recommended`` is the smallest sufficient value, or ``None``.
 
     Raises
     ------

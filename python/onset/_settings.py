@@ -179,8 +179,8 @@ class Material(_Settings):
       ``I3``, ``I1bar`` and ``I2bar``. An `ArithmeticError` or `ValueError`, or a result that is not finite, means that the law is not defined at
       the state.
     - ``Material(felupe.NeoHooke(mu=1, bulk=2))`` is an elastic material of FElupe or matADi: any object with ``gradient`` and ``hessian``.
-    - ``Material("umat", library="./my_umat.so", ...)`` is a user material of Abaqus/Standard, ``"vumat"`` one of Abaqus/Explicit, and ``"library"``
-      the function of ``onset law-header``.
+    - ``Material("umat", library="./my_umat.so", ...)`` is a user material of Abaqus/Standard, ``"vumat"`` is a user material of Abaqus/Explicit, and
+      ``"library"`` is the function of ``onset law-header``.
 
     Two of `young`, `poisson`, `bulk` and `shear` replace the parameters of laws with two moduli. Stresses are in any consistent unit, or all values
     have a unit: ``Material("neo-hooke", young="2 MPa", poisson=0.49)``.
@@ -314,7 +314,7 @@ class Material(_Settings):
         Parameters
         ----------
         block
-            Text of the block, or the path of a file. A text that names an existing file is its path.
+            Text of the block, or the path of a file. A text that is the path of an existing file is read as this path.
         program
             ``abaqus``, ``ansys``, ``calculix``, ``febio``, ``felupe``, ``hyperelastic``, ``lsdyna`` or ``radioss``; recognized by its keywords if omitted.
         material
@@ -451,7 +451,7 @@ class Method(_Settings):
     Raises
     ------
     SettingError
-        If the family does not exist, a value is not one of the expected ones, or the family never uses a key.
+        If the family does not exist, a value is not one of the expected values, or the family never uses a key.
 
     Examples
     --------

@@ -7,7 +7,7 @@ use std::process::Command;
 
 /// Runs the criterion benches, checks the peers against the command, and compares states per second and minima.
 ///
-/// A full run writes `bench/README.md`, `bench/waiting.md` and `bench/bodies.md`; a quick one writes trials to `target/bench/`.
+/// A full run writes `bench/README.md`, `bench/waiting.md` and `bench/bodies.md`; a quick run writes preliminary tables to `target/bench/`.
 ///
 /// # Errors
 /// Description of the failure.

@@ -33,7 +33,7 @@ pub fn check(tool: &Path) -> Result<(), String> {
     checked(tool, &["licenses", "sources", "bans"])
 }
 
-/// Checks that workflows name each action by its commit, with its version as a comment.
+/// Checks that workflows specify each action by its commit, with its version as a comment.
 fn pinned(folder: &Path) -> Result<(), String> {
     let read = |error: std::io::Error| format!("{}: {error}", folder.display());
     for file in std::fs::read_dir(folder).map_err(read)? {

@@ -152,7 +152,7 @@ struct Hunt {
     cases: Option<u64>,
     /// Time after which no further round starts.
     time: Duration,
-    /// Whether to compile with full optimization, which pays off after a few minutes.
+    /// Whether to compile with full optimization, which saves time after a few minutes.
     release: bool,
 }
 

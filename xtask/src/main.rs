@@ -232,7 +232,7 @@ fn test() -> bool {
     }
     if advisories.is_none() {
         eprintln!(
-            "== NOT TESTED: advisories on linked crates. There is no database: cargo deny fetch"
+            "== NOT TESTED: advisories on linked crates. The database is missing: cargo deny fetch"
         );
     }
     if let Err(error) = wasm {

@@ -39,7 +39,7 @@ pub fn environment(name: &str, requirements: &Path) -> Result<PathBuf, String> {
     Ok(interpreter)
 }
 
-/// The interpreter of the environment `.venv/<name>`, if it was made.
+/// Interpreter of the environment `.venv/<name>`, if the environment exists.
 pub fn interpreter(name: &str) -> Option<PathBuf> {
     let folder = std::path::absolute(Path::new(".venv").join(name)).ok()?;
     Some(interpreter_in(&folder)).filter(|path| path.exists())

@@ -10,7 +10,7 @@ const TARGET: &str = "wasm32-unknown-unknown";
 /// Returns true if the toolchain contains the standard library of the target.
 ///
 /// # Errors
-/// Instructions for the user, if it does not.
+/// Instructions for the user, if the toolchain does not contain the library.
 pub fn tools() -> Result<(), String> {
     let output = Command::new("rustc")
         .args(["--print", "target-libdir", "--target", TARGET])

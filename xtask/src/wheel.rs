@@ -26,7 +26,7 @@ const TEST_REQUIREMENTS: &str = "python/tests/requirements.txt";
 
 /// Builds the release wheels in `target/wheels`, and prints their paths and sizes.
 ///
-/// One wheel serves all interpreters with a global lock, and each interpreter without one needs another wheel.
+/// One wheel serves all interpreters with a global lock, and each interpreter without a global lock needs a separate wheel.
 ///
 /// # Errors
 /// Description of the failure.
@@ -113,7 +113,7 @@ pub fn command() -> Result<PathBuf, String> {
     std::path::absolute(command).map_err(|error| error.to_string())
 }
 
-/// Builds a wheel for an interpreter, by default for all with a global lock, and returns its path.
+/// Builds a wheel for an interpreter, by default for all interpreters with a global lock, and returns its path.
 fn made(profile: &str, folder: &str, interpreter: Option<&Path>) -> Result<PathBuf, String> {
     let making = environment("wheel", Path::new(BUILD_REQUIREMENTS))?;
     let licenses = [

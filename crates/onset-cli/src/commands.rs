@@ -265,7 +265,7 @@ pub fn source(file: &Path) -> Result<(String, String), Failure> {
         let text = text.map_err(|error| unreadable(&name, error))?;
         return match text.trim().is_empty() {
             true => Err(Failure::input(
-                "standard input is empty\n  hint: expected a study; leave - out for the defaults",
+                "standard input is empty\n  hint: expected a study; omit - for the defaults",
             )),
             false => Ok((name, text)),
         };
@@ -350,7 +350,7 @@ fn law_of_deck(
             Ok(Some((program, read.map_err(Failure::input)?)))
         }
         (None, Some(_)) => Err(Failure::input(format!(
-            "--material has no effect: {name} is not recognized as a deck of another program\n  hint: leave --material out, or name the program of the deck, for example --from abaqus (in `onset path`, --read-as abaqus)"
+            "--material has no effect: {name} is not recognized as a deck of another program\n  hint: omit --material, or name the program of the deck, for example --from abaqus (in `onset path`, --read-as abaqus)"
         ))),
         (None, None) => Ok(None),
     }
@@ -437,7 +437,7 @@ impl Read {
 }
 
 impl ThresholdArguments {
-    /// Limits with the given values, and defaults for the others.
+    /// Limits with the given values, or the defaults where no value is given.
     fn thresholds(self) -> Thresholds {
         Thresholds {
             weak: self.weak.share,
@@ -470,7 +470,7 @@ fn with_energy(assignments: &[String], energy: Option<&str>) -> Result<Vec<Strin
     for (key, meant) in meant {
         if let Some(assignment) = another(assignments, key, meant) {
             return Err(Failure::input(format!(
-                "--energy and --set {assignment} name two laws: --energy sets {key}={meant}\n  hint: leave out one of them"
+                "--energy and --set {assignment} name two laws: --energy sets {key}={meant}\n  hint: omit one of them"
             )));
         }
     }
@@ -493,7 +493,7 @@ impl SetArguments {
             let key = "discretization.method";
             if let Some(assignment) = another(&assignments, key, preset) {
                 return Err(Failure::input(format!(
-                    "--preset and --set {assignment} name two methods: --preset sets {key}={preset}\n  hint: leave out one of them"
+                    "--preset and --set {assignment} name two methods: --preset sets {key}={preset}\n  hint: omit one of them"
                 )));
             }
             assignments.insert(0, format!("{key}={preset}"));
@@ -525,7 +525,7 @@ impl ProblemArguments {
         Read::of(file.as_deref(), &self.block, set.all()?)
     }
 
-    /// Material settings without a method.
+    /// Settings of a material without a method.
     fn law(&self) -> Result<MaterialSettings, Failure> {
         let read = self.read()?;
         let law = MaterialSettings::of_file(&read.name, &read.text, &read.assignments);
@@ -577,7 +577,7 @@ fn diagram(
     printing::print(&diagram, told.trim_end(), || diagram.csv())
 }
 
-/// Paragraph on the written files before a text.
+/// Prepends a paragraph that lists the written files to a text.
 fn wrote_before(files: &[PathBuf]) -> String {
     match files {
         [] => String::new(),
@@ -585,7 +585,7 @@ fn wrote_before(files: &[PathBuf]) -> String {
     }
 }
 
-/// Sentence on the written files: all of a few, or the first and the last of many.
+/// Sentence that lists the written files: all of them if they are few, otherwise the first and the last.
 pub fn wrote(files: &[PathBuf]) -> String {
     match &named(files)[..] {
         [] => String::new(),
@@ -713,7 +713,7 @@ fn named(files: &[PathBuf]) -> Vec<String> {
         .collect()
 }
 
-/// Prints topics, and draws the figure of the kernels at the place `out`.
+/// Prints topics, and draws the figure of the kernels to the path `out`.
 fn list(
     topic: Option<&str>,
     name: Option<&str>,

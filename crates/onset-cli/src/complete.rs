@@ -148,7 +148,7 @@ fn keys(keys: impl Iterator<Item = &'static Key>) -> Vec<(String, String)> {
         .collect()
 }
 
-/// Keys with an equals sign, or the values of the typed key behind it.
+/// Keys with an equals sign, or the values of the key that was typed before the equals sign.
 fn assignments(keys: impl Iterator<Item = &'static Key>, typed: &str) -> Vec<(String, String)> {
     match typed.split_once('=') {
         Some((name, _)) => values(name),
@@ -158,7 +158,7 @@ fn assignments(keys: impl Iterator<Item = &'static Key>, typed: &str) -> Vec<(St
     }
 }
 
-/// Assignments of the words that a key takes.
+/// Assignments of each word that a key accepts.
 fn values(name: &str) -> Vec<(String, String)> {
     let Some(key) = Key::named(name) else {
         return Vec::new();
@@ -176,7 +176,7 @@ fn of_kind(kind: Kind) -> &'static [&'static str] {
     }
 }
 
-/// Keys of a method that can be varied, or the words of the typed key behind the last comma.
+/// Keys of a method that can be varied, or the words of the key typed after the last comma.
 fn variations(typed: &str) -> Vec<(String, String)> {
     match typed.split_once('=') {
         Some((name, list)) => {
@@ -189,7 +189,7 @@ fn variations(typed: &str) -> Vec<(String, String)> {
     }
 }
 
-/// Words behind the last comma of a list.
+/// Words after the last comma of a list.
 fn after_commas<'a>(
     typed: &str,
     words: impl IntoIterator<Item = &'a str>,
@@ -256,7 +256,8 @@ fn methods() -> Vec<(String, String)> {
 /// Bash, which splits words at equals signs.
 struct Bash;
 
-/// Completion function of bash: joins the words that bash splits at equals signs, and takes the part before the last one off the answers.
+/// Completion function of bash: joins the words that bash splits at equals signs, and removes the part before the last equals sign from the
+/// candidates.
 const BASH: &str = r#"_onset() {
     local word words=() n=0
     for word in "${COMP_WORDS[@]:0:COMP_CWORD+1}"; do

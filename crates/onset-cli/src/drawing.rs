@@ -1,4 +1,4 @@
-//! Files of answers with a figure: their place, and how the figure is drawn.
+//! Files of answers with a figure: where they are written, and how the figure is drawn.
 
 use crate::commands::Failure;
 use clap::Args;
@@ -46,7 +46,7 @@ impl DrawingArguments {
         }
     }
 
-    /// Refuses options of a figure that is not drawn, with a place as an example.
+    /// Refuses options for a figure that is not drawn; the error shows an example of an output path.
     ///
     /// # Errors
     /// [`Failure`] with the first option that has no effect.
@@ -65,8 +65,8 @@ impl DrawingArguments {
         }
     }
 
-    /// Prepares the files of an answer with one figure: all of them in a folder, or for NAME.svg, NAME.png or NAME.pdf the figure alone; `None` without
-    /// a place.
+    /// Prepares the files of an answer with one figure: all files in a folder, or only the figure for NAME.svg, NAME.png or NAME.pdf; `None` without
+    /// an output path.
     ///
     /// # Errors
     /// [`Failure`] if the place cannot be written, if it has the ending of another format, or if options of a figure are given without a place.

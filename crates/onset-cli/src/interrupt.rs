@@ -42,7 +42,7 @@ pub fn listen() -> Result<(), ctrlc::Error> {
     listen_always()
 }
 
-/// Handles the first interrupt by a request to end.
+/// Handles the first interrupt as a request to end.
 ///
 /// # Errors
 /// The error of the operating system.

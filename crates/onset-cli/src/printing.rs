@@ -130,7 +130,7 @@ pub fn only_text(what: &str) -> Result<(), Failure> {
     match format() {
         Format::Text => Ok(()),
         Format::Json | Format::Csv => Err(Failure::input(format!(
-            "this command prints {what} in a single format\n  hint: leave out --format and --json"
+            "this command prints {what} in a single format\n  hint: omit --format and --json"
         ))),
     }
 }

@@ -3,7 +3,7 @@
 use crate::commands::Failure;
 use std::thread::available_parallelism;
 
-/// Largest useful number of threads per core; more only cost memory.
+/// Largest useful number of threads per core; more threads only need more memory.
 const THREADS_PER_CORE: usize = 8;
 const VARIABLE: &str = "RAYON_NUM_THREADS";
 
@@ -17,14 +17,14 @@ pub fn check() -> Result<(), Failure> {
         Ok(()) => Ok(()),
         Err(most) => Err(Failure::input(format!(
             "{VARIABLE} is {asked}; expected a number of threads up to {most}, {THREADS_PER_CORE} for each of {cores} cores\n  \
-             hint: leave {VARIABLE} out for one thread per core"
+             hint: unset {VARIABLE} for one thread per core"
         ))),
     }
 }
 
 /// Restarts the program with few memory arenas if the address space is limited, as in batch systems.
 ///
-/// The GNU allocator reserves 64 MiB for each thread. If it cannot, it spends its time on failing attempts.
+/// The GNU allocator reserves 64 MiB for each thread. If it cannot, it loses time in failed attempts.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 pub fn fit_into_memory() {
     use rustix::process::{Resource, getrlimit};

@@ -75,7 +75,7 @@ pub(crate) struct Term {
 pub(crate) const SHAPES: usize = 2;
 
 impl Term {
-    /// Sums over the stretches that are the arguments of the energy.
+    /// Sums over the stretches that determine the energy.
     fn sums<R: Enclosed>(&self, [shape, _]: [R; SHAPES]) -> [Sum<R>; 2] {
         match self.part {
             Part::Powers(..) | Part::Gent | Part::ArrudaBoyce | Part::Fung => {
@@ -119,8 +119,8 @@ impl Term {
         value * self.factor
     }
 
-    /// Returns true if the energy is strictly convex at all states of constant volume: in the logarithms of the stretches for Drucker's inequality, and along
-    /// all lines `F + t m N` of constant volume for strong ellipticity. `None` if the theorem does not decide.
+    /// Returns true if the energy is strictly convex at all states of constant volume: in the logarithms of the stretches for Drucker's inequality,
+    /// and along all lines `F + t m N` of constant volume for strong ellipticity. `None` if the theorem does not decide.
     ///
     /// Both `tr C` and `tr C^-1` are convex in either sense, and increasing convex functions of convex functions are convex. On those lines the
     /// cofactor of `F` is linear in `t`, so that `sum lambda^alpha` is convex if `|alpha| >= 1`, as in Ball, Arch. Rational Mech. Anal. 63 (1977) 337.
@@ -189,7 +189,7 @@ const NAMES: [&str; 18] = [
 /// Largest number of terms of Ogden's law and of the law of foams in the library.
 const OGDEN_TERMS: usize = 6;
 const FOAM_TERMS: usize = 3;
-/// Exponents of smaller magnitude are not tried: two of them would be one term with a logarithm.
+/// Exponents of smaller magnitude are not tried, because two terms with such exponents approach one term with a logarithm.
 pub(crate) const SMALLEST_EXPONENT: f64 = 0.05;
 
 impl Family {
@@ -198,7 +198,8 @@ impl Family {
         NAMES.into_iter()
     }
 
-    /// Returns the family with a name of [`Family::all`], of a law of the library, `ogden-N` (N up to 6) or `hyperfoam-N` (N up to 3); `None` for other names.
+    /// Returns the family with a name of [`Family::all`], of a law of the library, `ogden-N` (N up to 6) or `hyperfoam-N` (N up to 3); `None` for
+    /// other names.
     pub fn named(name: &str) -> Option<Self> {
         let polynomial = |powers: &[(i32, i32)]| Self::polynomial(name, powers);
         Some(match name {
@@ -270,7 +271,7 @@ impl Family {
         }
     }
 
-    /// Polynomial in the invariants.
+    /// Polynomial law in the invariants.
     fn polynomial(name: &str, powers: &[(i32, i32)]) -> Self {
         let library = onset::material::Law::named(name);
         let mut energy = "let x = I1bar - 3; let y = I2bar - 3; ".to_owned();
@@ -337,7 +338,7 @@ impl Family {
         foam
     }
 
-    /// Law of equal terms with a modulus `mu1`, `mu2`, ... each.
+    /// Law of several terms of one form, with the moduli `mu1`, `mu2`, ...
     fn of_terms(
         name: String,
         model: Model,
@@ -385,7 +386,7 @@ impl Family {
         &self.model
     }
 
-    /// Constants in their order.
+    /// Constants of the law in their fixed order.
     pub fn constants(&self) -> &[Constant] {
         &self.constants
     }
@@ -474,7 +475,7 @@ impl Family {
         moduli
     }
 
-    /// Adds the moduli of terms of the same sums.
+    /// Adds the moduli of terms with the same sums.
     fn add<R: Enclosed>(
         moduli: &mut Moduli<R>,
         state: &State<R>,

@@ -45,7 +45,7 @@ pub struct Options {
 }
 
 impl Default for Options {
-    /// Relative errors; Drucker's inequality and strong ellipticity up to 1.25 times the largest stretch of the tests.
+    /// Relative errors, with Drucker's inequality and strong ellipticity up to 1.25 times the largest stretch of the tests.
     fn default() -> Self {
         Self {
             weights: Weights::Relative(0.0),
@@ -107,7 +107,7 @@ pub enum FitError {
         law: String,
         /// Name of the constant.
         name: String,
-        /// Admissible values in words.
+        /// Description of the admissible values.
         expected: String,
     },
     /// The stability constraint could not be satisfied at all states within the largest number of rounds.
@@ -145,7 +145,7 @@ pub struct Fitted {
     pub uncertainty: Uncertainty,
     /// Names of the free constants that are at their bounds.
     pub at_bounds: Vec<String>,
-    /// Loading and smallest stretch of the range at which the chains of the law are fully extended; `None` if no state of the range extends them fully.
+    /// Loading and smallest stretch of the range at which the chains of the law are fully extended; `None` if this does not occur in the range.
     pub locked: Option<(Mode, f64)>,
 }
 
@@ -181,27 +181,27 @@ impl Fit {
     }
 }
 
-/// Rounds of added states.
+/// Largest number of rounds in which states are added.
 const ROUNDS: usize = 80;
-/// Largest number of states that samples miss and the proof finds.
+/// Largest number of states missed by the samples and found by the proof.
 const MISSED: usize = 6;
 /// States added in one round.
 const ADDED: usize = 6;
-/// Part of the margin that the worst state must have.
+/// Fraction of the margin that the worst state must reach.
 const LEAST_MARGIN_SHARE: f64 = 0.5;
-/// Optima within this part of the best are listed.
+/// Optima within this fraction of the best are listed.
 const SIMILAR: f64 = 0.05;
 /// Constants this close to a bound, relative to it, are at the bound.
 const BOUND_TOLERANCE: f64 = 1e-6;
-/// Optima whose constants differ by less than this part are one.
+/// Optima whose constants differ by less than this fraction count as one.
 const CONSTANT_TOLERANCE: f64 = 1e-3;
-/// Number of free optima at which a fit with the stability constraint begins.
+/// Number of free optima from which a fit with the stability constraint starts.
 const STARTS_WITH_DEMANDS: usize = 6;
 
 /// Fits a law to tests.
 ///
-/// Laws that do not change volume are fitted to their incompressible response: `P = (w_1 - w_3)/lambda_1` with `w_i = dW/dln(lambda_i)` and the free face 3.
-/// The sum of squares contains the errors at all points, with the weights of their tests.
+/// Laws that do not change volume are fitted to their incompressible response: `P = (w_1 - w_3)/lambda_1` with `w_i = dW/dln(lambda_i)` and the free
+/// face 3. The sum of squares contains the errors at all points, with the weights of their tests.
 ///
 /// # Errors
 /// [`FitError`] if the tests do not determine the constants, or no constants are stable.
@@ -244,7 +244,7 @@ pub fn fit(tests: &[Test], family: &Family, options: &Options) -> Result<Fit, Fi
     search.run()
 }
 
-/// Bounds of the constants; equal ones for fixed constants.
+/// Bounds of the constants; both bounds are equal for a fixed constant.
 fn bounds_of(family: &Family, options: &Options) -> Result<Vec<[f64; 2]>, FitError> {
     let mut bounds: Vec<[f64; 2]> = family.constants().iter().map(|own| own.bounds).collect();
     let fixed = options
@@ -439,7 +439,7 @@ impl Search<'_> {
         distinct
     }
 
-    /// Puts equal terms in the order of their exponents, the largest first, unless they have different bounds.
+    /// Sorts terms of the same form by their exponents, the largest first, unless they have different bounds.
     fn sort(&self, own: &mut Solution) {
         let terms = self.family.terms();
         if terms.len() < 2 || terms[0].shapes.is_empty() || self.is_free.contains(&false) {

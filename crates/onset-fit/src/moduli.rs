@@ -6,9 +6,9 @@
 //! `Q_jj = (L_jj - t_j) n_j^2 + sum_(i != j) g_ij e_i n_i^2`, `Q_ij = (L_ij + (g_ij (e_i + e_j) - t_i - t_j)/2) n_i n_j`.
 //!
 //! These are the moduli of Ogden, Non-linear elastic deformations (1984), section 6.1. Strong ellipticity means that `Q(N)` is positive definite; for
-//! incompressible response, on amplitudes normal to `n`, where the terms with `t` add up to `(sum t_i n_i m_i)(sum n_j m_j) = 0` and are left out. Only the squares
-//! `q_i = n_i^2` enter the condition: `|n|^2 tr Q - n . Q n` is a quadratic and `n . adj(Q) n` a cubic form of `q`, whose coefficients in the Bernstein
-//! basis bound them over all directions.
+//! incompressible response, on amplitudes normal to `n`, where the terms with `t` add up to `(sum t_i n_i m_i)(sum n_j m_j) = 0` and are omitted.
+//! Only the squares `q_i = n_i^2` enter the condition: `|n|^2 tr Q - n . Q n` is a quadratic and `n . adj(Q) n` a cubic form of `q`, whose
+//! coefficients in the Bernstein basis bound them over all directions.
 //!
 //! Drucker's inequality means that `L` is positive definite; for incompressible response, on increments without change of volume.
 //!
@@ -74,7 +74,7 @@ pub(crate) struct Moduli<R> {
     cofactors: R,
 }
 
-/// Pairs of different principal axes.
+/// Pairs of distinct principal axes.
 pub(crate) const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 
 impl<R: Real> Moduli<R> {
@@ -149,7 +149,7 @@ impl<R: Real> Moduli<R> {
         self.quotients[3 - i - j] * self.squares[i]
     }
 
-    /// Mean of both coefficients of two axes.
+    /// Mean of the shear coefficients of two axes.
     fn mean_shear(&self, i: usize, j: usize) -> R {
         self.quotients[3 - i - j] * (self.squares[i] + self.squares[j]) * 0.5
     }
@@ -276,7 +276,7 @@ pub(crate) fn isochoric_basis() -> [[f64; 3]; 2] {
     [[a, -a, 0.0], [b, b, -2.0 * b]]
 }
 
-/// Points along an edge of the triangle of squared directions that are tried first.
+/// Number of points along an edge of the triangle of squared directions at which the search starts.
 const DIRECTIONS: usize = 12;
 
 impl Moduli<f64> {

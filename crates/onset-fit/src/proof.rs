@@ -1,8 +1,8 @@
 //! Proof that a law is stable at all states of a range, by interval arithmetic.
 //!
-//! The range is divided into cells. On a cell the numbers that decide (leading minors of Drucker's matrix, Bernstein coefficients of the elliptic
-//! forms) are enclosed by their mean-value form, `f(middle) + f'(cell) (cell - middle)`, whose excess is of second order in the size of the cell. A cell
-//! with a number that may be negative is halved; an unstable state ends the proof.
+//! The range is divided into cells. On a cell the deciding numbers (leading minors of Drucker's matrix, Bernstein coefficients of the elliptic forms)
+//! are enclosed by their mean-value form, `f(middle) + f'(cell) (cell - middle)`, whose overestimation is of second order in the size of the cell. A
+//! cell in which a number may be negative is halved; an unstable state ends the proof.
 
 use crate::moduli::{Criterion, cubic, quadratic};
 use crate::range::{Numbers, Patch, Worst};
@@ -27,7 +27,7 @@ pub enum Proof {
         /// State with its criterion and value.
         worst: Worst,
     },
-    /// The states of the range were sampled and found stable; the proof needs more cells than were allowed, or the law has no proof.
+    /// The states of the range were sampled and found stable; the proof needs more cells than allowed, or is not available for the law.
     Sampled,
 }
 
@@ -35,10 +35,10 @@ pub enum Proof {
 const CELLS: usize = 20_000;
 /// Number with derivatives with respect to the parameters of a patch.
 type Slope = Dual<2, Interval>;
-/// Largest number of parts of the triangle of directions, for a form and for all cells together.
+/// Largest number of subdivisions of the triangle of directions, for one form and for all cells together.
 const MOST_PARTS: usize = 5_000;
 const ALL_PARTS: usize = 800_000;
-/// Rounding of the coefficients of a part, relative to the largest one.
+/// Rounding error of the coefficients of a part, relative to the largest coefficient.
 const ROUNDING_FRACTION: f64 = 1e-14;
 /// Proves that the criteria are positive on all patches.
 pub(crate) fn prove(law: &Numbers<'_>, patches: &[Patch]) -> Proof {
@@ -113,7 +113,7 @@ fn logs_of<R: Real>(patch: &Patch, at: [R; 2]) -> [R; 3] {
     })
 }
 
-/// Numbers that decide at the states of a cell, on the whole cell or at its middle.
+/// Numbers that decide on stability at the states of a cell, on the whole cell or at its middle.
 struct Deciding<R> {
     drucker: [R; 2],
     trace: [R; 6],
@@ -222,13 +222,13 @@ fn is_positive<const N: usize>(
     open.is_empty()
 }
 
-/// Corners of the edge opposite to a corner.
+/// Ends of the edge opposite to a corner.
 fn ends_of(edge: usize) -> (usize, usize) {
     ((edge + 1) % 3, (edge + 2) % 3)
 }
 
-/// Bernstein coefficients on the two halves of a triangle whose edge is cut in its middle: values of the polar form, in which the corner that moves is the
-/// mean of both ends of the edge.
+/// Bernstein coefficients on the two halves of a triangle that is cut at the middle of an edge: values of the polar form, in which the mean of both
+/// ends of the edge replaces one corner.
 fn quadratic_halves(form: &[f64; 6], edge: usize) -> [[f64; 6]; 2] {
     let (p, q) = ends_of(edge);
     [q, p].map(|moved| {

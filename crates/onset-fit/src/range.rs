@@ -15,7 +15,7 @@ pub enum Mode {
     Uniaxial,
     /// Equal tension or compression along two axes.
     Equibiaxial,
-    /// Tension or compression of a wide sheet, whose width is kept (pure shear).
+    /// Tension or compression of a wide sheet whose width is held (pure shear).
     Planar,
     /// Simple shear of a block.
     SimpleShear,
@@ -33,7 +33,7 @@ impl Mode {
         Self::Volumetric,
     ];
 
-    /// Loadings with a free face, whose states are known for every incompressible specimen.
+    /// Loadings with a free face whose states are known for every incompressible specimen.
     pub const LOADINGS: [Self; 3] = [Self::Uniaxial, Self::Equibiaxial, Self::Planar];
 
     /// Name of the loading in files and answers.
@@ -47,7 +47,7 @@ impl Mode {
         }
     }
 
-    /// What the tests of this loading measure: stretches, amounts of shear or volume ratios.
+    /// Quantity that the tests of this loading measure: stretches, amounts of shear or volume ratios.
     pub fn measures(self) -> &'static str {
         match self {
             Self::SimpleShear => "amounts of shear",
@@ -94,7 +94,7 @@ impl Mode {
 #[serde(rename_all = "kebab-case")]
 pub enum Range {
     /// All states whose principal stretches are between the smallest and the largest stretch of the tests, widened by a factor; for incompressible
-    /// response no stretch above the largest one.
+    /// response no stretch exceeds the largest stretch of the tests.
     Data(f64),
     /// All states with principal stretches between two limits.
     Box(f64, f64),
@@ -118,7 +118,7 @@ impl Patch {
         std::array::from_fn(|i| self.axes.iter().zip(at).map(|(axis, t)| axis[i] * t).sum())
     }
 
-    /// Parameters of a point of a grid with `count` points along each axis.
+    /// Parameters of a grid point, with `count` points along each axis.
     fn place(&self, n: usize, count: usize) -> Vec<f64> {
         let at = |a: usize| {
             let t = (n / count.pow(a as u32) % count) as f64 / (count - 1) as f64;
@@ -129,7 +129,7 @@ impl Patch {
 
     /// Returns true if a state at constant volume with descending stretches belongs to the patch.
     fn reaches(&self, logs: [f64; 3]) -> bool {
-        // Parameters of the state: for a line the coordinate along its axis, for a plane the largest strain and minus the smallest one.
+        // Parameters of the state: for a line the coordinate along its axis, for a plane the largest strain and the negative of the smallest strain.
         let at = match self.axes.as_slice() {
             [axis] => vec![logs[0] / axis[0]],
             _ => vec![logs[0], -logs[2]],
@@ -196,7 +196,7 @@ impl Range {
                 ordered: true,
             }];
         }
-        // Largest strain and minus the smallest one; the third follows.
+        // Largest strain and the negative of the smallest strain; the third follows.
         vec![Patch {
             axes: vec![[1.0, -1.0, 0.0], [0.0, 1.0, -1.0]],
             low: vec![0.0; 2],
@@ -221,7 +221,7 @@ pub struct Worst {
     pub(crate) perturbation: Perturbation,
 }
 
-/// Law with numbers for its constants.
+/// Law with numerical values of its constants.
 #[derive(Clone, Copy)]
 pub(crate) struct Numbers<'a> {
     pub family: &'a Family,
@@ -277,7 +277,7 @@ impl Criterion {
     }
 }
 
-/// Grid points of the first constraints along an edge of a patch, and directions in each principal plane.
+/// Grid points of the initial constraints along an edge of a patch, and directions in each principal plane.
 const FENCE_POINTS: usize = 9;
 const FENCE_DIRECTIONS: usize = 6;
 
@@ -347,10 +347,10 @@ fn waves(logs: [f64; 3]) -> Vec<Perturbation> {
 
 /// Grid points along the edge of a patch with one, two and three parameters.
 const POINTS: [usize; 3] = [301, 41, 9];
-/// Number of local minima of a grid that are improved.
+/// Number of local minima of a grid that are refined.
 const IMPROVED: usize = 8;
 
-/// Distances from a minimum to the states around it, as parts of the distance of grid points.
+/// Distances from a minimum to the states around it, as fractions of the grid spacing.
 const AROUND: [f64; 3] = [0.5, 0.125, 0.03];
 
 /// Local minima of the criteria over parts of a range, the lowest first.
@@ -358,7 +358,7 @@ pub(crate) fn worst_states(law: &Numbers<'_>, patches: &[Patch]) -> Vec<Worst> {
     low_states(law, patches, f64::NEG_INFINITY)
 }
 
-/// Local minima of the criteria over parts of a range, the lowest first, with the grid points below a value and states around minima below it.
+/// Local minima of the criteria over parts of a range, the lowest first, with the grid points and the states around minima that are below a value.
 pub(crate) fn low_states(law: &Numbers<'_>, patches: &[Patch], below: f64) -> Vec<Worst> {
     let shear = law.shear_modulus();
     let mut found: Vec<Worst> = Vec::new();
@@ -468,7 +468,7 @@ pub struct Limit {
 
 /// Largest stretch of the loadings, as in the check of Abaqus.
 const LARGEST_STRETCH: f64 = 10.0;
-/// States along a loading.
+/// Number of states along a loading.
 const ALONG: usize = 400;
 
 /// Smallest stretches at which each criterion is violated in uniaxial, equibiaxial and planar tension up to stretch 10, by increasing stretch.

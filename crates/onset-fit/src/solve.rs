@@ -51,15 +51,15 @@ pub(crate) struct Solution {
     pub active: Vec<DVector<f64>>,
 }
 
-/// Largest number of steps of one solution.
+/// Largest number of steps of one solve.
 const MOST_STEPS: usize = 200;
-/// A step that lowers the sum of squares by less than this part is the last one.
+/// The iteration ends with a step that lowers the sum of squares by less than this fraction.
 const LEAST_GAIN: f64 = 1e-13;
 /// Largest sum of violated constraints, relative to the constants.
 const MOST_VIOLATED: f64 = 1e-6;
-/// Constraints with smaller values, relative to the sum of the magnitudes of their terms, may hold with equality.
+/// Constraints with smaller values, relative to the sum of the magnitudes of their terms, count as equalities.
 const ACTIVE: f64 = 1e-6;
-/// Fewest constraints for which another thread is worth while.
+/// Smallest number of constraints for which another thread is worthwhile.
 const DEMANDS_OF_A_THREAD: usize = 64;
 /// Weight of a violated constraint, relative to the sum of squares at the start.
 const PENALTY: f64 = 10.0;
@@ -191,7 +191,7 @@ impl Problem<'_> {
         }
     }
 
-    /// Best moduli for given further constants.
+    /// Optimal moduli for given values of the other constants.
     fn of_moduli(&self, constants: &[f64], is_free: &[bool]) -> Option<Solution> {
         let (mut errors, mut jacobian) = self.equations.errors(self.family, constants);
         let moduli = self.family.constants().iter().map(|own| own.is_modulus);
@@ -300,7 +300,8 @@ impl Problem<'_> {
     }
 }
 
-/// Largest number of quadratic programs in one step, number of conditions added to each, and admitted violation of the others, as a fraction of the unit.
+/// Largest number of quadratic programs in one step, number of constraints added to each, and admitted violation of the remaining constraints, as a
+/// fraction of the unit.
 const MOST_PROGRAMS: usize = 100;
 const ADDED_CONDITIONS: usize = 12;
 const CONDITION_TOLERANCE: f64 = 1e-12;

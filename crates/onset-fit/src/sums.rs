@@ -9,9 +9,9 @@
 
 use onset::real::{Dual, Interval, Real};
 
-/// Number that encloses the rest of a series.
+/// Number type that encloses the remainder of a series.
 pub(crate) trait Enclosed: Real {
-    /// Number between 0 and 1: each of them in an enclosure, any of them else.
+    /// Number between 0 and 1: the whole interval in an enclosure, any value otherwise.
     fn share() -> Self;
 }
 
@@ -50,7 +50,7 @@ impl<R: Real> State<R> {
         Self { logs, squares }
     }
 
-    /// Differences of the squared stretches: entry `k` is `lambda_i^2 - lambda_j^2` for the other two indices `i < j`.
+    /// Differences of the squared stretches: entry `k` is `lambda_i^2 - lambda_j^2` of the other two indices `i < j`.
     pub fn differences(&self) -> [R; 3] {
         let of = |i: usize, j: usize| {
             let (sum, difference) = (self.logs[i] + self.logs[j], self.logs[i] - self.logs[j]);
@@ -120,7 +120,7 @@ impl<R: Enclosed> Sum<R> {
         }
     }
 
-    /// Curvatures, quotients and parts of the curvatures.
+    /// Second derivatives of the sum: curvatures, quotients, and the parts in which the slopes cancel.
     pub fn curvatures(&self, state: &State<R>) -> Curvatures<R> {
         let State { logs, squares } = state;
         let pairs = |of: &dyn Fn(usize, usize) -> R| [of(1, 2), of(0, 2), of(0, 1)];
@@ -152,7 +152,7 @@ impl<R: Enclosed> Sum<R> {
     }
 }
 
-/// Second derivatives of a sum with the curvatures `4 x`, whose parts are half of them.
+/// Second derivatives of a sum whose curvatures are `4 x` and whose parts are half the curvatures.
 fn halved<R: Real>(x: [R; 3], quotients: [R; 3]) -> Curvatures<R> {
     let [a, b, c] = x;
     Curvatures {
@@ -163,8 +163,7 @@ fn halved<R: Real>(x: [R; 3], quotients: [R; 3]) -> Curvatures<R> {
     }
 }
 
-/// Second derivatives with parts in which the slopes of the largest stretch, which is the first one, cancel:
-/// `k_12 - k_13 = (a_3 - a_2)/2 + q_12 e_2 - q_13 e_3`.
+/// Second derivatives with parts in which the slopes of the largest stretch (the first) cancel: `k_12 - k_13 = (a_3 - a_2)/2 + q_12 e_2 - q_13 e_3`.
 fn reduced<R: Real>(state: &State<R>, own: [R; 3], quotients: [R; 3]) -> Curvatures<R> {
     let e = state.squares;
     let [near, far, first] = quotients;
@@ -190,12 +189,12 @@ fn reduced<R: Real>(state: &State<R>, own: [R; 3], quotients: [R; 3]) -> Curvatu
     }
 }
 
-/// Terms of the series of `sinh(x)/x`.
+/// Number of terms of the series of `sinh(x)/x`.
 const SERIES: i32 = 9;
 
-/// Hyperbolic sine over its argument, `sinh(x)/x`.
+/// Hyperbolic sine divided by its argument, `sinh(x)/x`.
 ///
-/// The rest of the series after the term of degree `2 n - 2` is `x^2n/(2 n + 1)!` times a mean of `cosh(x u)` over `u` between 0 and 1.
+/// The remainder of the series after the term of degree `2 n - 2` is `x^2n/(2 n + 1)!` times a mean of `cosh(x u)` over `u` between 0 and 1.
 fn sine_quotient<R: Enclosed>(x: R) -> R {
     if is_beyond(x, 1.0) {
         return x.sinh() / x;

@@ -13,7 +13,7 @@ use crate::family::Family;
 pub struct Point {
     /// Stretch along the load; the amount of shear `gamma` in simple shear, the volume ratio `J` in a volumetric test.
     pub stretch: f64,
-    /// Lateral stretch along axis 2 (and 3, if they are equal); for compressible laws. In equibiaxial and planar tests it is the stretch through the
+    /// Lateral stretch along axis 2 (and 3, if they are equal), for compressible laws. In equibiaxial and planar tests it is the stretch through the
     /// thickness. `None` if it was not measured.
     pub lateral: Option<f64>,
     /// Nominal stress along the load, or pressure in a volumetric test; units of stress.
@@ -46,7 +46,7 @@ pub struct Misfit {
     pub stresses: Vec<f64>,
 }
 
-/// Condition that a measured point puts on a law: a combination of the principal Kirchhoff stresses `2 e_i dW/de_i`.
+/// Condition on a law from a measured point: a combination of the principal Kirchhoff stresses `2 e_i dW/de_i`.
 #[derive(Clone, Copy, Debug)]
 struct Equation {
     /// Index of the test and of the point.
@@ -65,7 +65,7 @@ pub(crate) struct Equations {
 }
 
 impl Equations {
-    /// Conditions of tests on a law. Points in the reference configuration carry no information and are left out.
+    /// Conditions of tests on a law. Points in the reference configuration carry no information and are skipped.
     pub fn new(tests: &[Test], compressible: bool, weights: Weights) -> Self {
         let mut all = Vec::new();
         for (t, test) in tests.iter().enumerate() {
@@ -115,7 +115,7 @@ impl Equations {
         Self { all }
     }
 
-    /// Number of different conditions of all tests: several points of one state count once.
+    /// Number of distinct conditions of all tests; several points of one state count once.
     pub fn len(&self) -> usize {
         let bits = |own: &Equation| {
             let [a, b, c] = own.logs.map(f64::to_bits);

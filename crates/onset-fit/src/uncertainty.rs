@@ -7,9 +7,9 @@ use serde::Serialize;
 
 /// Standard deviations of the constants and their strong correlations, from the linearized errors at the optimum.
 ///
-/// `cov = s^2 Z (Z^T J^T J Z)^-1 Z^T` with the derivatives `J` of the scaled errors and `s^2` their sum of squares over the degrees of freedom. `Z` spans
-/// the changes of the constants that keep the active stability constraints at equality, and constants at their bounds; without these `Z` is the identity.
-/// Errors below the rounding of the data count as rounding.
+/// `cov = s^2 Z (Z^T J^T J Z)^-1 Z^T` with the derivatives `J` of the scaled errors, and with `s^2`, their sum of squares divided by the number of
+/// degrees of freedom. `Z` spans the changes of the constants that keep the active stability constraints at equality, and constants at their bounds;
+/// without these `Z` is the identity. Errors below the rounding of the data count as rounding.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Uncertainty {
     /// Standard deviations in the order of the constants; NaN for fixed constants and constants at a bound, 0 for constants that the active constraints determine.
@@ -20,19 +20,19 @@ pub struct Uncertainty {
 
 /// Rounding of the data, relative to their norm.
 const ROUNDING_FRACTION: f64 = 1e-13;
-/// Part of the gradient of the sum of squares that the active constraints may leave unexplained. Constraints with small multipliers matter: with 2e-3 a
-/// deviation of `polynomial-3` is 12 times too large.
+/// Fraction of the gradient of the sum of squares that the active constraints may leave unexplained. Constraints with small multipliers matter: with
+/// 2e-3 a deviation of `polynomial-3` is 12 times too large.
 const UNEXPLAINED: f64 = 1e-5;
-/// A smaller gradient, relative to the errors, is rounding: no constraint is active.
+/// Smallest gradient, relative to the errors, that is not due to rounding. If the gradient is smaller, no constraint is active.
 const STATIONARY: f64 = 1e-6;
 /// Correlations of larger magnitude are reported.
 const STRONG: f64 = 0.99;
-/// Constants whose deviation is a smaller part of that without constraints are determined by the constraints.
+/// Constants are determined by the constraints if their deviation is smaller than this fraction of the unconstrained deviation.
 const DETERMINED: f64 = 1e-9;
 
 impl Uncertainty {
-    /// Computes the uncertainty at the optimum. `active` are the gradients of constraints that may hold with equality; those count whose normals the
-    /// gradient of the sum of squares consists of. Constants that are not free are fixed or at their bounds.
+    /// Computes the uncertainty at the optimum. `active` are the gradients of constraints that may hold with equality; a constraint counts if its
+    /// normal contributes to the gradient of the sum of squares. Constants that are not free are fixed or at their bounds.
     pub(crate) fn new(
         family: &Family,
         equations: &Equations,

@@ -1,4 +1,4 @@
-//! Fits of public data against optima of other programs and against the laws of the library.
+//! Fits of public data, compared with the optima of other programs and with the laws of the library.
 
 use nalgebra::{Matrix3, Vector3};
 use onset::formula::Formula;
@@ -61,7 +61,7 @@ fn material(fit: &Fit) -> Result<Box<dyn Hyperelastic>, Box<dyn Error>> {
     })
 }
 
-/// Pseudorandom numbers from 0 to 1, equal in each run.
+/// Pseudorandom numbers from 0 to 1, identical in each run.
 fn numbers() -> impl FnMut() -> f64 {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     move || {
@@ -72,7 +72,7 @@ fn numbers() -> impl FnMut() -> f64 {
     }
 }
 
-/// Lowest value of strong ellipticity on amplitudes that keep the volume, and of Drucker's inequality, from the full tangent of the library.
+/// Smallest value of strong ellipticity on amplitudes that preserve the volume, and of Drucker's inequality, from the full tangent of the library.
 fn lowest(
     law: &dyn Hyperelastic,
     logs: [f64; 3],
@@ -609,7 +609,7 @@ fn published_constants_of_ogden_have_the_known_errors() -> Outcome {
     Ok(())
 }
 
-/// Noise that is small enough to leave the same constraints active changes the constants as their deviations say.
+/// Noise that is small enough to leave the same constraints active changes the constants consistently with their deviations.
 #[test]
 fn deviations_respect_the_active_stability_constraints() -> Outcome {
     let tests = data("treloar")?;

@@ -1,4 +1,4 @@
-//! Assignment of columns to quantities, by names of the user or by the usual names of codes.
+//! Assignment of columns to quantities, by names given by the user or by the usual names of codes.
 
 use crate::error::{FrameError, Place};
 use crate::frame::{Cells, Frame};
@@ -21,7 +21,7 @@ pub struct ColumnUse {
     pub order_is_assumed: bool,
 }
 
-/// Owner of the values of a column.
+/// Support of the values of a column: points or cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Support {
     /// One value for each particle or node.
@@ -33,9 +33,9 @@ pub enum Support {
 /// Family of formats, which determines names and the order of components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Dialect {
-    /// Names of computes, fixes and variables have a prefix.
+    /// The names of computes, fixes and variables have a prefix.
     Lammps,
-    /// Symmetric tensors are xx, yy, zz, xy, yz, xz.
+    /// Symmetric tensors are ordered xx, yy, zz, xy, yz, xz.
     Vtk,
     /// Plain tables and arrays, without rules of a program.
     Plain,
@@ -77,7 +77,7 @@ struct Use {
     is_given: bool,
     order_is_assumed: bool,
     parts: Vec<Part>,
-    /// Column of a pressure that is subtracted from the normal components of a deviator.
+    /// Column of a pressure that is subtracted from the normal components of a deviatoric stress.
     pressure: Option<usize>,
 }
 
@@ -88,7 +88,7 @@ pub(crate) struct Plan {
     uses: Vec<Use>,
 }
 
-/// Usual names of a quantity.
+/// Rule for recognizing a quantity by the usual names of its columns.
 #[derive(Clone, Copy)]
 enum Rule {
     /// Name of a vector or tensor, or the common part of the names of its components.
@@ -254,7 +254,7 @@ impl Quantity {
         }
     }
 
-    /// Numbers of components that a column may have, in words.
+    /// Description of the numbers of components that a column may have.
     const fn sizes(self) -> &'static str {
         match self {
             Self::Position | Self::Reference | Self::Displacement | Self::Velocity => "1 to 3",
@@ -272,7 +272,7 @@ impl Quantity {
     }
 }
 
-/// Columns under their plain names, some of them already assigned.
+/// Columns by their plain names, some of them already assigned.
 struct Columns<'a> {
     available: &'a [Available],
     plain: Vec<&'a str>,
@@ -301,7 +301,7 @@ fn plain(name: &str, dialect: Dialect) -> &str {
     stripped.filter(|rest| !rest.is_empty()).unwrap_or(name)
 }
 
-/// Compares names; case counts in short ones, where it separates quantities (x, X).
+/// Compares names; case is significant in short names, where it distinguishes quantities (x, X).
 fn is_same(name: &str, pattern: &str) -> bool {
     match pattern.len() {
         0..=2 => name == pattern,
@@ -325,7 +325,7 @@ impl<'a> Columns<'a> {
             .filter(|n| self.available[*n].components == 1)
     }
 
-    /// Scalar column `base` with an ending.
+    /// Scalar column whose name is `base` with an ending.
     fn component(&self, base: &str, ending: &str) -> Option<usize> {
         let is_match = |name: &str| {
             let Some((start, rest)) = name.split_at_checked(base.len()) else {
@@ -457,7 +457,7 @@ impl<'a> Columns<'a> {
         })
     }
 
-    /// Parts of a quantity with the names of the user.
+    /// Parts of a quantity whose columns are named by the user.
     fn given(
         &self,
         quantity: Quantity,
@@ -597,7 +597,7 @@ impl Plan {
             .find(|own| own.quantity == quantity && own.support == support)
     }
 
-    /// Columns with their use, for the user.
+    /// Lists the columns with their use, for display.
     pub(crate) fn listed(&self) -> Vec<ColumnUse> {
         let list = self.available.iter().enumerate();
         list.map(|(n, own)| {
@@ -616,7 +616,7 @@ impl Plan {
         .collect()
     }
 
-    /// Returns true if a frame with these columns has the same plan.
+    /// Returns true if the plan also applies to a frame with these columns.
     pub(crate) fn is_for(&self, available: &[Available]) -> bool {
         self.available == available
     }
@@ -666,10 +666,10 @@ impl Plan {
         })
     }
 
-    /// Returns a frame with the values of the used columns, without time, step and place.
+    /// Returns a frame with the values of the used columns, without time, step and source.
     ///
     /// # Errors
-    /// Description of a column whose length does not fit.
+    /// Description of a column whose length does not match.
     pub(crate) fn frame(
         &self,
         columns: &[Vec<f64>],

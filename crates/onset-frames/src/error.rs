@@ -69,7 +69,7 @@ pub enum FrameError {
     Wrong {
         /// Place of the error.
         place: Box<Place>,
-        /// Contents that were expected, in words.
+        /// Description of the expected contents.
         expected: String,
         /// First word of the contents, shortened.
         found: Option<String>,
@@ -101,7 +101,7 @@ pub enum FrameError {
         /// Names in the file.
         available: Vec<String>,
     },
-    /// File without recognizable positions.
+    /// File without columns that are recognized as positions.
     #[error(
         "{place}: no positions found\n  hint: name their columns, for example --columns x=NAME or x=NAME1,NAME2; the columns are {}",
         listed(available)
@@ -112,7 +112,7 @@ pub enum FrameError {
         /// Names in the file.
         available: Vec<String>,
     },
-    /// Request that fits no file.
+    /// Request that does not match any file.
     #[error("{what}\n  hint: {hint}")]
     Request {
         /// Error in the request, as a sentence.

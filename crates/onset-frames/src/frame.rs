@@ -12,7 +12,7 @@ pub struct Frame {
     pub step: Option<u64>,
     /// Place of the frame.
     pub source: Place,
-    /// Number of written dimensions, 1 to 3; further components of positions, displacements and velocities are zero.
+    /// Number of dimensions in the file, 1 to 3; further components of positions, displacements and velocities are zero.
     pub dimensions: usize,
     /// IDs of the particles; `None` if the file has no IDs.
     pub identity: Option<Vec<u64>>,
@@ -144,8 +144,8 @@ impl Frame {
 
     /// Sorts the particles in the order of the given IDs, and returns the differences. A frame without IDs remains unchanged.
     ///
-    /// Missing particles are left out: the frame then has fewer particles than `ids`. Cells that lose a point are removed. `ids` contains no duplicates;
-    /// see [`Frame::doubled`].
+    /// Missing particles are omitted: the frame then has fewer particles than `ids`. Cells that lose a point are removed. `ids` contains no
+    /// duplicates; see [`Frame::doubled`].
     pub fn in_order_of(&mut self, ids: &[u64]) -> Order {
         let mut order = Order::default();
         let Some(own) = &self.identity else {
@@ -227,7 +227,7 @@ impl Cells {
         &self.connectivity[start..self.ends[cell]]
     }
 
-    /// Replaces the numbers of points, and removes cells with points that are left out (`usize::MAX`).
+    /// Renumbers the points, and removes cells with omitted points (`usize::MAX`).
     fn renumber(&mut self, moved: &[usize]) {
         let kept: Vec<usize> = (0..self.len())
             .filter(|cell| {

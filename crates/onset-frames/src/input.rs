@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
-/// Opens a regular file. Devices and pipes are refused without being opened, because reading them may never end.
+/// Opens a regular file. Devices and pipes are refused without being opened, because reading from them may never end.
 ///
 /// # Errors
 /// [`io::Error`] if the file cannot be opened or is not a regular file.
@@ -21,7 +21,7 @@ pub fn regular(path: &Path) -> io::Result<File> {
     File::open(path)
 }
 
-/// Reads from a source to its end.
+/// Reads from a source to its end, up to a limit.
 ///
 /// # Errors
 /// [`io::Error`] if the source cannot be read or holds more than `most` bytes.

@@ -11,7 +11,7 @@ pub struct Reading {
     ///
     /// A stress has three components (xx, yy, xy), four (xx, yy, zz, xy) or six (xx, yy, zz, xy, xz, yz). Components of a gradient are listed row by row.
     pub columns: Vec<(Quantity, Vec<String>)>,
-    /// Length of a time step, for formats that number their steps. `None` to read frames with a step and no time.
+    /// Length of a time step, for formats that store the step number. `None` to read frames with a step but without a time.
     pub time_step: Option<f64>,
     /// Frames to be read.
     pub frames: FrameRange,
@@ -73,7 +73,7 @@ pub enum Quantity {
     Stress,
     /// Density at the time of the frame.
     Density,
-    /// Number of a particle, the same in all frames.
+    /// Number of a particle, identical in all frames.
     Identity,
     /// Type or material of a particle.
     Kind,
@@ -155,7 +155,7 @@ impl FromStr for Quantity {
     }
 }
 
-/// Range of frames, as a slice of Python: from `first` up to and without `end`, in steps of `every`; negative numbers count from the end.
+/// Range of frames, like a slice in Python: from `first` up to but not including `end`, in steps of `every`; negative numbers count from the end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameRange {
     /// Number of the first frame to be read; `None` for the first frame of the run.
@@ -214,7 +214,7 @@ impl FromStr for FrameRange {
     }
 }
 
-/// Limits of sizes, which protect from damaged and hostile files.
+/// Limits of sizes, as a protection against damaged and malicious files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Maximum number of particles in a frame.

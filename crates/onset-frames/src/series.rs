@@ -57,7 +57,7 @@ impl Format {
             _ if text.starts_with(b"ITEM:") => Ok(Self::Lammps),
             _ if text.starts_with(b"<") => Ok(Self::Vtk),
             _ if text.starts_with(b"# vtk DataFile") => refused(
-                "the file is of the legacy format of VTK",
+                "the file has the legacy format of VTK",
                 "convert it to .vtu, for example with meshio or ParaView",
             ),
             _ if start.starts_with(b"\x89HDF\r\n\x1a\n") => Ok(Self::Hdf5),
@@ -86,7 +86,7 @@ impl fmt::Display for Format {
 pub struct Recognized {
     /// Format of the files.
     pub format: Format,
-    /// Files that the user named, after wildcards.
+    /// Files named by the user, with wildcards expanded.
     pub files: Vec<PathBuf>,
     /// Number of frames that will be read; `None` if it is unknown before they are read.
     pub frames: Option<usize>,
@@ -94,7 +94,7 @@ pub struct Recognized {
     pub columns: Vec<ColumnUse>,
     /// Significant digits of positions: as written in text, 7 for numbers of 32 bits, `None` for numbers of 64 bits.
     pub digits: Option<u32>,
-    /// Contents that are left out, as clauses.
+    /// Descriptions of contents that are skipped, as clauses.
     pub ignored: Vec<String>,
     /// Assumptions about contents, as clauses.
     pub assumed: Vec<String>,
@@ -107,7 +107,7 @@ pub struct Series {
     /// Frames of the source in order of time, with their times.
     frames: Vec<(usize, Stamp)>,
     next: usize,
-    /// Whether displacements are added to the positions in the file.
+    /// Whether displacements are added to the positions in the file, which are reference positions.
     is_reference: bool,
 }
 
@@ -205,7 +205,7 @@ impl Series {
         &self.recognized
     }
 
-    /// Starts again with the first frame.
+    /// Returns to the first frame.
     pub fn rewind(&mut self) {
         self.next = 0;
     }
@@ -242,7 +242,7 @@ impl Series {
         Ok(frame)
     }
 
-    /// Decides whether written positions are reference positions: they do not move, and there are displacements.
+    /// Determines whether the positions in the file are reference positions: they do not move, and the file has displacements.
     fn find_reference(&mut self, plan: &Plan) -> Result<(), FrameError> {
         let given = |quantity| {
             let list = &self.recognized.columns;
@@ -283,7 +283,7 @@ impl Iterator for Series {
     }
 }
 
-/// Frames in order of time, or of steps if not all have a time; a time that occurs twice is left out the second time.
+/// Frames in order of time, or of steps if some frames have no time; a frame whose time occurred before is skipped.
 fn ordered(stamps: &[Stamp], ignored: &mut Vec<String>) -> Vec<(usize, Stamp)> {
     let mut frames: Vec<(usize, Stamp)> = stamps.iter().copied().enumerate().collect();
     let by_time = stamps.iter().all(|own| own.time.is_some());
@@ -299,17 +299,18 @@ fn ordered(stamps: &[Stamp], ignored: &mut Vec<String>) -> Vec<(usize, Stamp)> {
         frames.dedup_by(|(_, b), (_, a)| compare(a, b) == Ordering::Equal);
         match count - frames.len() {
             0 => {}
-            1 => ignored
-                .push("a frame that repeats the time of another frame is left out".to_owned()),
+            1 => {
+                ignored.push("a frame that repeats the time of another frame is skipped".to_owned())
+            }
             repeated => ignored.push(format!(
-                "{repeated} frames that repeat the time of another frame are left out"
+                "{repeated} frames that repeat the time of another frame are skipped"
             )),
         }
     }
     frames
 }
 
-/// Compares names with the numbers in them as numbers.
+/// Compares names, with the numbers in them compared by value.
 fn natural(a: &Path, b: &Path) -> Ordering {
     let parts = |path: &Path| {
         let text = path.to_string_lossy().into_owned();

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// Maximum length of a line, in bytes.
 const MAX_LINE: usize = 1 << 20;
 
-/// Place of a line in the decompressed text.
+/// Position of a line in the decompressed text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Mark {
     pub offset: u64,
@@ -78,12 +78,12 @@ impl Lines {
         &self.path
     }
 
-    /// Place of the next line.
+    /// Position of the next line.
     pub(crate) fn mark(&self) -> Mark {
         self.mark
     }
 
-    /// Place of the last line.
+    /// Position of the last line.
     pub(crate) fn place(&self) -> Place {
         Place::line(&self.path, self.mark.lines)
     }
@@ -109,7 +109,7 @@ impl Lines {
         FrameError::unreadable(&self.path, error)
     }
 
-    /// Number of bytes of `outcome`; a compressed file that is cut off ends where it is cut.
+    /// Number of bytes of `outcome`; a truncated compressed file ends where it is truncated.
     fn count<T: Default>(&self, outcome: io::Result<T>) -> Result<T, FrameError> {
         match outcome {
             Err(error) if error.kind() == ErrorKind::UnexpectedEof => Ok(T::default()),
@@ -160,12 +160,12 @@ impl Lines {
         Ok(bytes > 0)
     }
 
-    /// Reads the next line if it is complete; a file that is still written may end within a number.
+    /// Reads the next line if it is complete; a file that is still being written may end within a number.
     pub(crate) fn next_whole(&mut self) -> Result<bool, FrameError> {
         Ok(self.next()? && self.is_whole)
     }
 
-    /// Skips complete lines; false if there are fewer.
+    /// Skips complete lines; returns false if there are fewer lines.
     pub(crate) fn skip(&mut self, lines: u64) -> Result<bool, FrameError> {
         for _ in 0..lines {
             let outcome = self.reader().skip_until(b'\n');
@@ -178,7 +178,7 @@ impl Lines {
         Ok(true)
     }
 
-    /// Goes to a place of this file.
+    /// Moves to a position in this file.
     pub(crate) fn go_to(&mut self, mark: Mark) -> Result<(), FrameError> {
         if mark.offset < self.mark.offset && matches!(self.stream, Stream::Packed(_)) {
             self.stream = open(&self.path).map_err(|error| self.failed(error))?;
@@ -194,7 +194,7 @@ impl Lines {
         Ok(())
     }
 
-    /// Decompresses the text into a temporary file, for reading in another order than the file's.
+    /// Decompresses the text into a temporary file, so that it can be read in any order.
     pub(crate) fn unpack(&mut self) -> Result<(), FrameError> {
         if matches!(self.stream, Stream::Plain(_)) {
             return Ok(());
@@ -293,13 +293,13 @@ impl Rows {
     }
 }
 
-/// Iterates over the words between blanks.
+/// Iterates over the words separated by blanks.
 pub(crate) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(u8::is_ascii_whitespace)
         .filter(|word| !word.is_empty())
 }
 
-/// Largest number of significant digits in some rows of each frame, of the given columns.
+/// Largest number of significant digits in the given columns, from some rows of each frame.
 #[derive(Default)]
 pub(crate) struct Digits {
     pub columns: Vec<usize>,
@@ -307,9 +307,9 @@ pub(crate) struct Digits {
 }
 
 impl Digits {
-    /// Number of rows of a frame that are read, if their number is known.
+    /// Number of rows of a frame that are read, if the total number is known.
     pub(crate) const ROWS: u64 = 64;
-    /// Distance of rows that are read, otherwise.
+    /// Distance between the rows that are read, if the total number is unknown.
     pub(crate) const STRIDE: u64 = 7;
 
     pub(crate) fn read<'a>(&mut self, words: impl Iterator<Item = &'a [u8]>) {

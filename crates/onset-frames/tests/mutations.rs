@@ -1,4 +1,4 @@
-//! Damaged files give frames or an error: no panic, and no long computation.
+//! Damaged files yield frames or an error, without a panic or a long computation.
 //!
 //! `ONSET_MUTATIONS` sets the number of damaged files.
 
@@ -84,7 +84,7 @@ fn damaged(bytes: &[u8], random: &mut Random) -> Vec<u8> {
     bytes
 }
 
-/// Grid whose numbers follow it as bytes: two points and their densities.
+/// Grid with its numbers appended as bytes: two points and their densities.
 fn appended() -> Vec<u8> {
     let mut bytes = b"<VTKFile type=\"PolyData\" byte_order=\"LittleEndian\" header_type=\"UInt64\"><PolyData>\
         <Piece NumberOfPoints=\"2\" NumberOfVerts=\"0\"><PointData><DataArray type=\"Float32\" Name=\"rho\" format=\"appended\" offset=\"56\"/></PointData>\
@@ -113,7 +113,7 @@ fn array() -> Vec<u8> {
     bytes
 }
 
-/// Damages a file, or for half of the compressed ones their contents.
+/// Damages a file, or the contents of every second compressed file.
 fn damaged_file(bytes: &[u8], is_compressed: bool, random: &mut Random) -> Vec<u8> {
     if !is_compressed || random.below(2) == 0 {
         return damaged(bytes, random);

@@ -1,4 +1,4 @@
-//! Frames of runs of LAMMPS, PySPH and a finite element code, and tables of users.
+//! Frames of runs of LAMMPS, PySPH and a finite element code, and tables written by users.
 
 use flate2::{Compression, write::GzEncoder};
 use onset_frames::{Format, Frame, FrameError, Quantity, Reading, Series};

@@ -88,7 +88,7 @@ impl Answer {
     }
 }
 
-/// Sheet of the figures from keywords.
+/// Creates the sheet of a figure from keyword arguments.
 fn sheet(
     size: Option<&str>,
     title: Option<String>,

@@ -6,7 +6,7 @@ use pyo3::buffer::PyBuffer;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-/// Copies the numbers of a buffer, last index running fastest.
+/// Copies the numbers of a buffer, with the last index varying fastest.
 pub fn numbers(py: Python<'_>, buffer: &PyBuffer<f64>) -> PyResult<Vec<f64>> {
     buffer.to_vec(py)
 }

@@ -11,7 +11,7 @@ use onset_study::fit::{
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
-/// Loading, path of a table, and arrays instead of it: stretches, nominal stresses and lateral stretches.
+/// Loading, with the path of a table or the arrays that replace it: stretches, nominal stresses and lateral stretches.
 type Given = (Option<String>, Option<PathBuf>, Vec<Vec<f64>>);
 
 /// Tests, and the choices of the user.

@@ -56,7 +56,7 @@ impl Function {
 pub enum Setting {
     /// Assignment, as for `--set`.
     Assignment(String),
-    /// Law given by a Python function instead of a name.
+    /// Law defined by a Python function instead of a name.
     Law(Py<Function>),
 }
 

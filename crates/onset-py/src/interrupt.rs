@@ -35,7 +35,7 @@ impl Interrupt {
         self.count.load(Ordering::Relaxed) > 0
     }
 
-    /// Lets the first interrupt save the progress of the computation, and the second end it.
+    /// Allows the first interrupt to save the progress of the computation; the second interrupt ends it.
     pub fn save_first(&self) {
         self.saves.store(true, Ordering::Relaxed);
     }
@@ -55,7 +55,7 @@ impl Interrupt {
     }
 }
 
-/// Runs a computation, which Ctrl-C ends at its next checkpoint.
+/// Runs a computation that Ctrl-C ends at its next checkpoint.
 pub fn answer<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce() -> Result<T, Failure> + Send + 'static,
@@ -63,7 +63,7 @@ pub fn answer<T: Send + 'static>(
     watched(py, |_| work())
 }
 
-/// Like [`answer`], for a computation that may save its progress before it ends; it has then ended when this function returns.
+/// Like [`answer`], for a computation that may save its progress before it ends; the computation has ended when this function returns.
 pub fn watched<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(Interrupt) -> Result<T, Failure> + Send + 'static,

@@ -1,7 +1,7 @@
 //! Thread pools for parallel computations.
 //!
-//! A forked process does not inherit the threads of its parent and would wait for them forever, so that it creates a new pool. While a Python law is being
-//! evaluated, all threads of the shared pool may be waiting for it; a computation started by such a law therefore gets a separate thread.
+//! A forked process does not inherit the threads of its parent and would wait for them forever; it therefore creates a new pool. While a Python law
+//! is being evaluated, all threads of the shared pool may be waiting for it; a computation started by such a law therefore runs in a separate thread.
 
 use crate::failure::Failure;
 use rayon::{ThreadPool, ThreadPoolBuilder};

@@ -311,7 +311,7 @@ impl Problem {
         interrupt::answer(py, move || along(problem, course))
     }
 
-    /// Verdicts on states of nine components each, computed as in a map: a column of bytes for each quantity.
+    /// Verdicts on states of nine components each, computed as in a map: one column of bytes for each quantity.
     fn verdicts<'py>(
         &self,
         py: Python<'py>,
@@ -502,7 +502,7 @@ impl Problem {
     }
 }
 
-/// Watches a run, which is saved at an interrupt if it is kept in a folder.
+/// Monitors a run, which is saved at an interrupt if it has an output folder.
 struct Watch {
     interrupt: Interrupt,
     is_kept: bool,
@@ -599,7 +599,7 @@ const VECTORS: &[Taken<[f64; 3]>] = &[
     ("acoustic_direction", |record| record.acoustic_direction),
 ];
 
-/// Number of a verdict, or the number of verdicts if it is missing.
+/// Number of a verdict, or the number of verdicts if the verdict is missing.
 fn flag(record: &Record) -> f64 {
     let place = |verdict| Verdict::ALL.iter().position(|other| *other == verdict);
     let place = record.finding.verdict.and_then(place);

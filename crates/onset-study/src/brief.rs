@@ -1,6 +1,7 @@
 //! Short form of an answer: at most [`LINES`] lines of at most [`WIDTH`] characters, with at most [`NOTE_LINES`] lines of notes.
 //!
-//! Lines are divided between words; a word longer than a line exceeds the width. The command line prints the short form by default. The full text of an answer is its `Display`.
+//! Lines are divided between words; a word longer than a line exceeds the width. The command line prints the short form by default. The full text of
+//! an answer is its `Display`.
 
 use std::fmt::Display;
 
@@ -19,7 +20,7 @@ pub trait Brief: Display {
     fn brief(&self) -> Short;
 }
 
-/// Parts of a short answer. If they exceed its lines, the least important parts are left out.
+/// Parts of a short answer. If they exceed its lines, the least important parts are omitted.
 #[derive(Clone, Debug, Default)]
 pub struct Short {
     sentence: String,
@@ -34,7 +35,7 @@ pub struct Short {
 struct Row {
     name: &'static str,
     text: String,
-    /// Rows of the largest rank are left out first.
+    /// Priority of the row; rows of the largest rank are omitted first.
     rank: u8,
 }
 
@@ -47,7 +48,7 @@ impl Short {
         }
     }
 
-    /// Adds a row; rows of the largest rank are left out first.
+    /// Adds a row; rows of the largest rank are omitted first.
     pub(crate) fn row(mut self, rank: u8, name: &'static str, text: impl Into<String>) -> Self {
         let text = text.into();
         self.rows.push(Row { name, text, rank });
@@ -72,11 +73,11 @@ impl Short {
         self
     }
 
-    /// The text; with the settings after it if `has_settings`.
+    /// Text of the answer, followed by the settings if `has_settings`.
     pub fn text(&self, has_settings: bool) -> String {
         let mut lines = wrapped(&self.sentence, 0);
         lines.push(String::new());
-        // The last line names the options for more.
+        // The last line names the options for longer answers.
         let mut left = LINES.saturating_sub(lines.len() + 1);
         let rows: Vec<Vec<String>> = self.rows.iter().map(Row::lines).collect();
         let kept = |rank: u8| {
@@ -115,7 +116,7 @@ impl Short {
         lines.join("\n")
     }
 
-    /// The notes that fit into [`NOTE_LINES`] lines, each of them whole, and the number of the others.
+    /// Notes that fit into [`NOTE_LINES`] lines without being cut, and the number of notes omitted.
     ///
     /// A command in a note stays on one line, so that it can be copied.
     fn shown_notes(&self) -> Vec<String> {
@@ -160,7 +161,7 @@ fn named(name: &str, text: &str) -> Vec<String> {
     wrapped(&format!("{name:<NAME$}{text}"), NAME)
 }
 
-/// A text that is cut between words to a number of characters; a first word that is longer is kept.
+/// A text cut between words to a number of characters; a longer first word is kept.
 pub(crate) fn cut(text: &str, width: usize) -> String {
     if text.chars().count() <= width {
         return text.to_owned();
@@ -228,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn notes_are_whole_and_take_no_line_of_the_answer() {
+    fn notes_are_not_cut_and_do_not_count_as_lines_of_the_answer() {
         let answer = |notes: &[String]| {
             let short = Short::new("One.").table((0..6).map(|n| format!("line {n}")));
             short.row(0, "limits", "in tension").notes(notes)
@@ -255,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_of_the_largest_rank_are_left_out_first_and_the_order_is_kept() {
+    fn rows_of_the_largest_rank_are_omitted_first_and_the_order_is_kept() {
         let mut answer = Short::new("One.");
         for rank in [9, 1, 2, 3, 4, 5, 6, 7, 8, 10] {
             answer = answer.row(rank, "row", format!("of rank {rank}"));

@@ -12,12 +12,12 @@ use onset::material::{Law, Parameter};
 use serde::Serialize;
 use std::sync::LazyLock;
 
-/// Word that can be chosen, with its description.
+/// Available option with its description.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Entry {
-    /// Word that the user types.
+    /// Name of the option.
     pub name: &'static str,
-    /// Meaning of the word, as a formula or in words.
+    /// Meaning of the option, as a formula or a description.
     pub formula: &'static str,
     /// Source of the formula.
     pub source: &'static str,
@@ -86,7 +86,7 @@ pub struct LawEntry {
     pub domain: &'static str,
     /// Rotations of the reference configuration that leave the law unchanged.
     pub symmetry: &'static str,
-    /// The moduli at small strains, in words.
+    /// Description of the moduli at small strains.
     pub small_strains: &'static str,
     /// Reason for the stress in the reference configuration; `None` without stress.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -102,7 +102,7 @@ pub struct ParameterEntry {
     pub unit: &'static str,
     /// Default value of the parameter.
     pub default: f64,
-    /// Admissible values, in words.
+    /// Description of the admissible values.
     pub expected: String,
     /// Meaning of the parameter.
     pub meaning: &'static str,
@@ -160,11 +160,11 @@ pub struct KeyEntry {
     pub name: &'static str,
     /// Meaning of the key.
     pub meaning: &'static str,
-    /// Expected value, in words.
+    /// Description of the expected value.
     pub expects: String,
     /// Default value; empty without a default.
     pub default: String,
-    /// Conditions under which the key has an effect, in words; empty if it always has.
+    /// Description of the conditions under which the key has an effect; empty if it always has.
     pub read_with: String,
 }
 
@@ -284,18 +284,18 @@ impl std::fmt::Display for KeyList {
     }
 }
 
-/// Key with all of its words.
+/// Key with all of its options.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Topic {
     /// The topic, in the plural.
     pub name: &'static str,
-    /// Key that accepts these words.
+    /// Key that accepts these options.
     pub key: &'static str,
-    /// Words of the key, with their descriptions.
+    /// Options of the key, with their descriptions.
     pub entries: Vec<Entry>,
 }
 
-/// Words of topics as CSV, one row for each.
+/// Options of topics as CSV, one row for each.
 pub fn csv(topics: &[Topic]) -> String {
     let words: Vec<_> = topics
         .iter()
@@ -313,7 +313,7 @@ pub fn csv(topics: &[Topic]) -> String {
 /// The paper that sources refer to.
 pub const PAPER: &str = "Xiao and Belytschko, Adv. Comput. Math. 23 (2005) 171";
 
-/// Topic, key, and the words with formula and source.
+/// Topic, key, and the options with formula and source.
 type Row = (
     &'static str,
     &'static str,
@@ -857,7 +857,7 @@ fn criteria() -> Topic {
     }
 }
 
-/// Other common names of words, and their meaning.
+/// Alternative names of options, and their meaning.
 fn typed_words() -> Topic {
     static WORDS: LazyLock<Vec<(&str, &str, String)>> = LazyLock::new(|| aliases().collect());
     let entry = |(key, typed, stands_for): &'static (&'static str, &'static str, String)| Entry {

@@ -1,4 +1,4 @@
-//! Tables of answers as CSV: a line of names, with the unit in brackets if values have units, and one line for each row.
+//! Tables of answers as CSV: a line of names, with units in brackets if the values have units, and one line for each row.
 //!
 //! Numbers have the fewest digits that read back exactly; missing numbers are empty cells.
 

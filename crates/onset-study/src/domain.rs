@@ -72,14 +72,14 @@ type Wave = SVector<f64, 3>;
 /// Number of times that the cells of a map are halved for a smooth picture.
 const HALVINGS: usize = 3;
 
-/// A map of a study: cell-centered states, the first stretch running fastest.
+/// Map of a study: cell-centered states, with the first stretch varying fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Domain {
     /// Study of the map.
     pub study: Study,
     /// Class of each state.
     pub classes: Vec<Class>,
-    /// Wave vector of a growing wave in each state, if one was found. A state that was filled in takes the wave vector of the coarser state that
+    /// Wave vector of a growing wave in each state, if one was found. A state that was filled in inherits the wave vector of the coarser state that
     /// contains it.
     witnesses: Vec<Option<Wave>>,
 }
@@ -103,7 +103,7 @@ impl Domain {
         evaluated(study, &problem)
     }
 
-    /// Refines the map eightfold along each axis, for smooth boundaries. States are computed where the classes around them differ, and filled in
+    /// Refines the map eightfold along each axis, for smooth boundaries. States are computed where the neighboring classes differ, and filled in
     /// elsewhere.
     ///
     /// # Errors
@@ -231,7 +231,8 @@ fn halved(map: &Domain, problem: &Problem) -> Result<Domain, ProblemError> {
 
 /// Class of a state, with a growing wave if the state is unstable and a wave was found.
 ///
-/// `beside` are the growing waves of neighboring states, or `None` if these are unknown. `problem` belongs to all states, unless axes vary a setting.
+/// `beside` contains the growing waves of neighboring states, or is `None` if these are unknown. `problem` belongs to all states, unless axes vary a
+/// setting.
 fn class(
     study: &Study,
     problem: &Problem,
@@ -261,7 +262,7 @@ fn class(
 mod tests {
     use super::*;
 
-    /// In a refined map each state has the class that it has alone, even if it was computed elsewhere or an axis varies a setting.
+    /// In a refined map each state has the class that a separate evaluation gives, even if it was filled in or an axis varies a setting.
     #[test]
     fn states_of_a_refined_map_have_the_classes_of_single_evaluations() {
         let window = |second: &str| {

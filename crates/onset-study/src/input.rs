@@ -11,7 +11,7 @@ pub const MOST_TEXT: u64 = 16 << 20;
 /// Maximum size of an output of a simulation, in bytes.
 pub const MOST_OUTPUT: u64 = 4 << 30;
 
-/// Reads a whole file of at most `most` bytes. Devices and pipes are refused without being opened, because reading them may never end.
+/// Reads a whole file of at most `most` bytes. Devices and pipes are refused without being opened, because reading from them may never end.
 ///
 /// # Errors
 /// [`io::Error`] if the file cannot be read, is not a regular file, or is too long.
@@ -19,12 +19,12 @@ pub fn bytes(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     bounded(regular(path)?, most)
 }
 
-/// Reads from a source to its end.
+/// Reads from a source to its end, up to a limit.
 ///
 /// # Errors
 /// [`io::Error`] if the source cannot be read or holds more than `most` bytes.
 pub fn bounded(from: impl Read, most: u64) -> io::Result<Vec<u8>> {
-    /// A source whose parts are read between checkpoints.
+    /// Source that is read in parts, with a checkpoint after each part.
     struct InParts<R>(R);
     impl<R: Read> Read for InParts<R> {
         fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {

@@ -1,4 +1,4 @@
-//! Figure of all kernels: weight and slope over the distance in smoothing lengths.
+//! Figure of all kernels: weight and slope as functions of the distance in smoothing lengths.
 
 use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
 use onset::kernel::Kernel;
@@ -49,7 +49,7 @@ pub fn gallery() -> Figure {
 /// Vertices of a curve.
 type Curve = Vec<(f64, f64)>;
 
-/// Weight and slope of a kernel over the distance in smoothing lengths.
+/// Weight and slope of a kernel as functions of the distance in smoothing lengths.
 fn curves(kernel: Kernel) -> (Curve, Curve) {
     let rim = 1.0 / kernel.nominal_smoothing_length(1.0);
     let origin = kernel.profile::<3, f64>(0.0).value;

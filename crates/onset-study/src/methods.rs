@@ -71,7 +71,7 @@ pub fn hint(error: &MethodError) -> &'static str {
             "\n  hint: give discretization.vectors that are linearly independent"
         }
         MethodError::Material(MaterialError::NoYoungsModulus) => {
-            "\n  hint: leave discretization.penalty out, or give the law a shear modulus (material.mu)"
+            "\n  hint: omit discretization.penalty, or give the law a shear modulus (material.mu)"
         }
         MethodError::Material(MaterialError::NoShearModulus) => {
             "\n  hint: leave discretization.penalty and discretization.shear-forces out, or give the law a shear modulus (material.mu)"

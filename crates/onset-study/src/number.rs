@@ -1,6 +1,6 @@
 //! Printing of numbers: six significant digits for any magnitude, and zero for rounding errors.
 
-/// Number of significant digits in texts; JSON has all.
+/// Number of significant digits in text output; JSON has all digits.
 pub(crate) const DIGITS: usize = 6;
 /// Largest rounding error relative to the numbers in the computation.
 const ROUNDING_FRACTION: f64 = 1e-12;
@@ -27,7 +27,7 @@ pub(crate) fn told_with(value: f64, digits: usize) -> String {
     exact(rounded)
 }
 
-/// Rounds a computed number up to six significant digits, for the lower end of a range that must not grow in print.
+/// Rounds a computed number up to six significant digits, for the lower end of a range that must not be printed too wide.
 ///
 /// ```
 /// use onset_study::number::{told_above, told_below};
@@ -46,7 +46,7 @@ pub fn told_above(value: f64) -> String {
     told(value + unit)
 }
 
-/// Rounds a computed number down to six significant digits, for the upper end of a range that must not grow in print.
+/// Rounds a computed number down to six significant digits, for the upper end of a range that must not be printed too wide.
 pub fn told_below(value: f64) -> String {
     match told_above(-value) {
         negated if negated == "0" => negated,
@@ -94,7 +94,7 @@ pub fn counted(count: usize, name: &str) -> String {
     }
 }
 
-/// Formats a vector; components within rounding of the largest one become zero.
+/// Formats a vector; components within rounding of the largest component become zero.
 pub fn vector(components: &[f64]) -> String {
     let largest = components
         .iter()

@@ -1,8 +1,8 @@
 //! Output files of commands, which are written all together or not at all.
 //!
-//! The files are written into a private folder in the target folder, forced to disk, and renamed once the last file is complete. If a process ends or
-//! fails at any time, each file is the old or the new one. If a file cannot be renamed, the previous ones are restored. Whether files can be written
-//! is tested before the computation. (The tiles of a store are written one by one: see [`store`](crate::store).)
+//! The files are written into a private folder in the target folder, flushed to disk, and renamed once the last file is complete. If a process ends
+//! or fails at any time, each file is either the old or the new one. If a file cannot be renamed, the previous files are restored. Whether files can
+//! be written is tested before the computation. (The tiles of a store are written one by one: see [`store`](crate::store).)
 
 use crate::figure::{Figure, FigureError, Sheet};
 use onset_umat::PrivateFolder;
@@ -14,14 +14,14 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use thiserror::Error;
 
-/// Prefix of the folders in which files wait for each other.
+/// Prefix of the private folders in which files are kept until all are complete.
 pub(crate) const STAGE: &str = ".onset-unfinished-";
 
-/// A file that cannot be written, and why.
+/// File that cannot be written, with the reason.
 #[derive(Debug, Error)]
 #[error("cannot write {}: {source}{}", path.display(), hint(source))]
 pub struct OutputError {
-    /// The file or the folder.
+    /// Path of the file or the folder.
     pub path: PathBuf,
     /// Error of the operating system.
     pub source: io::Error,
@@ -51,7 +51,7 @@ pub type Files = Vec<(OsString, Content)>;
 pub enum Content {
     /// The bytes of the file.
     Bytes(Vec<u8>),
-    /// A figure, which is drawn when it is written, into one file for each format. The name has no ending.
+    /// A figure, which is drawn when it is written, as one file for each format. The name has no extension.
     Figure(Box<Figure>),
 }
 
@@ -82,20 +82,20 @@ pub fn text(name: impl AsRef<OsStr>, text: impl Into<Vec<u8>>) -> (OsString, Con
     (name.as_ref().to_owned(), Content::Bytes(text.into()))
 }
 
-/// Returns the entry of [`Files`] with a figure and its name without ending; draws nothing.
+/// Returns the entry of [`Files`] with a figure and its name without extension; draws nothing.
 pub fn picture(name: impl AsRef<OsStr>, figure: Figure) -> (OsString, Content) {
     (name.as_ref().to_owned(), Content::Figure(Box::new(figure)))
 }
 
-/// Folders that were created for files that do not exist yet, the innermost first.
+/// Folders that were created for files that are not written yet, the innermost first.
 static MADE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn made_for_nothing() -> MutexGuard<'static, Vec<PathBuf>> {
     MADE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes all folders that were created for files that do not exist yet. For a process that ends without dropping values, as on a signal; no folder
-/// can be created afterwards.
+/// Removes all folders that were created for files that are not written yet. For a process that ends without dropping values, as on a signal; no
+/// folder can be created afterwards.
 pub fn end_all() {
     let made = made_for_nothing();
     for folder in made.iter() {
@@ -112,12 +112,12 @@ pub struct Output {
     sheet: Sheet,
     /// Base name of the figure, if only the figure is written.
     only: Option<OsString>,
-    /// Folders that were created for it, the innermost first.
+    /// Folders that were created for the output, the innermost first.
     made: Vec<PathBuf>,
 }
 
 impl Output {
-    /// Creates a folder if it is missing, and tests whether files with some names can be written there.
+    /// Creates a folder if it is missing, and tests whether files with the given names can be written there.
     ///
     /// # Errors
     /// [`OutputError`] with the file or folder that prevents writing.
@@ -184,7 +184,7 @@ impl Output {
         PrivateFolder::new(&self.folder, STAGE).map_err(failed(&self.folder))
     }
 
-    /// Writes a file into the private folder; returns this path and the final one.
+    /// Writes a file into the private folder; returns its path there and the final path.
     fn prepare(
         &self,
         stage: &PrivateFolder,
@@ -215,12 +215,12 @@ impl Output {
     }
 }
 
-/// Files that are written one by one, and appear in their folder together at the end.
+/// Files that are written one by one and moved to their folder together at the end.
 #[derive(Debug)]
 pub struct Batch {
     output: Output,
     stage: PrivateFolder,
-    /// Paths in the private folder, and the final ones.
+    /// Paths in the private folder, with the final paths.
     prepared: Vec<(PathBuf, PathBuf)>,
 }
 
@@ -286,7 +286,7 @@ enum Before<'a> {
     Nothing(&'a Path),
     /// Existing file, kept under another name until all files are renamed.
     Kept(&'a Path, PathBuf),
-    /// Existing file without a second name, because the file system has no hard links.
+    /// Existing file that could not be kept under a second name, because the file system has no hard links.
     Gone,
 }
 

@@ -1,11 +1,12 @@
 //! Values of a setting over a range.
 
-/// Ratio of the smallest positive value to the largest one, for ranges that begin at zero.
+/// Ratio of the smallest positive value to the largest value, for ranges that begin at zero.
 const SMALLEST_RATIO: f64 = 1e-4;
 
 /// Distributes values from `low` to `high`.
 ///
-/// The spacing is logarithmic if `low` is positive. If `low` is zero, the logarithmic values follow zero; if it is negative, the spacing is linear.
+/// The spacing is logarithmic if `low` is positive. If `low` is zero, zero is followed by logarithmically spaced values; if it is negative, the
+/// spacing is linear.
 ///
 /// ```
 /// use onset_study::range::spread;

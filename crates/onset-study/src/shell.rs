@@ -30,7 +30,7 @@ pub fn quoted(word: &OsStr) -> String {
     }
 }
 
-/// Quotes a file name so that no program takes it for an option.
+/// Quotes a file name so that it cannot be mistaken for an option.
 pub fn quoted_file(path: &Path) -> String {
     if path.as_os_str().as_encoded_bytes().starts_with(b"-") {
         quoted(Path::new(".").join(path).as_os_str())

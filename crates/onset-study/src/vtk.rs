@@ -1,6 +1,6 @@
 //! Fields of particles and elements in VTK's XML formats, for ParaView and similar programs.
 //!
-//! These lines of XML do not justify a dependency such as `vtkio`.
+//! The XML output is too short to justify a dependency such as `vtkio`.
 
 use std::fmt::Write;
 

@@ -30,15 +30,15 @@ pub struct Report {
     pub place: String,
     /// Assumptions where the report gives no details.
     pub assumed: String,
-    /// Kind of confirmation: by a run, by the linear theory only, or a cause elsewhere.
+    /// Kind of confirmation: by a run, by the linear theory only, or with a cause outside the theory.
     pub status: String,
     /// Verdict on the state of the report.
     pub verdict: String,
-    /// Time step of the report, if it is above the critical one.
+    /// Time step of the report, if it exceeds the critical time step.
     pub time_step: Option<f64>,
-    /// Known remedy, in words.
+    /// Description of the known remedy.
     pub remedy: String,
-    /// Verdict with the remedy, if settings express it.
+    /// Verdict with the remedy, if the remedy can be expressed by settings.
     pub remedy_verdict: Option<String>,
     /// Arguments of `onset state` that reproduce the report.
     #[serde(skip_serializing)]
@@ -148,7 +148,7 @@ impl Report {
         Case::of(&self.question)
     }
 
-    /// State with the remedy, if settings express it.
+    /// State with the remedy, if the remedy can be expressed by settings.
     pub fn remedied(&self) -> Option<Case> {
         self.remedy_question.as_deref().map(Case::of)
     }
@@ -163,7 +163,7 @@ impl Report {
         )
     }
 
-    /// Settings that the remedy changes, and the keys that it leaves out, in words.
+    /// Description of the settings that the remedy changes, and of the keys that it removes.
     fn changes(&self) -> Option<String> {
         let (own, remedied) = (self.case().set, self.remedied()?.set);
         let key = |assignment: &String| assignment.split('=').next().unwrap_or("").to_owned();
@@ -261,7 +261,7 @@ impl fmt::Display for Zoo {
 /// Answer of `onset zoo NAME`: a report with the answers for its state and its remedy.
 #[derive(Clone, Debug, Serialize)]
 pub struct ReportAnswer {
-    /// Report as it is in the zoo.
+    /// Report as stored in the zoo.
     #[serde(flatten)]
     pub report: Report,
     /// Principal stretches of the state.

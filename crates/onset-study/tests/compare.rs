@@ -467,7 +467,7 @@ fn markers_of_a_row_do_not_touch_and_every_symbol_is_in_the_legend() {
 }
 
 #[test]
-fn the_table_has_a_row_of_the_material_and_verdicts_in_words() {
+fn the_table_has_a_row_for_the_material_and_verdicts_as_text() {
     let mut weak = good();
     weak.weakest = 0.05;
     let own = table(vec![("good", Ok(good())), ("weak", Ok(weak))]);

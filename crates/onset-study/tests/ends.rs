@@ -1,4 +1,5 @@
-//! No number that a key takes leads to a panic or to an answer with NaN or infinity: it is answered, or refused with the key and its range.
+//! Checks that no number given for a key leads to a panic or to an answer with NaN or infinity: it is either answered, or refused with the key and
+//! its range.
 
 use onset_study::answers::{Problem, StateAnswer, Strain};
 use onset_study::localization::{LocalizationAnswer, PARAMETERS, PlasticSettings};
@@ -9,7 +10,7 @@ use std::fmt::Display;
 
 const METHOD: &str = "discretization.method";
 
-/// The ends of a range, numbers next to it, and the largest and smallest doubles.
+/// Ends of a range, numbers next to them, and the largest and smallest doubles.
 fn numbers([low, high]: [f64; 2]) -> Vec<f64> {
     let margin = |end: f64| 1e-3 * end.abs().max(1e-30);
     let mut all = vec![low, high, low - margin(low), high + margin(high)];
@@ -18,14 +19,14 @@ fn numbers([low, high]: [f64; 2]) -> Vec<f64> {
     all
 }
 
-/// Asserts that a text holds numbers only.
+/// Asserts that a text contains only finite numbers.
 fn assert_finite(text: &str, what: &str) {
     let is_no_number = |word: &str| ["NaN", "nan", "inf"].contains(&word);
     let mut words = text.split(|c: char| !c.is_alphanumeric());
     assert!(!words.any(is_no_number), "{what}:\n{text}");
 }
 
-/// Asserts that `value` outside of its limits is refused with its name and range, and otherwise answered or refused without NaN.
+/// Asserts that a `value` outside its limits is refused with its name and range, and that any other value is answered or refused without NaN.
 fn assert_ended<E: Display>(
     what: &str,
     (name, expected): (&str, &str),
@@ -76,7 +77,7 @@ fn chosen(need: &Need) -> String {
     format!("{}={}", need.key, word.unwrap_or("0.3"))
 }
 
-/// The numbers of a key that are tried, as they are typed.
+/// Numbers that are tried for a key, as text.
 fn typed(key: &Key) -> Vec<(String, f64)> {
     let beside = match key.name {
         "discretization.vectors" => "1,0,0.3,",
@@ -88,7 +89,7 @@ fn typed(key: &Key) -> Vec<(String, f64)> {
     tried.into_iter().map(typed).collect()
 }
 
-/// Returns true if a key can have a number, by itself or in a list.
+/// Returns true if a key accepts a number, alone or in a list.
 fn admits(kind: Kind, number: f64) -> bool {
     kind.accepts(&Value::Number(number)) || kind.accepts(&Value::Numbers(vec![number]))
 }

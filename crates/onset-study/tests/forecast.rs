@@ -16,7 +16,7 @@ impl Watch for Quiet {
     }
 }
 
-/// Enough for the finest grid, so that the forecast does not depend on the machine.
+/// Time limit that suffices for the finest grid, so that the forecast does not depend on the machine.
 const PATIENCE: Duration = Duration::from_secs(3600);
 
 fn study(text: &str) -> Study {

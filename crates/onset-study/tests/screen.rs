@@ -1,4 +1,4 @@
-//! Runs of other codes with a known cause: LAMMPS (smd/tlsph), PySPH, and finite elements (forces of FElupe), every second frame of them.
+//! Runs of other codes with a known cause: LAMMPS (smd/tlsph), PySPH, and finite elements (forces of FElupe), with every second frame.
 //!
 //! The causes are known from variants of each run: half the time step, more viscosity, half the spacing, another method.
 
@@ -204,7 +204,7 @@ fn fewer_frames_and_a_reference_from_another_file_give_the_same_cause() {
     );
 }
 
-/// Text of a dump whose frames are in reverse order, whose particles are in another order in each frame, and which has no columns beyond the velocities.
+/// Text of a dump with the frames in reverse order, the particles of each frame in a different order, and no columns beyond the velocities.
 fn shuffled(path: &Path) -> String {
     let mut text = String::new();
     let file = std::fs::File::open(path).expect("a file");
@@ -248,7 +248,7 @@ fn order_of_frames_and_particles_and_lost_columns_do_not_matter() {
     );
 }
 
-/// LAMMPS sorts no rows by itself.
+/// LAMMPS does not sort rows by default.
 #[test]
 fn rows_in_another_order_without_numbers_of_particles_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -282,7 +282,7 @@ fn rows_in_another_order_without_numbers_of_particles_are_refused() {
     );
 }
 
-/// Far from the origin six digits leave a tenth of the spacing.
+/// Far from the origin, six digits resolve only a tenth of the spacing.
 #[test]
 fn rounding_of_positions_is_not_reported_as_short_waves() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -440,7 +440,7 @@ fn modes_of_runs_are_short_waves_only_where_the_discretization_fails() {
 }
 
 #[test]
-fn hourglass_modes_have_no_frequency_and_times_outside_of_the_run_are_refused() {
+fn hourglass_modes_have_no_frequency_and_times_outside_the_run_are_refused() {
     let (mut run, frames) = stretched(4, |_| 0.0);
     let corner = |n: usize| n % 13 + n / 13 * 14;
     let element = |a: usize| vec![a, a + 1, a + 15, a + 14];
@@ -474,7 +474,7 @@ fn hourglass_modes_have_no_frequency_and_times_outside_of_the_run_are_refused() 
 }
 
 #[test]
-fn a_step_that_distorted_states_exceed_after_the_first_short_waves_is_not_the_cause() {
+fn a_time_step_limit_exceeded_only_after_the_first_short_waves_is_not_the_cause() {
     let known = Known {
         time_step: 0.6,
         ..HEALTHY
@@ -538,7 +538,7 @@ fn a_particle_that_flies_away_is_read_like_others() {
 }
 
 #[test]
-fn a_run_with_no_particles_to_judge_is_refused() {
+fn a_run_without_particles_to_assess_is_refused() {
     let (mut run, frames) = stretched(4, |_| 0.0);
     // One particle is more than a neighborhood away from held particles, and no particle is two neighborhoods away.
     for (held, x) in run.held.iter_mut().zip(&run.reference) {
@@ -555,5 +555,8 @@ fn a_run_with_no_particles_to_judge_is_refused() {
         &mut |_| Ok(()),
     );
     let told = answer.expect_err("a refusal").to_string();
-    assert!(told.contains("no particle is left to be judged"), "{told}");
+    assert!(
+        told.contains("no particle remains to be assessed"),
+        "{told}"
+    );
 }

@@ -311,7 +311,7 @@ fn copies_are_identical_to_their_originals() {
     assert_eq!(copies, 28);
 }
 
-/// Pages of the book, and the README.
+/// Pages of the book, and README.
 fn pages() -> Vec<(PathBuf, String)> {
     let root = folder().join("..");
     let mut folders = vec![root.join("book/src")];

@@ -1,4 +1,4 @@
-//! Zero-energy modes are a verdict for any method, frame and stress.
+//! Zero-energy modes are reported for any method, frame and stress.
 
 use onset::verdict::Verdict;
 use onset_study::answers::{Problem, StateAnswer, Strain};

@@ -8,8 +8,8 @@ const MARGIN_VALUES: usize = 64;
 /// Guard value: a NaN that no computation produces, so that numbers read beyond an array spoil the result.
 const GUARD: f64 = f64::from_bits(0x7ff8_0a11_0000_b0d1);
 
-/// Guard value behind state variables. A routine that updates more of them than there are adds to this number and thereby changes it, which a NaN
-/// would survive.
+/// Guard value after the state variables. A routine that updates more of them than exist adds to this number and thereby changes it, which a NaN
+/// would not reveal.
 const STATE_GUARD: f64 = f64::from_bits(0x0211_0a11_0000_b0d1);
 
 /// Names of the arguments of all routines.
@@ -79,7 +79,7 @@ pub const NAMES: [&str; 57] = [
 #[derive(Debug)]
 pub struct Arguments {
     numbers: Vec<f64>,
-    /// Index of each argument in [`NAMES`], and its range in the block.
+    /// Index in [`NAMES`] and range in the block of each argument.
     places: Vec<(usize, Range<usize>)>,
 }
 
@@ -122,7 +122,7 @@ impl Arguments {
         self.range(name).start
     }
 
-    /// Index in [`NAMES`] of an argument that was written beyond its ends; `None` if no argument was.
+    /// Index in [`NAMES`] of an argument that was written beyond its ends, or `None`.
     pub fn overrun(&self) -> Option<usize> {
         let changed_in = |start: usize, guard: f64| {
             let is_changed = |n: &usize| self.numbers[*n].to_bits() != guard.to_bits();

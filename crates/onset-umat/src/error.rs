@@ -63,7 +63,7 @@ pub enum UmatError {
         memory_hint(output)
     )]
     Ended {
-        /// Signal or exit code, in words.
+        /// Description of the signal or exit code.
         how: String,
         /// Deformation gradient of the call; `None` during loading.
         state: Option<Box<Matrix3<f64>>>,

@@ -29,7 +29,7 @@ static OWN: Mutex<Vec<(u32, PathBuf)>> = Mutex::new(Vec::new());
 #[derive(Debug)]
 pub struct PrivateFolder {
     folder: TempDir,
-    /// Process that created the folder; a fork must not remove it.
+    /// Process that created the folder; a forked process must not remove it.
     maker: u32,
     /// Lock that marks the folder as used while this process lives. On a file system without locks, leftover folders remain.
     _lock: Option<File>,

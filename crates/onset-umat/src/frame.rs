@@ -6,7 +6,7 @@
 
 use std::io::{self, Read};
 
-/// Magic number at the start of the greeting of the host, with the version of the protocol.
+/// Magic number at the start of the host's greeting, with the version of the protocol.
 pub const GREETING: u64 = u64::from_le_bytes(*b"onsetU03");
 
 /// Result of loading the library.

@@ -1,6 +1,6 @@
 //! Process in which the routine runs.
 //!
-//! It reads paths from standard input, which is a socket, and replies there. Standard output and standard error belong to the routine.
+//! It reads paths from standard input, which is a socket, and replies on this socket. Standard output and standard error belong to the routine.
 
 use crate::frame::{self, GREETING, Loaded};
 use crate::interface::Interface;
@@ -79,7 +79,7 @@ fn limit_memory(bytes: u64) -> io::Result<()> {
     Ok(setrlimit(Resource::As, limit)?)
 }
 
-/// Limits the further processor time of the routine, and of each process that it starts, to the given number of seconds.
+/// Limits the additional processor time of the routine, and of each process that it starts, to the given number of seconds.
 fn limit_time(seconds: u64) -> io::Result<()> {
     let used = clock_gettime(ClockId::ProcessCPUTime).tv_sec.unsigned_abs();
     let hard = getrlimit(Resource::Cpu).maximum;

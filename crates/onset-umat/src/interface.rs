@@ -15,7 +15,7 @@ pub enum Interface {
 impl Interface {
     const ALL: [Self; 3] = [Self::Umat, Self::Vumat, Self::Law];
 
-    /// Names of the symbol in a library; the first one is usual.
+    /// Names of the symbol in a library, the usual name first.
     pub(crate) fn symbols(self) -> &'static [&'static str] {
         match self {
             Self::Umat => &["umat_", "umat", "UMAT"],

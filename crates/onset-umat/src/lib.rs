@@ -49,7 +49,7 @@ pub use voigt::{VOIGT, tensor_of_voigt, voigt_of_tensor};
 /// C declaration of the function [`Interface::Law`].
 pub const LAW_HEADER: &str = include_str!("../include/onset_law.h");
 
-/// Runs a program to its end, and ends all processes that it leaves running; [`end_all`] ends the program too. Not on Windows.
+/// Runs a program to its end, and ends all processes that it leaves running; [`end_all`] also ends the program. Not available on Windows.
 ///
 /// # Errors
 /// [`std::io::Error`] if the program cannot be started or waited for.
@@ -62,7 +62,7 @@ pub fn run(command: &mut std::process::Command) -> std::io::Result<std::process:
 
 /// Ends all processes of routines and programs with their children, and removes all private folders.
 ///
-/// For a process that ends without dropping its values, as on a signal. It can run no routine or program afterwards.
+/// For a process that ends without dropping its values, as on a signal. Afterwards it can run no routine or program.
 pub fn end_all() {
     #[cfg(unix)]
     process::end_all();

@@ -29,7 +29,7 @@ const MAX_EXIT_TIME: Duration = Duration::from_secs(2);
 
 /// Running process with a loaded library, ended when this value is dropped.
 pub struct Process {
-    /// Process that started it; a fork must not use or end it.
+    /// Process that started it; a forked process must not use or end it.
     starter: u32,
     child: Child,
     socket: UnixStream,

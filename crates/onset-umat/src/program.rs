@@ -10,10 +10,10 @@ pub const HOST_VARIABLE: &str = "ONSET_UMAT_HOST";
 
 /// First argument of a process that runs a routine.
 ///
-/// The second argument shows the name of the library in process lists, and the third is the copy to load.
+/// The second argument makes the name of the library visible in process lists, and the third argument is the copy to load.
 pub(crate) const MODE: &str = "umat-host";
 
-/// Running program, if it can serve.
+/// Running program, if it can act as the host.
 static SELF: OnceLock<PathBuf> = OnceLock::new();
 
 /// Runs a UMAT if another process started this program to run it, and returns the exit code.
@@ -42,7 +42,7 @@ fn serve(_library: &Path) -> ExitCode {
     ExitCode::from(2)
 }
 
-/// Program to start: from the variable, the running program, or `onset` in the same folder or on the path.
+/// Program to start: the program named by the variable, the running program, or `onset` in the same folder or on the path.
 pub(crate) fn host() -> Result<PathBuf, UmatError> {
     if let Some(named) = std::env::var_os(HOST_VARIABLE) {
         let named = PathBuf::from(named);
@@ -50,7 +50,10 @@ pub(crate) fn host() -> Result<PathBuf, UmatError> {
             Ok(named)
         } else {
             Err(UmatError::NoProcess {
-                message: format!("{HOST_VARIABLE} is {}, which is no file", named.display()),
+                message: format!(
+                    "{HOST_VARIABLE} is {}, which is not a file",
+                    named.display()
+                ),
             })
         };
     }

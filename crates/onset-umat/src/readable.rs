@@ -52,7 +52,7 @@ pub fn message(text: &str) -> String {
     begin.chain(GAP.chars()).chain(end).collect()
 }
 
-/// Skips the rest of a sequence of the given kind.
+/// Skips the remainder of a sequence of the given kind.
 fn skip(kind: Option<char>, rest: &mut std::iter::Peekable<std::str::Chars<'_>>) {
     match kind {
         // A control sequence ends with a character from @ to ~.

@@ -21,7 +21,7 @@ pub struct UmatSettings {
     pub interface: Interface,
     /// Shared library that contains the routine.
     ///
-    /// A copy is loaded, which finds other libraries by absolute paths or `LD_LIBRARY_PATH`, not by `$ORIGIN`.
+    /// The library is loaded from a copy, which finds other libraries by absolute paths or `LD_LIBRARY_PATH`, not by `$ORIGIN`.
     pub library: PathBuf,
     /// `PROPS`, in the units of the routine.
     pub properties: Vec<f64>,
@@ -76,7 +76,7 @@ pub struct Outcome {
 /// Concurrent threads use separate processes, since a routine may store data in variables that threads would share.
 pub struct Umat {
     settings: UmatSettings,
-    /// Whether a tangent came from differences of the stress.
+    /// Whether a tangent was computed from differences of the stress.
     is_differenced: std::sync::atomic::AtomicBool,
     #[cfg(unix)]
     idle: std::sync::Mutex<Vec<crate::process::Process>>,
@@ -155,7 +155,7 @@ impl Umat {
     /// Outcomes at the ends of paths of equal length, several times faster than single calls.
     ///
     /// # Errors
-    /// For each path as for [`Umat::along`]; if the process ends on one path, the others are still followed.
+    /// Fails for each path like [`Umat::along`]; if the process ends on one path, the others are still evaluated.
     #[cfg(unix)]
     pub fn along_all(&self, paths: &[Vec<Matrix3<f64>>]) -> Vec<Result<Outcome, UmatError>> {
         let mut outcomes = Vec::with_capacity(paths.len());

@@ -97,7 +97,7 @@ fn directions(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// States of cells with one particle and with two, which no smaller cell repeats.
+/// States of cells with one and with two particles that are primitive.
 fn cells(criterion: &mut Criterion) {
     let material = ModifiedMooneyRivlin::default();
     let f = DeformationGradient::from_stretches([0.97, 0.93, 1.0]).expect("stretches");

@@ -1,9 +1,9 @@
 //! Cancellation of computations from outside.
 //!
-//! A caller starts a computation with [`unless`] and a condition. Long loops, here and in crates that build on this one, call [`checkpoint`]: once the
-//! condition holds, it unwinds to the caller without a message. Without a condition a checkpoint costs a few nanoseconds.
+//! A caller starts a computation with [`unless`] and a condition. Long loops, in this crate and in crates that build on it, call [`checkpoint`]: once
+//! the condition holds, it unwinds to the caller without a message. Without a condition a checkpoint costs a few nanoseconds.
 //!
-//! Threads that share the work do not inherit the condition; they take it along in a [`Scope`].
+//! Threads that share the work do not inherit the condition; a [`Scope`] passes it to them.
 //!
 //! ```
 //! use onset::cancel::{checkpoint, unless};
@@ -30,7 +30,7 @@ thread_local! {
 /// Payload of the unwinding.
 struct Cancelled;
 
-/// Does some work, which the condition ends; returns `None` if it was ended. Conditions can be nested: work ends with any of them.
+/// Runs a computation until the condition holds; returns `None` if it was ended. Conditions can be nested: a computation ends if any of them holds.
 pub fn unless<T>(
     is_ended: impl Fn() -> bool + Send + Sync + 'static,
     work: impl FnOnce() -> T,
@@ -47,7 +47,7 @@ pub fn unless<T>(
     }
 }
 
-/// Ends the computation here if its condition holds.
+/// Ends the current computation if its condition holds.
 #[inline]
 pub fn checkpoint() {
     let is_ended = CURRENT.with_borrow(|current| current.as_ref().is_some_and(|own| own()));
@@ -57,19 +57,19 @@ pub fn checkpoint() {
     }
 }
 
-/// The condition of a computation, to be taken along to other threads.
+/// Condition of a computation, which can be passed to other threads.
 #[derive(Clone, Default)]
 pub struct Scope(Option<Condition>);
 
 impl Scope {
-    /// The scope of the current thread.
+    /// Returns the scope of the current thread.
     pub fn current() -> Self {
         Self(CURRENT.with_borrow(Clone::clone))
     }
 
-    /// Does a part of the work of the computation on this thread.
+    /// Runs a part of the computation on this thread.
     pub fn run<T>(&self, work: impl FnOnce() -> T) -> T {
-        /// Puts back the condition of the work that the thread did before, also if this one unwinds.
+        /// Guard that restores the previous condition of the thread, even if the work unwinds.
         struct Before(Option<Condition>);
         impl Drop for Before {
             fn drop(&mut self) {

@@ -20,7 +20,7 @@ pub(crate) fn of_each<T: Send, R: Send>(things: Vec<T>, work: impl Fn(T) -> R + 
     places.into_iter().filter_map(result).collect()
 }
 
-/// Like [`of_each`] if each item takes long enough to be worth a thread, otherwise sequential.
+/// Like [`of_each`] if each item takes long enough to justify a thread, otherwise sequential.
 pub(crate) fn of_each_long<T: Send, R: Send>(
     is_long: bool,
     things: Vec<T>,

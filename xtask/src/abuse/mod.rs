@@ -16,7 +16,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Programs under test.
+/// The programs under test.
 pub(crate) struct Programs {
     /// Executable of the command.
     onset: PathBuf,
@@ -122,7 +122,7 @@ pub fn test() -> Result<(), String> {
     abused(Duration::from_secs(45), 1, &[])
 }
 
-/// Abuses the programs in the given ways, or in all of them if there are none.
+/// Abuses the programs in the given ways, or in all ways by default.
 fn abused(time: Duration, seed: u64, only: &[&Kind]) -> Result<(), String> {
     let interpreter = python::interpreter("python");
     let has_package = |python: &PathBuf| {
@@ -140,7 +140,7 @@ fn abused(time: Duration, seed: u64, only: &[&Kind]) -> Result<(), String> {
     if programs.python.is_none() {
         kinds.retain(|kind| kind.name != PYTHON.name);
         eprintln!(
-            "== NOT TESTED: arrays and forks in Python. There is no package: cargo xtask python"
+            "== NOT TESTED: arrays and forks in Python. The package has not been built: cargo xtask python"
         );
     }
     eprintln!("== abuse: {} s, seed {seed}", time.as_secs());

@@ -24,7 +24,7 @@ pub(crate) const KILL: i32 = 9;
 /// Documented exit codes: done, failed, refused, verdict, interrupted.
 const CODES: [i32; 5] = [0, 1, 2, 3, 130];
 
-/// Fault in the end of a program.
+/// Fault at the end of a program.
 pub(crate) enum Fault {
     /// The program did not end in time.
     Hang(String),

@@ -79,7 +79,7 @@ fn read(
     match dimension {
         Some(_) if is_study => {
             return Err(Failure::input(
-                "--dimension has no effect: the file sets the number of dimensions\n  hint: leave --dimension out",
+                "--dimension has no effect: the file sets the number of dimensions\n  hint: omit --dimension",
             ));
         }
         _ if is_study || !variations.is_empty() => {}

@@ -24,7 +24,7 @@ pub fn explore(arguments: &ExploreArguments) -> Result<ExitCode, Failure> {
     {
         if !is_plain(&arguments.problem) {
             return Err(Failure::input(
-                "a stored map contains its settings\n  hint: leave out --set, --energy and --from",
+                "a stored map contains its settings\n  hint: omit --set, --energy and --from",
             ));
         }
         let stored = Stored::open(map).map_err(|error| match error.is_input() {
@@ -52,7 +52,7 @@ fn first(problem: &ProblemArguments) -> Result<Link, Failure> {
         return match is_plain {
             true => link.map_err(Failure::input),
             false => Err(Failure::input(
-                "the address contains the settings\n  hint: leave out --set and --energy, and change them in the page",
+                "the address contains the settings\n  hint: omit --set and --energy, and change them in the page",
             )),
         };
     }

@@ -40,7 +40,7 @@ pub fn localize(arguments: &LocalizeArguments) -> Result<ExitCode, Failure> {
 fn refuse_another(name: &str, word: &str, assignments: &[String]) -> Result<(), Failure> {
     match another(assignments, &format!("plasticity.{name}"), word) {
         Some(another) => Err(Failure::input(format!(
-            "--{name} {word} and --set {another} are two values of plasticity.{name}\n  hint: leave out one of them"
+            "--{name} {word} and --set {another} are two values of plasticity.{name}\n  hint: omit one of them"
         ))),
         None => Ok(()),
     }

@@ -47,7 +47,7 @@ pub fn screen(arguments: &ScreenArguments) -> Result<ExitCode, Failure> {
     }
 }
 
-/// Lengths and times of files, and the times of their folders, in which new frames appear.
+/// Sizes and modification times of the files, and modification times of the folders in which new frames appear.
 fn extents(files: &[PathBuf]) -> Vec<(u64, Option<SystemTime>)> {
     let of = |path: &Path| {
         let metadata = std::fs::metadata(path);

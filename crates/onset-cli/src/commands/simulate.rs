@@ -92,7 +92,7 @@ fn pace(arguments: &SimulateArguments) -> Pace {
 fn seed(arguments: &SimulateArguments, is_random: bool, hint: &str) -> Result<u64, Failure> {
     match arguments.seed {
         Some(_) if !is_random => Err(Failure::input(format!(
-            "--seed has no effect: nothing moves at random at the start\n  hint: {hint}, or leave --seed out"
+            "--seed has no effect: nothing moves at random at the start\n  hint: {hint}, or omit --seed"
         ))),
         given => Ok(given.unwrap_or(1)),
     }
@@ -145,7 +145,7 @@ fn body_question(
     ];
     if let Some((option, _)) = idle.iter().find(|(_, is_given)| *is_given) {
         return Err(Failure::input(format!(
-            "{option} has no effect on a body, which moves by central differences and is not compared with waves\n  hint: leave {option} out, or remove [body] from the study"
+            "{option} has no effect on a body, which moves by central differences and is not compared with waves\n  hint: omit {option}, or remove [body] from the study"
         )));
     }
     let amplitude = arguments.amplitude.unwrap_or(0.0);
@@ -192,7 +192,7 @@ impl Progress {
         Self { bar, is_kept }
     }
 
-    /// Ends the set-up and shows the bar.
+    /// Ends the setup phase and shows the progress bar.
     fn begun(&self, steps: u64) -> ProgressBar {
         patience::end();
         self.answer_interrupts();

@@ -39,7 +39,7 @@ fn deck(arguments: &DeckArguments) -> Result<ExitCode, Failure> {
     let code = named(&arguments.code)?;
     if arguments.stepping.is_some() && code.program().is_some() {
         return Err(Failure::input(format!(
-            "--stepping has no effect: the time stepping of {} is known\n  hint: leave --stepping out; only --code plain reads it",
+            "--stepping has no effect: the time stepping of {} is known\n  hint: omit --stepping; only --code plain reads it",
             code.name()
         )));
     }

@@ -207,7 +207,7 @@ impl Connection {
         }
     }
 
-    /// Runs a computation that is cancelled when the browser closes the connection; returns `None` then.
+    /// Runs a computation that is cancelled if the browser closes the connection; returns `None` if it is cancelled.
     ///
     /// # Errors
     /// The error of the operating system.

@@ -104,7 +104,7 @@ fn axis(text: &str) -> Result<(String, [f64; 2]), String> {
     .ok_or_else(|| format!("`axis={text}` of the address is not an axis\n  hint: expected the name of the axis and its ends, for example stretch-1,0.5,2"))
 }
 
-/// Percent-encodes a text, except for letters, digits and a few signs.
+/// Percent-encodes a text, except for letters, digits and a few punctuation characters.
 fn escaped(text: &str) -> String {
     let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~,".contains(&byte);
     text.bytes()

@@ -1,4 +1,4 @@
-//! Open connections. Any user of the machine can open some, so an idle connection is closed to admit a new one.
+//! Open connections. Any user of the machine can open connections, so an idle one is closed to admit a new one.
 
 use std::io;
 use std::net::{Shutdown, TcpStream};

@@ -141,7 +141,7 @@ mod user {
         // In one increment, the tangent of the update: Cauchy stress per logarithmic strain.
         let identified = &audit["tangent"]["identified"];
         assert_eq!(identified["convention"], "logarithmic-strain", "{audit:#}");
-        // In many increments, the tangent of the last one: the Jaumann rate of the Cauchy stress, up to the size of the increment.
+        // In many increments, the tangent of the last increment: the Jaumann rate of the Cauchy stress, up to the size of the increment.
         let many = format!("{history} --set material.increments=10");
         let audit = audited("fortran/j2_plasticity.f90", "200e3,0.3,250,2e3", &many);
         let identified = &audit["tangent"]["identified"];
@@ -170,7 +170,7 @@ mod user {
         audited("tests/fortran/planted.f90", &properties, more)
     }
 
-    /// Number of kinds of states in the routine, which is correct at all others.
+    /// Number of kinds of states at which the routine is incorrect; it is correct at all others.
     const KINDS: usize = 28;
 
     #[test]

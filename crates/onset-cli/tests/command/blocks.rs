@@ -51,7 +51,7 @@ fn every_command_about_a_law_or_a_method_takes_a_deck() {
 }
 
 #[test]
-fn terms_with_a_zero_coefficient_are_left_out() {
+fn terms_with_a_zero_coefficient_are_omitted() {
     let rubber = Written::new("neo.inp", RUBBER);
     let ogden = Written::new(
         "ogden.inp",
@@ -81,7 +81,7 @@ fn terms_with_a_zero_coefficient_are_left_out() {
 }
 
 #[test]
-fn notes_on_a_deck_are_whole_and_follow_the_answer() {
+fn notes_on_a_deck_are_printed_in_full_after_the_answer() {
     let file = Written::new("two.inp", TWO);
     let text = onset(&["criteria", &file, "--mode", "uniaxial"]).stdout;
     assert!(!text.contains(" more\n"), "{text}");

@@ -79,7 +79,7 @@ fn twenty_methods_are_compared_in_one_table() {
     assert_eq!(page.matches("<tr>").count(), 21);
 }
 
-/// Each method has values for three solids. Fractions of the window need more states and are not compared.
+/// Each method has values for three solids. The fractions of stable states are not compared, because they need more states.
 #[test]
 fn the_methods_side_by_side_have_the_values_of_the_book() {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");

@@ -117,7 +117,7 @@ fn block(name: &str, text: &str) -> Written {
     Written::new(&format!("{name}.inp"), text)
 }
 
-/// Treloar's rubber with the constants of Abaqus, `mu_i alpha_i / 2` in Ogden's, is the default of `ogden`.
+/// Treloar's rubber with the constants of Abaqus, which are `mu_i alpha_i / 2` in terms of Ogden's constants, equals the default of `ogden`.
 #[test]
 fn an_ogden_block_of_abaqus_gives_the_ogden_law() {
     let text = "** Treloar\n*MATERIAL, NAME=RUBBER\n*Hyperelastic, n=3, OGDEN\n0.40157, 1.3, 0.0029425, 5.0, 0.009807, -2.0, 0.02, 0.0\n0.0\n*DENSITY\n1e-9\n";
@@ -313,7 +313,7 @@ fn blocks_that_determine_no_law_are_refused_with_the_line_number() {
     );
 }
 
-/// With default settings the command finds this limit or an earlier one.
+/// With default settings the command finds this limit or an earlier limit.
 #[test]
 fn jumps_to_zero_volume_are_followed_for_any_range() {
     for (law, limit) in [("cubic-crystal", 0.969_65), ("fung", 0.952_13)] {
@@ -372,7 +372,7 @@ fn a_card_lists_every_limit_with_nominal_strain_and_stress() {
 }
 
 #[test]
-fn limits_at_a_branching_of_free_faces_have_the_stress_just_before() {
+fn limits_at_a_bifurcation_of_free_faces_report_the_stress_just_before_it() {
     // Waves along the faces lose stability where a second state with free faces branches off, and the path ends there.
     let card = document(
         "card --set material.model=ogden --set material.mu3=0.8479413870763222 --set material.mu5=0.6401741403941579 \
@@ -473,7 +473,7 @@ fn jumps_of_a_law_are_classified_in_every_loading() {
         let limit = &criterion(own, "rank-one-convexity")["tension"]["limit"];
         (own["kinks"].clone(), limit.as_f64())
     };
-    // Crossing a concave kink of size c lowers the energy from (J - J0) < c/(2 q) on, where q is the stiffness along the jump.
+    // Crossing a concave kink of size c lowers the energy if (J - J0) < c/(2 q), where q is the stiffness along the jump.
     for (term, kind, size, lost) in [
         ("+ 2*macaulay(J-1.2)", "jump-of-stress", 2.0, None),
         ("- 2*macaulay(J-1.2)", "jump-of-stress", -2.0, Some(true)),

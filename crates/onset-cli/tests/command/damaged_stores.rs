@@ -1,4 +1,4 @@
-//! Stores with arbitrary damage, or forged with malicious intent: only content written by onset is accepted, within limits of memory and time.
+//! Stores that are randomly damaged or maliciously forged: only content written by onset is accepted, within limits of memory and time.
 
 use crate::hunt::hunted;
 use crate::map::{Place, STUDY};
@@ -77,7 +77,7 @@ fn limited(arguments: &[&str]) -> Answer {
     }
 }
 
-/// Damages a store in some way, and describes it in words.
+/// Damages a store in some way, and returns a description of the damage.
 fn damage(store: &Path, other: &Path, random: &mut Random) -> String {
     let files: Vec<PathBuf> = snapshot(store)
         .into_iter()

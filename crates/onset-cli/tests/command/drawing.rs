@@ -15,7 +15,7 @@ fn names(folder: &Scratch) -> Vec<String> {
 const LOCALIZE: &str = "localize --model j2 --path plane-strain";
 
 #[test]
-fn a_name_with_an_ending_is_the_place_of_the_figure_alone() {
+fn an_output_name_with_an_extension_writes_only_the_figure() {
     let folder = Scratch::new("drawn-alone");
     let place = folder.display();
     let line = format!("{LOCALIZE} --out {place}/band.pdf --size 84mm --bare --theme dark");
@@ -36,7 +36,7 @@ fn a_name_with_an_ending_is_the_place_of_the_figure_alone() {
         words.starts_with("Where the material localizes\n\n"),
         "{words}"
     );
-    // In a folder the figure stands with the tables, and has its words.
+    // In a folder the figure is written next to the tables and contains its text.
     let whole = Scratch::new("drawn-in-a-folder");
     let output = onset_line(&format!(
         "{LOCALIZE} --out {} --title Mine",

@@ -377,7 +377,7 @@ fn the_address_given_to_the_browser_opens_the_page_only_once() {
     assert_eq!(
         page.post("state", &question, &[&shown]).0,
         403,
-        "it is no token"
+        "it is not a token"
     );
     let (status, body) = page.post("enter", &json!({}), &[&shown]);
     assert_eq!(status, 200, "{body}");

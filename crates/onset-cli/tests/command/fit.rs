@@ -1,4 +1,4 @@
-//! `onset fit`: laws through tables of tests, files for other commands and programs, and refusals of broken tables.
+//! `onset fit`: laws fitted to tables of test data, files for other commands and programs, and rejection of invalid tables.
 
 use super::{Scratch, Written, assert_close, number, numbers, onset};
 use serde_json::Value;
@@ -12,7 +12,7 @@ fn tables(tests: &[&str]) -> Vec<String> {
 
 const ALL: [&str; 3] = ["uniaxial", "equibiaxial", "planar"];
 
-/// Fit of a law to tests, with further words; the text, or the error.
+/// Fit of a law to tests, with additional arguments; the text, or the error.
 #[track_caller]
 fn fitted(tests: &[&str], line: &str, code: i32) -> String {
     let files = tables(tests);
@@ -186,7 +186,7 @@ fn table(header: &str, point: impl Fn([f64; 2]) -> [f64; 2]) -> String {
     format!("{header}\n{}\n", rows.join("\n"))
 }
 
-/// Table with rows as they are.
+/// Table with the given rows, unchanged.
 fn rows(header: &str, rows: &[&str]) -> String {
     format!("{header}\n{}\n", rows.join("\n"))
 }
@@ -198,7 +198,7 @@ fn fit_of(name: &str, text: impl AsRef<[u8]>, line: &str) -> (crate::Answer, Str
     (onset(&words), file.to_string())
 }
 
-/// A table is refused with its name, and the line and facts.
+/// Checks that a table is refused with its name, the line and the facts.
 #[track_caller]
 fn assert_refused(name: &str, text: impl AsRef<[u8]>, line: &str, facts: &[&str]) {
     let (answer, file) = fit_of(name, text, line);

@@ -79,7 +79,7 @@ fn the_end_of_a_range_of_stretches_limits_the_lame_constant_that_keeps_it_stable
 }
 
 #[test]
-fn a_limit_is_of_a_time_step_or_of_stability() {
+fn a_limit_refers_to_a_time_step_or_to_stability() {
     for (more, told) in [
         ("", "--time-step"),
         ("--keeps stable --time-step 1", "--keeps"),
@@ -261,7 +261,7 @@ fn step_and_values_have_the_units_of_the_study() {
 }
 
 #[test]
-fn ranges_without_and_with_only_allowed_values_are_reported() {
+fn ranges_with_no_or_only_allowed_values_are_reported() {
     let line = |range: &str| {
         format!("limit --vary discretization.spacing --time-step 0.1 --range {range} {LAW} {BARS}")
     };
@@ -394,7 +394,7 @@ fn invalid_settings_and_steps_are_refused() {
     }
 }
 
-/// With a viscosity of zero its switch would have no effect; for other values it has.
+/// A switch has no effect at a viscosity of zero, but has one at other values.
 #[test]
 fn a_key_that_takes_effect_through_the_varied_setting_may_be_set() {
     let sph = "set method=updated-sph set viscosity-switch=averaged";
@@ -421,7 +421,7 @@ fn a_limit_is_drawn_and_listed() {
 }
 
 #[test]
-fn the_figure_shows_the_neighborhood_of_the_limit_over_a_named_quantity() {
+fn the_figure_shows_the_neighborhood_of_the_limit_with_a_named_axis() {
     let folder = Scratch::new("limit-window");
     let drawn = |more: &str| {
         let line = format!(

@@ -113,7 +113,7 @@ fn onset(arguments: &[&str]) -> Answer {
     }
 }
 
-/// Arguments of `line`, separated by spaces; `set a=b` is short for `--set discretization.a=b`.
+/// Arguments of `line`, separated by spaces; `set a=b` abbreviates `--set discretization.a=b`.
 fn words(line: &str) -> Vec<String> {
     let mut words = Vec::new();
     let mut items = line.split_whitespace();

@@ -260,7 +260,7 @@ fn different_states(study: &str, finer: &str) -> (usize, usize) {
     ((0..states).filter(differs).count(), states)
 }
 
-/// Study over a square of stretches.
+/// Study of a square window of stretches.
 fn square_of(settings: &str, low: f64, high: f64, states: usize) -> String {
     let axis = |name: &str| {
         format!("[[axes]]\nquantity = '{name}'\nrange = [{low:?}, {high:?}]\nstates = {states}\n")

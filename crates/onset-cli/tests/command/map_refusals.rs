@@ -1,4 +1,4 @@
-//! Stores that are in the way, foreign, damaged, or cannot be written: reported with a hint, and never overwritten.
+//! Stores that block the output path, are foreign or damaged, or cannot be written: reported with a hint, and never overwritten.
 
 use crate::Answer;
 use crate::map::{Place, STUDY, TILES, tree};

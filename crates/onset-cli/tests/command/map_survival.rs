@@ -251,7 +251,7 @@ fn a_store_written_by_four_processes_is_identical_to_a_store_of_a_single_process
     assert_eq!(tree(&place.store("same.zarr")), whole, "one command");
 }
 
-/// The tile is the first one, which would be computed first if it were free.
+/// The tile is the first tile, which would be computed first if it were free.
 #[test]
 fn a_tile_reserved_by_another_process_is_computed_last() {
     let place = Place::new(STUDY);
@@ -277,7 +277,7 @@ fn a_tile_reserved_by_another_process_is_computed_last() {
     assert!(again.expect("a lock").is_some(), "it is free");
 }
 
-/// A process that stops within a tile prevents no other from finishing; when it continues, it finds the tile finished.
+/// A process that is stopped within a tile does not prevent the others from finishing; when it continues, it finds the tile finished.
 #[test]
 fn a_stopped_process_does_not_block_the_others() {
     let place = Place::new(&slow(2, 6));

@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Comparisons of one, two and three dimensions.
+/// Comparisons in one, two and three dimensions.
 const METHODS_1D: &str = include_str!("../../../../comparisons/methods-1d.toml");
 const METHODS_2D: &str = include_str!("../../../../comparisons/methods-2d.toml");
 const METHODS_3D: &str = include_str!("../../../../comparisons/methods-3d.toml");
@@ -100,10 +100,10 @@ impl Method {
         )
     }
 
-    /// Returns true if the command is tested for this method.
+    /// Returns true if the command is tested with this method.
     ///
-    /// Tracing takes the same work for a figure and a table, so that it is tested for few methods. In 3D, commands with many states or waves take a
-    /// minute for most methods; they are tested for elements, which represent the others.
+    /// Tracing requires the same work for a figure and for a table, so it is tested for few methods. In 3D, commands with many states or waves take a
+    /// minute for most methods; they are tested with elements only.
     fn is_asked(&self, line: &str) -> bool {
         let long = ["path", "boundary", "modes"];
         let is_long = line.contains("traced") || long.iter().any(|word| line.starts_with(word));

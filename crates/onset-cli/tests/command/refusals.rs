@@ -1,4 +1,4 @@
-//! Invalid input ends with exit code 2, nothing on standard output, and a message with the reason.
+//! Checks that invalid input ends with exit code 2, no standard output, and a message with the reason.
 
 use crate::{Written, onset, onset_line};
 

@@ -114,7 +114,7 @@ fn faults_are_refused_with_a_hint() {
         ),
         (
             vec!["--time-step", "0.72", "--region", "90,90:91,91"],
-            "no particle is left to be judged",
+            "no particle remains to be assessed",
         ),
         (
             vec!["--time-step", "0.72", "--frames", "3:4"],

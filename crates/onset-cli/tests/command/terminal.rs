@@ -131,7 +131,7 @@ fn a_quick_answer_shows_no_progress() {
     assert!(!text.contains("Ctrl-C"), "{text}");
 }
 
-/// If a closed terminal must be ignored, signals are left to the system: Ctrl-C still ends the command.
+/// If SIGHUP is ignored, as under `nohup`, no handler is installed; Ctrl-C still ends the command.
 #[test]
 fn ctrl_c_ends_a_command_under_nohup() {
     let mut terminal = Terminal::with(&format!("nohup {}", onset(SLOW)));

@@ -9,7 +9,7 @@ fn the_penalty_is_tuned_between_too_little_and_too_much() {
     let answer = document(&format!("tune discretization.penalty {PENALTY} --quiet"));
     let value = number(&answer, "/recommended");
     assert_eq!(answer["is_ever_sufficient"], true);
-    // Direct evaluation: the value itself is sufficient, and a slightly smaller one is not.
+    // Direct evaluation: the value itself is sufficient, and a slightly smaller value is not.
     let weakest = |value: f64| {
         let line = format!("modes {PENALTY} set penalty={value}");
         number(&document(&line), "/weakest")

@@ -455,7 +455,7 @@ fn no_folder_is_left_behind_and_foreign_folders_are_not_used() {
     );
 }
 
-/// Killed without a chance to clean up, while the routine is in an endless loop.
+/// The command is killed without a chance to clean up while the routine is in an endless loop.
 #[test]
 #[cfg(target_os = "linux")]
 fn no_process_outlives_a_killed_command() {

@@ -3,7 +3,7 @@
 use crate::{Scratch, document, onset_line};
 
 #[test]
-fn the_zoo_lists_all_reports_in_a_line_each() {
+fn the_zoo_lists_each_report_on_one_line() {
     let list = onset_line("zoo");
     assert_eq!(list.code, Some(0), "{}", list.stderr);
     let all = document("zoo");

@@ -1,4 +1,4 @@
-//! Random, mostly invalid command lines for every command; most need little work, so that many can be tried.
+//! Random, mostly invalid command lines for every command. Most are cheap, which allows a large number of trials.
 
 use crate::process::{Line, STUDY};
 use serde_json::Value;
@@ -219,7 +219,7 @@ const COEFFICIENTS: &[&str] = &[
     "",
 ];
 
-/// Output folders: usual ones, others, and invalid ones.
+/// Output folders: common, unusual and invalid paths.
 const PLACES: &[&str] = &[
     ".",
     ".",
@@ -280,7 +280,7 @@ pub struct Source {
 }
 
 impl Source {
-    /// Generator for the keys of a schema.
+    /// Generator of command lines with the keys of a schema.
     pub fn new(schema: &Value) -> Self {
         Self {
             random: Random(0),
@@ -363,14 +363,14 @@ impl Source {
         }
     }
 
-    /// Occasional assignments.
+    /// A few assignments, or none.
     fn changes(&mut self, sections: &[&str], words: &mut Vec<String>) {
         if self.chance(15) {
             self.set(sections, words);
         }
     }
 
-    /// A few assignments of some sections: compatible choices, and arbitrary ones.
+    /// A few assignments in some sections, both compatible and arbitrary choices.
     fn assignments(&mut self, sections: &[&str]) -> Assignments {
         let mut all: Assignments = Vec::new();
         let mut add = |section: &str, name: &str, value: &str| {
@@ -437,7 +437,7 @@ impl Source {
         }
     }
 
-    /// A value as TOML, usually.
+    /// A value in TOML, usually a valid one.
     fn toml(&mut self, value: &str) -> String {
         let is_number =
             |text: &str| text.parse::<f64>().is_ok() && !text.starts_with(['i', 'n', '+']);
@@ -481,7 +481,7 @@ impl Source {
         text
     }
 
-    /// Study with few states, or with any number if they are only counted.
+    /// Study with few states, or with any number of states if they are only counted.
     fn study(&mut self, is_counted: bool) -> String {
         let assignments = self.assignments(&["material", "discretization", "state", "map"]);
         let mut text = String::new();
@@ -642,7 +642,7 @@ impl Source {
         }
     }
 
-    /// Command line that is reproducible for a seed and a number.
+    /// Command line that is reproducible from a seed and a number.
     pub fn line(&mut self, seed: u64, number: u64) -> Line {
         self.random = Random(
             seed.wrapping_mul(0xD605_BBB5_8C8A_BBFD)

@@ -95,7 +95,7 @@ impl Place {
         Self(place)
     }
 
-    /// Creates stores of the study, complete and incomplete, for reading.
+    /// Creates stores of the study, complete and incomplete, which the commands read.
     pub fn with_stores(self) -> Self {
         let wide = STUDY.replacen("states = 2", "states = 9", 1);
         for (line, input) in [
@@ -191,7 +191,7 @@ impl Drop for Place {
     }
 }
 
-/// Words of refusals: each message must contain at least one.
+/// Words that explain a refusal: each message must contain at least one.
 const HELP: [&str; 12] = [
     "hint: ",
     "; set ",

@@ -90,7 +90,7 @@ fn a_pulled_bar_writes_all_its_files() {
     assert!(tree(&place.out()) == files);
 }
 
-/// Kills a run after each of several parts of its duration except the last, and resumes it: its files equal the files of an undisturbed run.
+/// Kills a run after each of several fractions of its duration, and resumes it: its files equal the files of an undisturbed run.
 fn assert_kills_change_nothing(
     study: &str,
     duration: Duration,
@@ -297,7 +297,7 @@ fn a_resumed_run_of_an_interrupted_body_writes_the_same_bytes() {
     assert!(tree(&place.out()) == tree(&whole.out()));
 }
 
-/// Runs a body that is refused or fails, and returns the message.
+/// Message of a run of a body that is refused or fails.
 fn told(body: &Body, line: &str, code: i32) -> String {
     let answer = Answer::of(body.command(line));
     assert_eq!(

@@ -193,7 +193,7 @@ fn predicted_waves_are_measured_in_lammps() {
     check(ROWS, &program, "ONSET_LAMMPS_TABLE");
 }
 
-/// The assumed stress rate affects a shear wave at a stressed state: with the same moduli, the Jaumann rate gives another frequency.
+/// The objective stress rate affects a shear wave in a stressed state: with the same moduli, the Jaumann rate gives a different frequency.
 #[test]
 fn a_shear_wave_distinguishes_objective_rates() {
     let Some(program) = lammps() else { return };
@@ -213,7 +213,7 @@ fn a_shear_wave_distinguishes_objective_rates() {
 
 /// SMD's updated SPH rotates the deviator against the spin.
 ///
-/// With the Jaumann rate of the literature the predicted shear wave differs; waves without rotation agree.
+/// The shear wave differs from the prediction with the Jaumann rate of the literature; waves without rotation agree.
 #[test]
 fn the_wrong_sign_of_a_spin_is_detected() {
     let Some(program) = lammps() else { return };

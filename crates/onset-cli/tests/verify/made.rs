@@ -40,7 +40,7 @@ fn particles(place: &Place) -> Vec<Particle> {
     table.lines().skip(2).map(row).collect()
 }
 
-/// Displacements of a wave over its initial velocity, for each step of velocity Verlet.
+/// Displacements of a wave relative to its initial velocity, for each step of velocity Verlet.
 fn motion(omega_squared: f64, step: f64, steps: usize) -> Vec<f64> {
     let (mut u, mut v) = (0.0, 1.0);
     let mut all = vec![u];
@@ -66,7 +66,7 @@ fn prediction(place: &Place) -> (f64, f64, usize, usize) {
     )
 }
 
-/// Output of a run whose waves have the given `omega^2` and step; `moved` changes positions.
+/// Output of a run whose waves have the given `omega^2` and time step; `moved` changes positions.
 pub fn table(
     place: &Place,
     omega_squared: f64,

@@ -201,7 +201,7 @@ impl Subject {
         simulate(&line, &self.set)
     }
 
-    /// Answer of a run that agrees.
+    /// JSON answer of a run whose measured rate agrees with the prediction.
     fn agrees(&self, state: &str, line: &str) -> Value {
         let answer = self.run(state, line);
         assert_eq!(

@@ -1,4 +1,4 @@
-//! Text files whose frames are a head with the number of particles, and a row for each particle.
+//! Text files whose frames consist of a head with the number of particles, and a row for each particle.
 
 use super::{Opened, Source, Stamp};
 use crate::columns::{Available, Dialect, Plan};
@@ -15,7 +15,7 @@ pub(super) trait Head: Sized + Send + 'static {
     /// Hint for files that do not follow the format.
     const HINT: &'static str;
 
-    /// Reads a head, or returns `None` at the end of the file; the number of the frame is for messages.
+    /// Reads a head, or returns `None` at the end of the file; the number of the frame is used in messages.
     fn read(lines: &mut Lines, number: usize) -> Result<Option<Self>, FrameError>;
 
     /// Number of rows, one for each particle.
@@ -27,12 +27,12 @@ pub(super) trait Head: Sized + Send + 'static {
     /// Time and number of the step.
     fn stamp(&self) -> Stamp;
 
-    /// Further columns that [`finish`](Self::finish) needs.
+    /// Additional columns that [`finish`](Self::finish) needs.
     fn extra(&self) -> Vec<usize> {
         Vec::new()
     }
 
-    /// Completes a frame by the contents of the head, with the columns of the positions, and the values of all used columns.
+    /// Completes a frame with the contents of the head, the columns of the positions, and the values of all used columns.
     fn finish(
         &self,
         frame: &mut Frame,
@@ -44,7 +44,7 @@ pub(super) trait Head: Sized + Send + 'static {
 struct Blocks<H> {
     reading: Reading,
     paths: Vec<PathBuf>,
-    /// File, place and number of each frame in its file.
+    /// File, position and number of each frame in its file.
     frames: Vec<(usize, Mark, usize)>,
     open: Option<(usize, Lines)>,
     plan: Plan,
@@ -66,7 +66,7 @@ fn too_many(place: Place, count: u64, reading: &Reading) -> FrameError {
     )
 }
 
-/// Opens files, and finds their complete frames.
+/// Opens files, and locates their complete frames.
 pub(super) fn open<H: Head>(paths: &[PathBuf], reading: &Reading) -> Result<Opened, FrameError> {
     let (mut frames, mut stamps, mut ignored) = (Vec::new(), Vec::new(), Vec::new());
     let mut plan: Option<Plan> = None;

@@ -1,7 +1,7 @@
 //! HDF5 files: frames are the first axis of the data sets, or each file is one frame.
 //!
-//! The arrays of a body of PySPH are in `particles/NAME/arrays`. The HDF5 library used here does not read numbers in attributes of groups: where no data set has times, the number
-//! in the name of a file is its time step.
+//! The arrays of a body of PySPH are in `particles/NAME/arrays`. The HDF5 library used here does not read numbers in attributes of groups: if no data
+//! set has times, the number in the name of a file is its time step.
 
 use super::numpy::{Axes, time_name, without_time};
 use super::{Opened, SINGLE_DIGITS, Source, Stamp};
@@ -22,7 +22,7 @@ const MAX_SETS: usize = 10_000;
 struct Stored {
     /// Path in the file.
     path: String,
-    /// Last part of the path, if no other data set has it, or else the path.
+    /// Last part of the path, or the whole path if another data set has the same last part.
     name: String,
     shape: Vec<usize>,
     kind: Kind,
@@ -56,7 +56,7 @@ struct Body {
     file: H5File,
     axes: Axes,
     plan: Plan,
-    /// Data set of each column, and whether its first axis are frames.
+    /// Data set of each column, and whether its first axis numbers the frames.
     columns: Vec<(Stored, bool)>,
 }
 
@@ -77,7 +77,7 @@ fn damaged(path: &Path, error: &Hdf5Error) -> FrameError {
     )
 }
 
-/// Body of PySPH whose array has a path.
+/// Body of PySPH that contains the array with the given path.
 fn body_of(path: &str) -> Option<&str> {
     let (body, array) = path
         .trim_start_matches('/')
@@ -86,7 +86,7 @@ fn body_of(path: &str) -> Option<&str> {
     (!body.contains('/') && !array.contains('/')).then_some(body)
 }
 
-/// Data sets of numbers, and the open file.
+/// Data sets with numbers, and the open file.
 fn stored(
     path: &Path,
     reading: &Reading,

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 const HINT: &str = "give a text dump of the style custom; binary dumps are not supported";
 
-/// Contents of a frame before its rows.
+/// Contents of a frame before its particle rows.
 #[derive(Default)]
 struct Header {
     step: u64,
@@ -21,7 +21,7 @@ struct Header {
     names: Vec<String>,
 }
 
-/// Opens text dumps, and finds their complete frames.
+/// Opens text dumps, and locates their complete frames.
 pub(crate) fn open(paths: &[PathBuf], reading: &Reading) -> Result<Opened, FrameError> {
     blocks::open::<Header>(paths, reading)
 }
@@ -223,7 +223,7 @@ fn unscale(
     Ok(())
 }
 
-/// Moves wrapped positions into their image, or marks them.
+/// Moves wrapped positions to their unwrapped image, or marks them as wrapped.
 fn unwrap(
     frame: &mut Frame,
     header: &Header,

@@ -16,14 +16,14 @@ use crate::frame::Frame;
 /// Significant digits of numbers with 32 bits.
 const SINGLE_DIGITS: u32 = 7;
 
-/// Time of a frame, before it is read.
+/// Time of a frame, known before the frame is read.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Stamp {
     pub time: Option<f64>,
     pub step: Option<u64>,
 }
 
-/// Open files of one format.
+/// Files of one format, opened.
 pub(crate) struct Opened {
     pub source: Box<dyn Source>,
     /// Frames in the order of the files.
@@ -32,7 +32,7 @@ pub(crate) struct Opened {
     pub plan: Plan,
     /// Significant digits of positions; `None` for binary numbers of double precision.
     pub digits: Option<u32>,
-    /// Contents that are left out, as sentences.
+    /// Descriptions of contents that are skipped.
     pub ignored: Vec<String>,
 }
 

@@ -1,6 +1,6 @@
 //! Arrays of NumPy: `.npz` archives and single `.npy` files.
 //!
-//! Frames are the first axis of arrays, or each file is one frame. Arrays of objects are pickled programs; they are refused unread.
+//! Frames are the first axis of arrays, or each file is one frame. Arrays of objects are pickled programs; they are refused without being read.
 
 use super::zip::{Member, members};
 use super::{Opened, Source, Stamp};
@@ -32,7 +32,7 @@ pub(super) enum Kind {
 }
 
 impl Number {
-    /// Appends the numbers of a slice of bytes; its length is a multiple of the size.
+    /// Appends the numbers in a slice of bytes whose length is a multiple of their size.
     pub(super) fn decode(self, bytes: &[u8], to: &mut Vec<f64>) {
         macro_rules! each {
             ($type:ty) => {
@@ -103,7 +103,7 @@ fn open_array(path: &Path, member: Option<&Member>) -> Result<Box<dyn Read + Sen
     }
 }
 
-/// Reads exactly this number of bytes; memory grows with the data that is there.
+/// Reads exactly this number of bytes; memory is allocated only for data that exist.
 fn exactly(from: &mut dyn Read, count: u64, path: &Path) -> Result<Vec<u8>, FrameError> {
     let mut bytes = Vec::new();
     let read = from.take(count).read_to_end(&mut bytes);
@@ -118,7 +118,7 @@ fn exactly(from: &mut dyn Read, count: u64, path: &Path) -> Result<Vec<u8>, Fram
     }
 }
 
-/// Reads the header of an array, and leaves the reader at its data. `None`: an array of text or of another type without numbers.
+/// Reads the header of an array, and leaves the reader at its data. `None` for an array of text or of another type without numbers.
 fn header(
     from: &mut dyn Read,
     name: &str,
@@ -196,7 +196,7 @@ fn header(
     Ok(Some((number, is_fortran, shape)))
 }
 
-/// Lists the arrays of numbers of a file; the names of others go to `ignored`.
+/// Lists the numerical arrays of a file; the names of other arrays are added to `ignored`.
 fn arrays(path: &Path, ignored: &mut Vec<String>) -> Result<Vec<Array>, FrameError> {
     let mut head = [0; 2];
     let failed = |error| FrameError::unreadable(path, error);
@@ -236,7 +236,7 @@ fn arrays(path: &Path, ignored: &mut Vec<String>) -> Result<Vec<Array>, FrameErr
     Ok(arrays)
 }
 
-/// Meaning of the axes of arrays. HDF5 data sets have the same meanings.
+/// Meaning of the axes of arrays. HDF5 data sets use the same meanings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Axes {
     /// Array over frames, particles and components.
@@ -246,7 +246,7 @@ pub(super) enum Axes {
 }
 
 impl Axes {
-    /// Components of an array, and whether it has an axis of frames; `None` for an array that does not fit.
+    /// Number of components of an array, and whether it has an axis of frames; `None` for an array that does not fit.
     pub(super) fn of(self, shape: &[usize]) -> Option<(&[usize], bool)> {
         match (self, shape) {
             (Self::Series { frames, particles }, [f, n, rest @ ..])
@@ -276,9 +276,10 @@ impl Axes {
         }
     }
 
-    /// Finds the meaning of the axes that gives positions with the most components, then a use for the most arrays.
+    /// Finds the meaning of the axes that gives positions with the largest number of components, then the meaning that uses the largest number of
+    /// arrays.
     ///
-    /// Returns it with the plan and the arrays of its columns.
+    /// Returns this meaning with the plan and the arrays of its columns.
     pub(super) fn guess(
         arrays: &[(&str, &[usize])],
         times: Option<usize>,
@@ -364,7 +365,7 @@ pub(super) fn time_name<'a>(
     }
 }
 
-/// Choices without the column of times, which formats with arrays read themselves.
+/// Choices without the time column, which array formats read themselves.
 pub(super) fn without_time(reading: &Reading) -> Reading {
     let mut own = reading.clone();
     own.columns

@@ -1,4 +1,4 @@
-//! Tables with names of columns in the first line: all frames with a column of the time, or one file for each frame.
+//! Tables whose first line names the columns: all frames with a time column, or one file for each frame.
 
 use super::{Opened, Source, Stamp};
 use crate::columns::{Available, Dialect, Plan};
@@ -14,7 +14,7 @@ const HINT: &str =
 /// Maximum number of runs of rows with the same time.
 const MAX_RUNS: usize = 4_000_000;
 
-/// Rows of one frame that follow each other.
+/// Consecutive rows of one frame.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     start: Mark,
@@ -29,7 +29,7 @@ struct Table {
     paths: Vec<PathBuf>,
     /// File and rows of each frame.
     frames: Vec<(usize, Vec<Run>)>,
-    /// Separator and names of each file.
+    /// Separator and column names of each file.
     heads: Vec<(Separator, Vec<String>)>,
     open: Option<(usize, Lines)>,
     plan: Plan,
@@ -61,7 +61,7 @@ fn names(line: &[u8], separator: Separator) -> Vec<String> {
     split(line, separator).map(name).collect()
 }
 
-/// Goes to the next line that is neither empty nor a comment.
+/// Advances to the next line that is neither empty nor a comment.
 fn next_row(lines: &mut Lines) -> Result<bool, FrameError> {
     while lines.next()? {
         let line = lines.line().trim_ascii();
@@ -72,7 +72,7 @@ fn next_row(lines: &mut Lines) -> Result<bool, FrameError> {
     Ok(false)
 }
 
-/// Reads the names of columns: the first line, or the comment before the numbers. Leaves the reader at the first row.
+/// Reads the names of the columns from the first line, or from the comment before the numbers. Leaves the reader at the first row.
 fn head(lines: &mut Lines) -> Result<(Separator, Vec<String>), FrameError> {
     let mut comment: Option<Vec<u8>> = None;
     let mut mark = lines.mark();

@@ -16,7 +16,7 @@ const PLAIN: &str = "species:S:1:pos:R:3";
 /// Maximum number of columns of one property.
 const MAX_COMPONENTS: usize = 64;
 
-/// Contents of a frame before its rows.
+/// Contents of a frame before its particle rows.
 struct Header {
     count: u64,
     time: Option<f64>,
@@ -25,7 +25,7 @@ struct Header {
     names: Vec<String>,
 }
 
-/// Returns true for a line with one whole number, and a text without the marks of other formats.
+/// Returns true for a line with one whole number, followed by a text without the markers of other formats.
 pub(crate) fn is_start(text: &[u8]) -> bool {
     let mut lines = text.split(|byte| *byte == b'\n');
     let is_count = |line: &[u8]| {

@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// Maximum size of the list of members, in bytes.
 const MAX_LIST: u64 = 64 << 20;
-/// Deflate shrinks by at most this factor.
+/// Largest compression ratio of deflate.
 pub(super) const MOST_RATIO: u64 = 1032;
 
 /// Member of an archive.
@@ -25,7 +25,7 @@ pub(super) struct Member {
     checksum: u32,
 }
 
-/// Reader of the contents of a member, which fails at their end if their checksum is wrong.
+/// Reader of the contents of a member; at the end of the contents it fails if the checksum is wrong.
 struct Checked<R> {
     from: R,
     left: u64,
@@ -124,7 +124,7 @@ fn read_at(file: &mut File, at: u64, size: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Reads an entry of the central directory; returns it with the rest of the directory.
+/// Reads an entry of the central directory; returns it with the remaining directory.
 fn member(entry: &[u8], length: u64) -> Option<(Result<Member, String>, &[u8])> {
     let short = |at| number(entry, at, 2);
     let (name, extra, comment) = (short(28)?, short(30)?, short(32)?);

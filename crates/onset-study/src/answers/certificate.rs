@@ -1,4 +1,4 @@
-//! Proofs about a state, in words and numbers.
+//! Proofs about a state, as text and numbers.
 
 use super::state::list;
 use crate::number::{told, vector};
@@ -74,7 +74,7 @@ impl CertificateAnswer {
 }
 
 impl CertificateAnswer {
-    /// Returns true if neither proof is undecided.
+    /// Returns true if neither of the two proofs is undecided.
     pub(super) fn decides(&self) -> bool {
         [&self.material, &self.discretization]
             .iter()

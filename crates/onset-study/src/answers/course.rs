@@ -269,7 +269,7 @@ fn held_across(loading: Loading, dimension: usize) -> Option<String> {
     })
 }
 
-/// Imposed stretch, or amount of shear, that the path reaches, and the reason if it is not the requested one.
+/// Imposed stretch, or amount of shear, that the path reaches, with the reason if it differs from the requested value.
 fn reached(path: &LoadingPath<'_>, imposed: f64) -> (f64, Option<String>) {
     let mode = path.loading.mode;
     let s = mode.parameter(imposed);
@@ -286,7 +286,7 @@ fn reached(path: &LoadingPath<'_>, imposed: f64) -> (f64, Option<String>) {
     (mode.imposed(last), Some(why))
 }
 
-/// Scaled minima below this are rounding errors.
+/// Largest scaled minimum that counts as a rounding error.
 const SCALED_ROUNDING: f64 = 1e-12;
 /// Number of states along a path.
 const SAMPLES: usize = 97;

@@ -43,7 +43,7 @@ pub struct Diagram {
     pub corners: Vec<Corner>,
     /// Samples along the path. If the dynamical matrix is not periodic, they are taken at the equivalent wave vectors of the first zone.
     pub samples: Vec<DispersionAnswer>,
-    /// Length of the path up to each sample, 1/length; two samples at one position are a jump.
+    /// Length of the path up to each sample, 1/length; two samples at the same position mark a jump.
     pub lengths: Vec<f64>,
     /// Plotted values of each sample.
     pub heights: Vec<Heights>,
@@ -56,11 +56,11 @@ pub struct Diagram {
 /// Plotted values of one wave vector: frequencies upward, growth rates downward. 1/time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Heights {
-    /// Frequency of each wave of the discretization, `Re omega`; for waves that do not oscillate, minus the growth rate.
+    /// Frequency of each wave of the discretization, `Re omega`; for waves that do not oscillate, the negative growth rate.
     pub particles: Vec<f64>,
     /// Frequency of each wave of the continuum, with the same sign convention.
     pub continuum: Vec<f64>,
-    /// Minus the largest growth rate of the oscillating waves; `null` if all growth rates are zero to rounding.
+    /// Negative of the largest growth rate of the oscillating waves; `null` if all growth rates are zero to rounding.
     pub flutter: Option<f64>,
 }
 
@@ -84,7 +84,7 @@ pub struct CriticalWave {
     pub omega_squared: ComplexNumber,
     /// Growth rate, zero if stable; 1/time.
     pub growth_rate: f64,
-    /// Plotted value: minus the growth rate, or the frequency if stable. 1/time.
+    /// Plotted value: the negative growth rate, or the frequency if stable. 1/time.
     pub height: f64,
     /// Reference wave vector, zero in the limit of long waves; 1/length.
     pub wave_vector: Vec<f64>,
@@ -99,7 +99,7 @@ pub struct CriticalWave {
 /// Density of states, normalized to an integral of one.
 ///
 /// The density is the fraction of all waves of the zone in an interval of frequency, divided by its width. Waves that grow without oscillating count
-/// at minus their growth rate.
+/// at their negative growth rate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DensityOfStates {
     /// The ends of the intervals; 1/time.
@@ -199,7 +199,7 @@ impl Diagram {
         text
     }
 
-    /// Lowest plotted value: minus the largest growth rate, or the lowest frequency; 1/time.
+    /// Lowest plotted value: the negative of the largest growth rate, or the lowest frequency; 1/time.
     pub fn lowest(&self) -> f64 {
         let drawn = self.heights.iter().flat_map(|heights| {
             let particles = heights.particles.iter().copied();
@@ -381,7 +381,7 @@ impl Diagram {
         })
     }
 
-    /// Names of the corners; at a jump both names in one tick.
+    /// Names of the corners; at a jump one tick carries both names.
     fn ticks(&self) -> Vec<(f64, String)> {
         let mut ticks: Vec<(f64, String)> = Vec::new();
         for corner in &self.corners {
@@ -429,7 +429,7 @@ impl Diagram {
     }
 }
 
-/// Color of growth that only the discretization has.
+/// Color of waves that grow only in the discretization.
 fn numerical() -> Color {
     palette::verdict("numerical").unwrap_or(palette::ORANGE)
 }
@@ -439,9 +439,9 @@ fn numerical() -> Color {
 enum Kind {
     /// Its frequency is a small fraction of the slowest wave of the continuum.
     Weak,
-    /// It grows, and so does a wave of the continuum with the same wave vector.
+    /// The wave grows, and so does a wave of the continuum with the same wave vector.
     Physical,
-    /// It grows, and no wave of the continuum with the same wave vector does.
+    /// The wave grows, but no wave of the continuum with the same wave vector does.
     Numerical,
 }
 
@@ -462,7 +462,7 @@ impl Kind {
     }
 }
 
-/// Frequency of a wave; for a wave that does not oscillate, minus the growth rate.
+/// Frequency of a wave; for a wave that does not oscillate, the negative growth rate.
 fn frequency(omega_squared: ComplexNumber) -> f64 {
     let value = Complex::new(omega_squared.re, omega_squared.im);
     let (oscillation, growth) = (value.sqrt().re.abs(), growth_rate(value));

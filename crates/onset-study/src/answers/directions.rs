@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 
 /// Directions of half a circle; the other half has the same eigenvalues.
 const CIRCLE_DIRECTIONS: usize = 180;
-/// Directions of a sphere: circles of latitude from pole to pole, and points on each.
+/// Directions on a sphere: circles of latitude from pole to pole, and points on each circle.
 const SPHERE_DIRECTIONS: [usize; 2] = [37, 72];
 
 /// Acoustic tensor `Q_ik(N) = A_iJkL N_J N_L` in the reference directions `N` of the lattice's dimensions.

@@ -1,4 +1,4 @@
-//! Waves in discrete time, for methods that define their time step, in the answer about a state.
+//! Waves in discrete time, in the answer about a state, for methods that define their time step.
 
 use super::finite_body::LATTICE_NOTE;
 use super::problem::{Problem, ProblemError};
@@ -72,7 +72,7 @@ impl DiscreteTimeAnswer {
             longitudinal_wave: time_step.and_then(|step| {
                 let mut along = vec![0.0; dimension];
                 along[0] = TAU / (DAMPED_WAVELENGTH * problem.settings.discretization.spacing);
-                // The fastest wave is the last one; of its two solutions, the less damped one.
+                // The fastest wave is the last; the less damped of its two solutions is used.
                 let rates = waves.rates(&along, step);
                 let last = rates.iter().rev().take(2);
                 let slowest = last.max_by(|a, b| {

@@ -128,7 +128,7 @@ impl DispersionAnswer {
             "reference wave vector  {}",
             units.of(vector(&self.wave_vector), "1/m")
         )?;
-        // Values within rounding of the largest one are printed as zero.
+        // Values within rounding of the largest value are printed as zero.
         let sizes = self
             .omega_squared
             .iter()

@@ -8,7 +8,7 @@ use onset::kinematics::DeformationGradient;
 use onset::motion::{BodyError, Start};
 use serde::Serialize;
 
-/// Kind of body for the critical time step of the waves.
+/// Kind of body for which the critical time step of the waves holds.
 pub const LATTICE_NOTE: &str = "infinite lattice; free faces and distorted cells need less";
 
 /// Time step for finite bodies of a lattice.
@@ -115,10 +115,10 @@ impl BodyStepAnswer {
     }
 }
 
-/// Hint for a body that is not possible.
+/// Hint for a body that cannot be built.
 pub(crate) fn hint_on_body(error: &BodyError) -> &'static str {
     match error {
-        BodyError::NoContact(_) => "leave body.contact out",
+        BodyError::NoContact(_) => "omit body.contact",
         BodyError::NoBodies => {
             "bodies are run with discretization.method = \"updated-sph\" or \"total-lagrangian-sph\", without shear between pairs; the first without a penalty, the latter without viscosity and velocity smoothing"
         }

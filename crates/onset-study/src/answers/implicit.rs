@@ -16,7 +16,7 @@ pub struct ImplicitAnswer {
     pub largest_steps: BTreeMap<&'static str, f64>,
     /// Largest steps for which the fastest growing wave grows in discrete time, by integrator; time. Empty if no wave grows, or if this wave flutters.
     ///
-    /// Integrators with growth for every step are left out. Slower waves grow in longer steps too.
+    /// Integrators are omitted if the wave grows for every step. Slower waves grow in longer steps too.
     pub growing_steps: BTreeMap<&'static str, f64>,
 }
 

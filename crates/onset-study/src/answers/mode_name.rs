@@ -6,7 +6,7 @@ use crate::settings::Family;
 use nalgebra::SVector;
 use onset::bloch::Mode;
 
-/// Component of the polarization along the wave, as a fraction: longitudinal from the first value, transverse up to the second.
+/// Component of the polarization along the wave, as a fraction: waves are longitudinal above the first value and transverse below the second.
 const LONGITUDINAL: f64 = 0.95;
 const TRANSVERSE: f64 = 0.3;
 /// Relative tolerance for the lengths of wave vectors.
@@ -42,7 +42,7 @@ pub(super) fn name(
         );
     }
     let omega_squared = mode.omega_squared;
-    // Values within rounding of the largest one are zero.
+    // Values within rounding of the largest value are zero.
     let is_zero = told_of(omega_squared.re, fastest * fastest) == "0";
     let frequency = match omega_squared.re > 0.0 && omega_squared.im == 0.0 && !is_zero {
         true => {

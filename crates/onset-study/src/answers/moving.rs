@@ -14,7 +14,7 @@ use std::f64::consts::TAU;
 const CELLS: [usize; 3] = [24, 10, 5];
 /// Maximum number of particles of the patch.
 const MAX_PARTICLES: usize = 700;
-/// Number of inverse iterations; each nearly eliminates the components of other modes.
+/// Number of inverse iterations; each iteration nearly eliminates the components of other modes.
 const INVERSE_ITERATIONS: usize = 4;
 
 /// Critical mode, or softest mode of a stable state, on a patch of particles.

@@ -1,10 +1,10 @@
-//! Commands that follow up a verdict, with the current settings.
+//! Suggested commands after a verdict, with the current settings.
 
 use crate::settings::{Choice, Family, Key, Settings, Shear, Value};
 use crate::shell::quoted;
 use onset::verdict::Verdict;
 
-/// Commands that follow up a verdict. Empty for a law that the calling program defines, because no command can name it.
+/// Suggested commands after a verdict. Empty for a law that the calling program defines, because no command can name it.
 pub(super) fn next(settings: &Settings, verdict: Verdict, has_one_particle: bool) -> Vec<String> {
     if settings.material.is_handed() {
         return Vec::new();

@@ -12,7 +12,7 @@ use onset::material::{Hyperelastic, Response};
 
 /// Stresses at `F = 1` below this fraction of the stiffness are rounding errors.
 const STRESS_ROUNDING: f64 = 1e-9;
-/// State with different stretches. A law without shear stiffness only at `F = 1` has some here.
+/// State with different stretches. A law without shear stiffness only at `F = 1` has shear stiffness at this state.
 const PROBE_STRETCHES: [f64; 3] = [1.1, 1.0, 0.95];
 
 /// Notes on a law: stress at `F = 1`, no shear stiffness, a negative Poisson's ratio, a path-dependent tangent, and the block of another program that
@@ -69,7 +69,7 @@ pub(super) fn buckling(
     })
 }
 
-/// Returns true for a fluid: no shear stiffness, neither at `F = 1` nor under stretches, but stiffness against volume changes.
+/// Returns true for a fluid: the law has no shear stiffness, either at `F = 1` or under stretches, but resists volume changes.
 pub(super) fn is_fluid(material: &dyn Hyperelastic) -> bool {
     let yields = |f: DeformationGradient| {
         let response = material.response(&f).ok()?;
@@ -155,12 +155,12 @@ fn shear_of_plane(response: &Response) -> Option<f64> {
 fn note_on_path(model: Model) -> Option<String> {
     model.is_in_rate_form().then(|| match model.yields() {
         false => format!(
-            "{} is hypoelastic: the state is reached along R U^t, 0 <= t <= 1 (proportional logarithmic strain), and waves meet the tangent of the rates that go on \
-             from there; of a stressed state it has no major symmetry, so that waves can flutter, even where the law is strongly elliptic",
+            "{} is hypoelastic: the state is reached along R U^t, 0 <= t <= 1 (proportional logarithmic strain), and waves are evaluated with the tangent of the \
+             rates that continue from there; of a stressed state it has no major symmetry, so that waves can flutter, even where the law is strongly elliptic",
             model.name()
         ),
         true => format!(
-            "{} {}: the state is reached along R U^t, 0 <= t <= 1 (proportional logarithmic strain), and beyond yield waves meet the \
+            "{} {}: the state is reached along R U^t, 0 <= t <= 1 (proportional logarithmic strain), and beyond yield waves are evaluated with the \
              tangent of continued loading (Hill's linear comparison solid): with associated flow stability under it is sufficient, and its loss is an instability \
              only while loading continues",
             model.name(),
@@ -237,14 +237,14 @@ pub fn notes(settings: &Settings, material: &dyn Hyperelastic) -> Vec<String> {
     notes
 }
 
-/// Note that zero-energy modes count as stable if only growing waves matter.
+/// Note that zero-energy modes count as stable, for commands that consider only growing waves.
 pub(crate) fn zero_energy(who_has: &str, place: &str) -> String {
     format!(
         "{who_has} zero-energy modes (verdict zero-energy), which do not grow by themselves and count as stable {place}; `onset modes` shows them"
     )
 }
 
-/// Notes on the method: the cell was reduced, or bonds use only the modulus of the law.
+/// Notes on the method: whether the cell was reduced, and whether bonds use only the modulus of the law.
 pub fn notes_on_method(settings: &Settings) -> Vec<String> {
     let reduced = reduced(settings).map(note_on_cell);
     reduced

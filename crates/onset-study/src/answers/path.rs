@@ -38,7 +38,7 @@ pub struct PathAnswer {
     pub is_symmetric: bool,
     /// Notes on law and method.
     pub notes: Vec<String>,
-    /// Evidence that nothing is lost between the sampled states: `searched`.
+    /// Evidence that stability is not lost between the sampled states: `searched`.
     pub evidence: Evidence,
     /// All settings in effect.
     pub settings: Effective,
@@ -148,7 +148,7 @@ impl PathAnswer {
     /// Follows a straight path or a loading.
     ///
     /// # Errors
-    /// Fails like [`PathAnswer::new`], and when a loading cannot be followed.
+    /// Fails like [`PathAnswer::new`], or if a loading cannot be followed.
     pub fn along(problem: &Problem, course: &Course) -> Result<Self, ProblemError> {
         course.follow(problem, |path, loading| {
             let abscissa = course.abscissa(0.0).0;
@@ -286,7 +286,7 @@ impl Defined {
         }
     }
 
-    /// Restriction to add to statements about the whole path.
+    /// Restriction that is added to statements about the whole path.
     fn limits(self) -> &'static str {
         match self {
             Self::Somewhere => ", where it is defined",
@@ -378,7 +378,7 @@ fn crossings(
 }
 
 impl PathAnswer {
-    /// Onsets of material and discretization in words.
+    /// Sentences on the onsets of material and discretization.
     fn sentences(&self) -> [String; 2] {
         let units = self.settings.units();
         let [law, discretization] = self.defined;
@@ -461,7 +461,7 @@ impl PathAnswer {
         loading.is_some_and(|loading| loading.mode == Mode::SimpleShear)
     }
 
-    /// Changes of stability along the path, a line for each.
+    /// Changes of stability along the path, one line for each.
     fn crossings(&self) -> Vec<String> {
         let sheared = self.is_sheared();
         let line = |name: &str, crossing: &CrossingAnswer| {
@@ -530,7 +530,7 @@ fn phase(phase: Phase) -> &'static str {
     }
 }
 
-/// A state in words; for simple shear with the amount of shear.
+/// Description of a state; for simple shear with the amount of shear.
 fn at(place: &Place, sheared: bool, units: Units) -> String {
     let start = if place.parameter == 0.0 {
         ", the start,"

@@ -14,7 +14,7 @@ use onset::verdict::PathError;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// Reasons why a problem cannot be set up or evaluated; the input is always at fault.
+/// Reason why a problem cannot be set up or evaluated; all reasons are errors in the input.
 #[derive(Debug, Error)]
 pub enum ProblemError {
     /// A setting is invalid.
@@ -27,7 +27,7 @@ pub enum ProblemError {
         what: &'static str,
         /// Number of components that were given.
         given: usize,
-        /// Expected number of components, in words.
+        /// Description of the expected number of components.
         expected: String,
         /// Suggestion, or an empty string.
         hint: String,
@@ -103,7 +103,7 @@ pub enum ProblemError {
         /// Cause of the failure.
         source: MethodError,
     },
-    /// The body of the study is not possible.
+    /// The body of the study cannot be built.
     #[error("{source}\n  hint: {}", hint_on_body(source))]
     Body {
         /// Cause of the failure.
@@ -192,7 +192,7 @@ fn meant(what: &str, text: &str, admitted: impl Fn(usize) -> bool, is_stretch: b
     }
 }
 
-/// Appends notes to a message, one a line.
+/// Appends notes to a message, one per line.
 fn note_lines(notes: &[String]) -> String {
     notes
         .iter()
@@ -213,10 +213,10 @@ fn path_hint(error: &PathError) -> &'static str {
     }
 }
 
-/// Number of dimensions of states, and the condition on the directions beyond.
+/// Number of dimensions of states, and the condition in the remaining directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Extent {
-    /// The number of dimensions of the lattice.
+    /// Number of dimensions of the lattice.
     pub dimension: usize,
     /// Condition on the directions beyond the dimensions of the lattice.
     pub plane: Plane,
@@ -233,7 +233,7 @@ impl From<usize> for Extent {
 }
 
 impl Extent {
-    /// Returns true if components beyond the dimensions cannot be given: they follow from equilibrium, or do not exist.
+    /// Returns true if components beyond the dimensions cannot be given, because they follow from equilibrium or do not exist.
     pub(super) fn leaves_none_beyond(self) -> bool {
         self.plane != Plane::Strain
     }
@@ -258,13 +258,13 @@ impl Extent {
             what,
             given,
             expected: format!("{own}: {found}"),
-            hint: "leave out the other components, or set material.plane=strain to prescribe them"
+            hint: "omit the other components, or set material.plane=strain to prescribe them"
                 .to_owned(),
         }
     }
 }
 
-/// A deformation as typed, and whether it includes stretches or components beyond the dimensions of the lattice.
+/// A deformation as given by the user, and whether it includes stretches or components beyond the dimensions of the lattice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strain(pub DeformationGradient, bool);
 
@@ -319,7 +319,7 @@ impl Strain {
         ))
     }
 
-    /// Reads the components of `F`: 1 in one dimension, `F11,F12,F21,F22` in two, or all nine; in three dimensions all nine.
+    /// Reads the components of `F`: one in one dimension, `F11,F12,F21,F22` in two dimensions, nine in three; all nine may be given in any dimension.
     ///
     /// # Errors
     /// [`ProblemError`] for a different number of components, or when `det F` is not positive.
@@ -387,7 +387,7 @@ impl Settings {
     }
 }
 
-/// Reads finite numbers separated by commas; `what` names the argument in messages.
+/// Reads finite numbers separated by commas; `what` is the name of the argument in messages.
 ///
 /// # Errors
 /// [`ProblemError`] when an item is not a finite number.
@@ -481,8 +481,8 @@ impl Problem {
         self.analysis.dimension()
     }
 
-    /// Completes a state by the components across a sheet in plane stress or a bar in uniaxial stress. Other states, and states without a solution,
-    /// are returned unchanged.
+    /// Computes the components across a sheet in plane stress or a bar in uniaxial stress. Other states, and states without a solution, are returned
+    /// unchanged.
     pub fn found(&self, f: &DeformationGradient) -> DeformationGradient {
         match self.material.dimension() {
             3 => *f,
@@ -493,7 +493,7 @@ impl Problem {
         }
     }
 
-    /// Checks a state given by all components, although some may follow from equilibrium.
+    /// Checks a state given by all components, even if some of them follow from equilibrium.
     ///
     /// # Errors
     /// [`ProblemError::Numbers`] when components across a sheet or bar differ from the reference configuration.

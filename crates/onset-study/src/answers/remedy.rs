@@ -1,4 +1,4 @@
-//! Choices of material points without zero-energy modes, tried at the state.
+//! Settings of material points without zero-energy modes, tested at the state.
 
 use super::problem::Problem;
 use crate::settings::{Family, Velocities};
@@ -6,11 +6,11 @@ use onset::kinematics::DeformationGradient;
 use onset::verdict::Verdict;
 use std::sync::Arc;
 
-/// Sentences on the settings that leave no zero-energy modes at a state; empty for methods with a stabilization, which is tuned, and where nothing that
-/// was tried works.
+/// Sentences on the settings that remove all zero-energy modes at a state; empty for methods with a stabilization, which can be tuned, and if no
+/// tested setting succeeds.
 ///
-/// FLIP keeps velocities of points that the grid does not resolve. With a share of FLIP below one they decay, and the affine transfer removes them. A cell
-/// with one point has modes of the grid that this point does not resolve.
+/// FLIP preserves velocities of points that the grid does not resolve. With a FLIP fraction below one they decay, and the affine transfer removes
+/// them. A cell with one point has modes of the grid that this point does not resolve.
 pub(super) fn remedy(problem: &Problem, f: &DeformationGradient) -> String {
     let settings = &problem.settings;
     let method = &settings.method;

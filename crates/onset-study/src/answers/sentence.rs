@@ -35,7 +35,7 @@ pub(super) fn of_correction(
     )
 }
 
-/// Sentence for an assessment. `in_3d` describes the material for waves in all directions; `None` for a sheet in plane stress.
+/// Sentence for an assessment. `in_3d` describes the material for waves in all directions; it is `None` for a sheet in plane stress.
 pub(super) fn of(
     problem: &Problem,
     assessment: &Assessment<3>,

@@ -65,7 +65,7 @@ pub struct StateAnswer {
     pub sentence: String,
     /// Notes on law and method.
     pub notes: Vec<String>,
-    /// Commands that follow up the verdict.
+    /// Suggested commands after the verdict.
     pub next: Vec<String>,
     /// All settings in effect.
     pub settings: Effective,
@@ -198,8 +198,8 @@ pub struct DiscretizationAnswer {
     pub mode: String,
     /// `omega^2` of smallest real part over the whole Brillouin zone; zero (the translation) when stable. 1/time^2.
     pub minimum_omega_squared: ComplexNumber,
-    /// `min Re omega^2 / (c^2 |k|_h^2)` over the zone and the long-wave limit. If a mode grows at `k = 0`, this quotient has no minimum; the value is then
-    /// the lowest `Re omega^2` over the largest `c^2 |k|_h^2`.
+    /// `min Re omega^2 / (c^2 |k|_h^2)` over the zone and the long-wave limit. If a mode grows at `k = 0`, this quotient has no minimum; the value is
+    /// then the lowest `Re omega^2` divided by the largest `c^2 |k|_h^2`.
     pub minimum_scaled: f64,
     /// Reference wave vector of the fastest growing mode, or of the softest mode if stable; 1/length. Zero in the limit of long waves.
     pub wave_vector: Vec<f64>,
@@ -750,7 +750,7 @@ impl std::fmt::Display for StateAnswer {
             let text = format!("grid cells of {side}, points {apart} apart");
             line(&of("spacing"), text)?;
         }
-        // Squared frequencies within rounding of the largest one are zero.
+        // Squared frequencies within rounding of the largest squared frequency are zero.
         let fastest = d.maximum_omega * d.maximum_omega;
         let real = told_of(d.minimum_omega_squared.re, fastest);
         let omega_squared = match told_of(d.minimum_omega_squared.im, fastest).as_str() {

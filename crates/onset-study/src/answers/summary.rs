@@ -43,8 +43,8 @@ pub struct StudySummary {
     pub sampled: usize,
     /// Number of sampled states without a verdict.
     pub undefined: usize,
-    /// Estimated number of states that will be computed, from a rehearsal on sampled states; the others are filled in. `null` if a library must be
-    /// allowed first.
+    /// Estimated number of states that will be computed, from a trial run on sampled states; the remaining states are filled in. `null` if a library
+    /// must be allowed first.
     pub evaluations: Option<u64>,
     /// Processor time of one computed state, the mean over the sampled states; seconds. `null` if a library must be allowed first.
     pub seconds_per_state: Option<f64>,
@@ -63,7 +63,7 @@ pub struct AxisSummary {
     pub quantity: &'static str,
     /// First and last value of the axis.
     pub range: (f64, f64),
-    /// Unit of the axis.
+    /// Unit of the quantity on the axis.
     pub unit: &'static str,
     /// Number of states along the axis.
     pub states: usize,

@@ -53,7 +53,7 @@ impl UnloadingAnswer {
         }))
     }
 
-    /// The answer in one line.
+    /// Text of the answer in one line.
     pub(super) fn words(&self, units: Units) -> String {
         let verdict = named(self.verdict, self.mechanism);
         let growth = match self.growth_rate > 0.0 {

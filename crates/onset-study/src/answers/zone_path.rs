@@ -71,7 +71,7 @@ impl Stop {
 /// Points of high symmetry of a lattice that a state distinguishes.
 ///
 /// A rotation or reflection of the reference lattice is a symmetry of the state if waves without symmetry keep their frequencies under it. Anything
-/// that breaks the symmetry shows in these waves: the deformation, fibers of the material, one family of stress points, or the background grid.
+/// that breaks the symmetry changes these frequencies: the deformation, fibers of the material, one family of stress points, or the background grid.
 /// Points that are mapped to each other, or to opposite points, have the same waves, so that one of them suffices.
 pub(super) struct SymmetryPoints<'a> {
     analysis: &'a dyn Analysis,
@@ -161,7 +161,7 @@ impl<'a> SymmetryPoints<'a> {
         }
         path.add(self.route.iter().map(|(_, k)| stop(*k)).collect());
         loop {
-            // Points that an image of the path adds, in its order.
+            // Points that the image of the path adds, in the order of the image.
             let added = |map: &Matrix3<f64>| {
                 let mut numbers: Vec<(usize, Vector3<f64>)> = Vec::new();
                 for (_, k) in &self.route {
@@ -296,7 +296,7 @@ mod tests {
         Problem::new(settings).expect("a problem")
     }
 
-    /// Waves of springs between a particle and its neighbors in a state that stretches the axes.
+    /// Waves of springs between a particle and its neighbors in a state with the given stretches along the axes.
     fn springs(
         analysis: &dyn Analysis,
         stretches: [f64; 3],

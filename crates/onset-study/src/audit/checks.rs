@@ -24,7 +24,7 @@ pub enum Outcome {
     Failed,
     /// The differences of the stress are too inaccurate for a decision, as near a kink.
     Undetermined,
-    /// A remark, neither right nor wrong.
+    /// Remark that is neither a success nor a failure.
     Noted,
 }
 
@@ -35,11 +35,11 @@ pub struct Check {
     pub name: &'static str,
     /// Outcome of the check.
     pub outcome: Outcome,
-    /// Largest relative error, or `None` if the check measures none.
+    /// Largest relative error, or `None` for checks without an error measure.
     pub error: Option<f64>,
     /// State of the largest error, unless the check passed.
     pub state: Option<State>,
-    /// Finding of the check, in words.
+    /// Description of the finding.
     pub finding: String,
 }
 
@@ -119,7 +119,7 @@ impl Check {
         }
     }
 
-    /// Turns a failure into `Undetermined` if the uncertainty of the differences is too large.
+    /// Changes a failure to `Undetermined` if the uncertainty of the differences is too large.
     fn unless_unknown(mut self, uncertainty: f64) -> Self {
         if uncertainty > DISTINCTION_UNCERTAINTY && self.outcome == Outcome::Failed {
             self.outcome = Outcome::Undetermined;
@@ -130,7 +130,7 @@ impl Check {
         self
     }
 
-    /// Turns a failure into a remark for materials with a history, which may dissipate.
+    /// Changes a failure to a remark for materials with a history, which may dissipate.
     fn excused(mut self, is_excused: bool) -> Self {
         if is_excused && self.outcome == Outcome::Failed {
             self.outcome = Outcome::Noted;
@@ -536,8 +536,8 @@ fn energy(subject: &Subject<'_>, measured: &[Measured]) -> Check {
 
 /// Work along closed loops of deformation.
 ///
-/// The trapezoidal rule is accurate to all orders on a smooth closed curve. Across a kink of the stress it is not, although a stress that is the
-/// derivative of an energy does no work along the loop there either.
+/// The trapezoidal rule is accurate to all orders on a smooth closed curve. It is not if the curve crosses a kink of the stress, although a stress
+/// that is the derivative of an energy does no work along this loop either.
 fn closed_loops(subject: &Subject<'_>, is_derivative: bool) -> Result<Check, AuditError> {
     const POINTS: usize = 64;
     const RADIUS: f64 = 0.1;

@@ -87,7 +87,7 @@ impl Convention {
         }
     }
 
-    /// Description of the convention, in words.
+    /// Description of the convention.
     pub fn meaning(self) -> &'static str {
         match self {
             Self::JaumannKirchhoff => "the Jaumann rate of the Kirchhoff stress divided by J",

@@ -39,7 +39,7 @@ pub fn limit(plus: &[Vec<f64>], minus: &[Vec<f64>]) -> Extrapolated {
 /// Richardson extrapolation with halved steps.
 ///
 /// The result is the entry of the table that differs least from its neighbors (Ridders, Adv. Eng. Software 4 (1982) 75). Large steps suffer from
-/// truncation, small ones from rounding, and steps across a kink disagree with each other, so no step is trusted beforehand. The error has even
+/// truncation and small steps from rounding, and steps across a kink disagree with each other, so no step is trusted beforehand. The error has even
 /// powers of the step for smooth functions, and all powers if a derivative jumps at the state: both tables are tried.
 fn extrapolated(levels: &[Vec<f64>]) -> Extrapolated {
     let mut best = Extrapolated {

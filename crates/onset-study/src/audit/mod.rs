@@ -1,7 +1,7 @@
 //! Audit of a material: stress against energy, tangent against stress, and objectivity.
 //!
-//! The audit uses nothing but values of the material: every derivative is a difference of stresses or energies. [`Convention`] lists the tangents
-//! that are distinguished, and [`Reading`] the usual mistakes.
+//! The audit uses only values of the material: every derivative is a difference of stresses or energies. [`Convention`] lists the tangents that are
+//! distinguished, and [`Reading`] the usual mistakes.
 
 mod checks;
 mod convention;
@@ -78,7 +78,7 @@ pub struct Audit {
     pub consistent: bool,
     /// Summary of the audit, in a sentence or two.
     pub verdict: String,
-    /// Number of states, including the reference configuration.
+    /// Number of audited states, including the reference configuration.
     pub states: usize,
     /// Results of the checks.
     pub checks: Vec<Check>,

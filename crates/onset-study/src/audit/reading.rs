@@ -31,11 +31,11 @@ pub enum Shear {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Volume {
-    /// No error: the factor is correct.
+    /// The factor is correct.
     Right,
-    /// Too large by `J`: not divided by it.
+    /// Too large by the factor `J`: the division by `J` is missing.
     TimesJacobian,
-    /// Too small by `J`: divided by it once too often.
+    /// Too small by the factor `J`: divided by `J` once too often.
     OverJacobian,
 }
 
@@ -52,7 +52,7 @@ pub enum Order {
 }
 
 impl Order {
-    /// Positions in this order of the components of the standard order.
+    /// Positions of the standard components in this order.
     fn places(self) -> [usize; 6] {
         match self {
             Self::Standard => [0, 1, 2, 3, 4, 5],
@@ -120,7 +120,7 @@ impl Reading {
         readings
     }
 
-    /// Mistakes in addition to the convention, in words.
+    /// Description of the mistakes in addition to the convention.
     pub fn slips(&self) -> Vec<&'static str> {
         let slips = [
             (self.transposed, "transposed"),
@@ -152,7 +152,7 @@ impl Reading {
             .collect()
     }
 
-    /// Convention and mistakes, in words.
+    /// Sentence on the convention and the mistakes.
     pub fn sentence(&self) -> String {
         let slips = self.slips();
         match slips.is_empty() {
@@ -213,7 +213,7 @@ impl Delivery {
         }
     }
 
-    /// Largest difference between a component and its mirror image across the diagonal, relative to the norm of all.
+    /// Largest difference between a component and its mirror image across the diagonal, relative to the norm of all components.
     pub fn asymmetry(&self) -> f64 {
         match self {
             Self::Matrix(matrix) => relative(matrix.transpose().as_slice(), matrix.as_slice()),
@@ -233,7 +233,7 @@ pub fn relative(a: &[f64], b: &[f64]) -> f64 {
     relative_to(a, b, 0.0)
 }
 
-/// `|a - b|` relative to the larger of `|b|` and `least`.
+/// Difference `|a - b|` relative to the larger of `|b|` and `least`.
 pub fn relative_to(a: &[f64], b: &[f64], least: f64) -> f64 {
     let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
     let difference = norm(&mut a.iter().zip(b).map(|(a, b)| a - b));
@@ -244,7 +244,7 @@ pub fn relative_to(a: &[f64], b: &[f64], least: f64) -> f64 {
     if error.is_nan() { f64::INFINITY } else { error }
 }
 
-/// `size / scale`; one if only `scale` is zero, zero if both are.
+/// Ratio `size / scale`; one if only `scale` is zero, zero if both are.
 pub fn ratio(size: f64, scale: f64) -> f64 {
     match (size == 0.0, scale == 0.0) {
         (true, _) => 0.0,
@@ -259,7 +259,7 @@ pub struct Match {
     /// Convention and mistakes of the tangent.
     #[serde(flatten)]
     pub reading: Reading,
-    /// Convention and mistakes, in words.
+    /// Sentence on the convention and the mistakes.
     pub sentence: String,
     /// Largest relative error over the states, in the Frobenius norm.
     pub error: f64,

@@ -1,4 +1,4 @@
-//! States of an audit, unless the user names others.
+//! Default states of an audit, used unless the user gives others.
 
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, Vector3};
 use onset::kinematics::{DeformationGradient, KinematicsError};
@@ -9,7 +9,7 @@ use serde::Serialize;
 pub struct State {
     /// The deformation gradient, by rows.
     pub deformation_gradient: [[f64; 3]; 3],
-    /// Equal stretches and axes that coincide with the coordinate axes, in words.
+    /// Description of equal stretches, and of axes that coincide with the coordinate axes.
     pub position: String,
 }
 
@@ -71,9 +71,9 @@ fn position(f: &Matrix3<f64>) -> String {
 /// Default states of an audit, with strains of about the given amount.
 ///
 /// Routines branch where stretches are equal and where principal axes coincide with the coordinate axes. The states include each of these cases: the
-/// reference configuration, dilations, two equal and three different stretches along the axes, with one axis rotated and with all of them. Each
-/// occurs also rotated, and at a volume that is smaller, larger and exactly unchanged. The general states are neither aligned nor symmetric nor
-/// isochoric, so that no two conventions agree.
+/// reference configuration, dilations, and two equal or three different stretches, with axes along the coordinate axes, with one axis rotated and
+/// with all axes rotated. Each case also occurs with an additional rotation, and at volumes that are smaller, larger and exactly unchanged. The
+/// general states are neither aligned nor symmetric nor isochoric, so that no two conventions agree.
 ///
 /// # Errors
 /// [`KinematicsError`] when the strain is so large that matter is turned inside out.

@@ -81,7 +81,8 @@ impl Subject<'_> {
 
     /// Evaluates the material at states near `f`.
     ///
-    /// A material with a history reaches them in its last increment, so that they can be compared with its tangent, which belongs to this increment.
+    /// A material with a history reaches these states in its last increment, so that they can be compared with its tangent, which belongs to this
+    /// increment.
     ///
     /// # Errors
     /// [`MaterialError`] when the material fails at a state.
@@ -124,7 +125,7 @@ impl Subject<'_> {
         Ok(start.map_or(f.matrix(), |start| f.matrix() * start))
     }
 
-    /// Evaluates the material at each state after visiting the preceding one (for the first, the last).
+    /// Evaluates the material at each state after visiting the preceding state (for the first state, the last state).
     ///
     /// # Errors
     /// [`MaterialError`] when the material fails at a state.

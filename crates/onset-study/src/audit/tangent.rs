@@ -35,7 +35,7 @@ pub struct TangentFinding {
     pub uncertainty: f64,
 }
 
-/// Reading that fits at more states than others.
+/// Reading that fits at more states than the other readings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Partial {
     /// Convention and mistakes, with the error.
@@ -302,8 +302,7 @@ fn secant_error<'a>(states: impl Iterator<Item = &'a Measured>) -> Option<f64> {
 
 /// Term that the tangent of a small-strain update lacks; `None` if the stress does not depend on the path.
 ///
-/// A stress that is integrated from strain
-/// increments depends on it; a law of the whole deformation with this tangent is wrong.
+/// A stress that is integrated from strain increments depends on the path. The tangent is wrong for a law of the whole deformation.
 fn small_strain_update(
     subject: &Subject<'_>,
     identified: &Option<Match>,

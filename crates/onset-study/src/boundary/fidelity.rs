@@ -71,7 +71,7 @@ pub struct Rays {
     pub only_material: usize,
     /// Number of rays along which only the particles lose stability.
     pub only_discretization: usize,
-    /// Number of rays along which the discretization is undefined before it loses stability.
+    /// Number of rays along which the discretization becomes undefined before it loses stability.
     pub undefined: usize,
     /// Ray with the largest distance of the onsets, `[sum (lambda_i^num - lambda_i^exact)^2]^(1/2)`, relative to the exact stretch. `null` if no ray has both onsets.
     pub worst: Option<WorstRay>,
@@ -88,7 +88,7 @@ pub struct WorstRay {
     pub discretization: [f64; 2],
     /// Distance between the two onsets.
     pub error: f64,
-    /// Distance over the norm of the stretches at the material's onset.
+    /// Distance divided by the norm of the stretches at the material's onset.
     pub relative: f64,
 }
 
@@ -101,7 +101,7 @@ pub struct WorstStress {
     pub discretization: [f64; 2],
     /// Frobenius norm of the difference of the Cauchy stresses; stress.
     pub error: f64,
-    /// Error over the norm of the stress at the material's onset.
+    /// Error divided by the norm of the stress at the material's onset.
     pub relative: f64,
 }
 

@@ -76,7 +76,7 @@ pub struct Tracing {
 
 /// Observer of the progress, which may cancel the computation.
 pub trait Watch: Sync {
-    /// Reports a number of further evaluated states.
+    /// Reports an additional number of evaluated states.
     fn asked(&self, states: u64);
 }
 
@@ -303,7 +303,7 @@ pub struct CurveSummary {
     pub length: f64,
     /// Number of vertices on the curve.
     pub vertices: usize,
-    /// Points where smooth branches meet.
+    /// Points at which smooth branches meet.
     pub corners: Vec<[f64; 2]>,
     /// Largest half width of a bracket that contains a vertex.
     pub accuracy: f64,
@@ -325,7 +325,7 @@ impl CurveSummary {
     }
 }
 
-/// Describes where a curve ends.
+/// Describes where and why a curve ends.
 fn place(end: &str) -> &str {
     match end {
         "edge" => "the edge of the window",

@@ -11,11 +11,11 @@ const SMALLEST_ERROR_SHOWN: f64 = 1e-4;
 
 /// Height of a row in lines of text, and distance of the markers of a row, in rows.
 ///
-/// Markers are 6 pixels wide and a row has 34: the markers of a row never touch.
+/// Markers are 6 pixels wide and a row is 34 pixels high, so the markers of a row never touch.
 const ROW_LINES: f64 = 2.0;
 const SHIFT: f64 = 0.2;
 
-/// Vertical offset of the `n`-th of `count` series from the middle of its row; the first one is at the top.
+/// Vertical offset of the `n`-th of `count` series from the middle of its row; the first series is at the top.
 fn shift(n: usize, count: usize) -> f64 {
     ((count - 1) as f64 / 2.0 - n as f64) * SHIFT
 }
@@ -81,7 +81,7 @@ impl Table {
         rows.filter_map(|(n, row)| Some((self.height(n), row.measured.as_ref().ok()?)))
     }
 
-    /// Vertical position of a method; the first one is at the top.
+    /// Vertical position of a method; the first method is at the top.
     fn height(&self, number: usize) -> f64 {
         (self.rows.len() - number) as f64
     }
@@ -224,7 +224,7 @@ impl Table {
     }
 }
 
-/// Adds points to a panel, unless there are no points; the legend then omits them.
+/// Adds points to a panel. An empty set is not added, so that the legend omits it.
 fn with_some(panel: Panel, points: Points) -> Panel {
     if points.points.is_empty() {
         panel

@@ -1,4 +1,4 @@
-//! Comparison of methods: the same measures for each of them, with one material.
+//! Comparison of methods by the same measures, with one material.
 //!
 //! A [`Comparison`] is evaluated to a [`Table`] with one [`Row`] per method. The table is written as text, CSV, page and figure. [`recommended`]
 //! ranks the rows by [`rules`].

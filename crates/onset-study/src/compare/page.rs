@@ -112,7 +112,7 @@ impl Table {
         page
     }
 
-    /// Sentences on the loadings that cause loss of ellipticity of the material, and on the others.
+    /// Sentences on the loadings under which the material loses ellipticity, and on the other loadings.
     fn material_onsets(&self) -> String {
         let loads = Load::ALL.into_iter();
         let told: Vec<(String, bool)> = loads

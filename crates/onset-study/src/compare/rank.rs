@@ -41,7 +41,7 @@ pub fn rules(limits: &Thresholds) -> [String; 6] {
 /// Verdict on a method that no rule excludes.
 pub(super) const RECOMMENDED: &str = "recommended";
 
-/// Verdicts on the methods that the rules 1 to 5 exclude, and their meaning in a few words.
+/// Verdicts on the methods that rules 1 to 5 exclude, with short descriptions.
 pub(super) const EXCLUSIONS: [(&str, &str); 5] = [
     (
         "not usable",
@@ -77,7 +77,7 @@ pub struct Recommendation {
     pub ranking: Vec<Ranked>,
     /// Changes for other limits.
     pub dependence: Vec<Dependence>,
-    /// Measures of all methods.
+    /// Table of the measures of all methods.
     pub table: Table,
 }
 
@@ -264,7 +264,7 @@ impl fmt::Display for Recommendation {
 
 /// Methods of a table by rank.
 ///
-/// Recommended methods come first, best first. The others follow by the rule that excludes them, the last rule first.
+/// Recommended methods come first, the best first. The other methods are ordered by the rule that excludes them, the last rule first.
 pub fn recommended(table: &Table) -> Vec<Ranked> {
     ranked(table, &table.thresholds)
 }

@@ -29,7 +29,7 @@ pub struct Row {
     pub measured: Result<Measured, String>,
 }
 
-/// Serializes the measures as `measured`, or the reason for their absence as `note`.
+/// Serializes the measures as `measured`, or the reason why they are missing as `note`.
 pub(crate) fn outcome<S: Serializer>(
     measured: &Result<Measured, String>,
     serializer: S,

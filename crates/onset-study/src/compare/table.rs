@@ -45,7 +45,7 @@ pub(super) struct Column {
     pub(super) is_in_short: bool,
 }
 
-/// Cell of the material where a measure belongs to methods only.
+/// Cell of the material for a measure that only methods have.
 const NOT_OF_MATERIAL: &str = "-";
 
 impl Column {
@@ -57,7 +57,7 @@ impl Column {
         cells.chain(own).max().unwrap_or(0)
     }
 
-    /// Returns the column as a column of the short table too.
+    /// Includes the column in the short table as well.
     fn in_short(self) -> Self {
         Self {
             is_in_short: true,
@@ -86,7 +86,7 @@ fn column(
 }
 
 impl Table {
-    /// Columns after the name.
+    /// Columns of the table after the names of the methods.
     pub(super) fn columns(&self) -> Vec<Column> {
         let mut columns = vec![
             Column {
@@ -334,7 +334,7 @@ pub(super) fn short(load: Load) -> &'static str {
     }
 }
 
-/// Formats an onset in words.
+/// Formats an onset as text.
 pub(super) fn told(onset: StretchOnset) -> String {
     match onset {
         StretchOnset::AtRest => "at F = 1".to_owned(),

@@ -26,7 +26,7 @@ pub struct CardAnswer {
     pub material: LawAnswer,
     /// Smallest and largest stretch of the search; in simple shear, of the larger principal stretch, which is below 1 for a negative amount of shear.
     pub range: [f64; 2],
-    /// Method of the search for limits, in words.
+    /// Description of the search for limits.
     pub method: &'static str,
     /// Evidence for the limits: `searched`.
     pub evidence: Evidence,
@@ -73,9 +73,9 @@ pub struct Limits {
     pub compression_witness: Option<Witness>,
     /// Critical wave at the limit in tension; `null` if the criterion is kept.
     pub tension_witness: Option<Witness>,
-    /// End of the path in compression.
+    /// Kind of end of the path in compression.
     pub compression_end: EndAnswer,
-    /// End of the path in tension.
+    /// Kind of end of the path in tension.
     pub tension_end: EndAnswer,
     /// Limits of ellipticity, of Drucker's and Hill's criteria and of the load, each with nominal strain and stress.
     pub criteria: Vec<CriterionLimits>,
@@ -111,7 +111,7 @@ pub struct LimitPoint {
     pub nominal_stress: f64,
 }
 
-/// Criteria listed on a card. Drucker's check is the one made by programs that fit laws to tests.
+/// Criteria listed on a card. Drucker's check is the one used by programs that fit laws to tests.
 const CARD_CRITERIA: [Criterion; 5] = [
     Criterion::StrongEllipticity,
     Criterion::DruckerAbaqus,

@@ -4,7 +4,7 @@ use super::{CriteriaAnswer, CriterionAnswer, KinkAnswer, LoadingAnswer, Mode};
 use crate::figure::{Axis, Color, Figure, Line, Panel, Rule, palette};
 use onset::criteria::{Change, Criterion, Discontinuity};
 
-/// Criteria that figures show by default: the loss of ellipticity, and the check of programs that fit laws to tests.
+/// Criteria that figures show by default: loss of ellipticity, and the stability check of programs that fit laws to tests.
 pub const DEFAULT_CRITERIA: [Criterion; 2] =
     [Criterion::StrongEllipticity, Criterion::DruckerAbaqus];
 /// Largest number of criteria in a figure, which have different colors.
@@ -38,7 +38,7 @@ pub(super) struct Row<'a> {
 }
 
 impl<'a> Row<'a> {
-    /// Row of a loading, with a bar for each of the criteria that is defined.
+    /// Row of a loading, with a bar for each criterion that is defined.
     pub(super) fn of(loading: &'a LoadingAnswer, drawn: &[Criterion]) -> Self {
         let defined = |criterion: &Criterion| {
             let mut own = loading.criteria.iter();

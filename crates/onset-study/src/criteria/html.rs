@@ -1,4 +1,4 @@
-//! The card as one self-contained HTML file, which can also be printed.
+//! Card as one self-contained HTML file, suitable for printing.
 
 use super::card::CardAnswer;
 use super::kink;

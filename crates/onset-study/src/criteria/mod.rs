@@ -1,4 +1,4 @@
-//! Stability criteria of a material law compared: the stretch at which each of them is lost in each loading, and where they disagree with strong
+//! Comparison of stability criteria of a material law: the stretch at which each criterion is lost in each loading, and its disagreements with strong
 //! ellipticity.
 
 mod card;
@@ -36,7 +36,7 @@ pub enum CriteriaError {
     Material(#[from] MaterialError),
     /// The incompressible response is known only for isotropic laws.
     #[error(
-        "{law} is not isotropic; expected an isotropic law with --incompressible\n  hint: leave --incompressible out; a large bulk modulus is a good approximation"
+        "{law} is not isotropic; expected an isotropic law with --incompressible\n  hint: omit --incompressible; a large bulk modulus is a good approximation"
     )]
     NotIsotropic {
         /// Name of the law.
@@ -44,7 +44,7 @@ pub enum CriteriaError {
     },
     /// The incompressible response needs a law with an energy, which can be split into an isochoric and a volumetric part.
     #[error(
-        "{law} has no energy, so that its incompressible response is not known; expected a law with an energy for --incompressible\n  hint: leave --incompressible out; a large bulk \
+        "{law} has no energy, so that its incompressible response is not known; expected a law with an energy for --incompressible\n  hint: omit --incompressible; a large bulk \
          modulus is a good approximation"
     )]
     NoEnergy {
@@ -147,7 +147,7 @@ pub struct LawAnswer {
     pub notes: Vec<String>,
 }
 
-/// Knowledge about the polyconvexity of the law.
+/// Statement on the polyconvexity of the law.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PolyconvexityAnswer {
     /// Whether the law is known to be polyconvex.
@@ -163,7 +163,7 @@ pub struct PolyconvexityAnswer {
 pub struct Definition {
     /// Name of the criterion.
     pub criterion: Criterion,
-    /// Requirement of the criterion, as a formula or in words.
+    /// Requirement of the criterion, as a formula or a description.
     pub definition: &'static str,
     /// Source of the criterion.
     pub source: &'static str,
@@ -182,7 +182,7 @@ pub struct CriteriaAnswer {
     pub material: LawAnswer,
     /// Smallest and largest stretch of the search; in simple shear, of the larger principal stretch, which is below 1 for a negative amount of shear.
     pub range: [f64; 2],
-    /// Knowledge about the polyconvexity of the law.
+    /// Statement on the polyconvexity of the law.
     pub polyconvexity: PolyconvexityAnswer,
     /// Definitions of the criteria.
     pub criteria: Vec<Definition>,
@@ -190,13 +190,13 @@ pub struct CriteriaAnswer {
     pub loadings: Vec<LoadingAnswer>,
     /// Evidence for the limits: `searched`.
     pub evidence: Evidence,
-    /// Disagreements between the criteria and strong ellipticity, in words.
+    /// Sentences on the disagreements between the criteria and strong ellipticity.
     pub disagreements: Vec<String>,
 }
 
 impl LawAnswer {
-    /// Returns true if the law has boxes of stretches: three independent principal stretches include states that an incompressible or a planar material cannot
-    /// reach.
+    /// Returns true if boxes of stretches exist for the law: three independent principal stretches include states that an incompressible or a planar
+    /// material cannot reach.
     fn has_boxes(&self) -> bool {
         !self.incompressible && !self.in_plane
     }
@@ -280,9 +280,9 @@ pub struct LoadingAnswer {
     pub compression_end: EndAnswer,
     /// End of the path in tension, with its cause.
     pub tension_end: EndAnswer,
-    /// Further equilibria with the same imposed stretch or amount of shear and other free stretches, if any were found.
+    /// Other equilibria with the same imposed stretch or amount of shear and different free stretches, if any were found.
     pub other_states: Vec<OtherState>,
-    /// Places at which the energy, the stress or the tangent jumps, nearest to the reference configuration first.
+    /// States at which the energy, the stress or the tangent jumps, nearest to the reference configuration first.
     pub kinks: Vec<KinkAnswer>,
     /// Results for each criterion.
     pub criteria: Vec<CriterionAnswer>,
@@ -349,7 +349,7 @@ pub struct EndAnswer {
 const FOLD: &str =
     "a fold (limit point): beyond it the free faces have no equilibrium nearby (dynamic jump)";
 
-/// Further equilibrium of the free faces at a given imposed stretch.
+/// Another equilibrium of the free faces at a given imposed stretch.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OtherState {
     /// Imposed stretch of the state; in simple shear the amount of shear.
@@ -392,8 +392,8 @@ pub struct ChangeAnswer {
     pub change: Change,
     /// Imposed stretch at the change; in simple shear the amount of shear.
     pub imposed: f64,
-    /// Relative half width of the bracket of the stretch, or the shift that rounding can cause if it is larger; for an upper bound, the tolerance of the named
-    /// witness.
+    /// Relative half width of the bracket of the stretch, or the shift that rounding can cause if it is larger; for an upper bound, the tolerance of
+    /// the named witness.
     pub tolerance: f64,
     /// Nominal strain at the change: `lambda - 1`, in simple shear the amount of shear.
     pub nominal_strain: f64,
@@ -405,9 +405,9 @@ pub struct ChangeAnswer {
     pub deformation_gradient: [[f64; 3]; 3],
 }
 
-const SHEAR_LEFT_OUT: &str = "simple shear is left out: its principal axes turn, so that the proportional path to a state is not the loading itself, and each state \
+const SHEAR_LEFT_OUT: &str = "simple shear is omitted: its principal axes rotate, so that the proportional path to a state is not the loading itself, and each state \
                               takes long; select it with --mode simple-shear";
-const SHEAR_OF_AXES: &str = "simple shear is left out: its principal axes rotate relative to the axes of the metal, so that each state is integrated along a \
+const SHEAR_OF_AXES: &str = "simple shear is omitted: its principal axes rotate relative to the axes of the metal, so that each state is integrated along a \
                              separate path, which takes minutes";
 
 /// Refuses loadings whose principal axes do not coincide with the material axes of the metal.
@@ -542,7 +542,8 @@ impl Question {
         }
     }
 
-    /// Criteria of this law. True and Kirchhoff stress coincide in incompressible response, so only one of the two monotonicity criteria remains.
+    /// Criteria of this law. True stress and Kirchhoff stress coincide for incompressible response, so only one of the two monotonicity criteria
+    /// remains.
     fn criteria(&self) -> Vec<Criterion> {
         let left_out: &[Criterion] = match self.law.incompressible {
             true => &[Criterion::TrueStressMonotonicity],
@@ -711,12 +712,12 @@ impl LoadingAnswer {
         imposed(self.mode, 1.0)
     }
 
-    /// Distance of a place from the reference configuration along the loading.
+    /// Distance of a state from the reference configuration along the loading.
     fn distance(&self, place: f64) -> f64 {
         self.mode.parameter(place).abs()
     }
 
-    /// Returns a place at which the law is not rank-one convex, and hence not polyconvex.
+    /// Returns a state at which the law is not rank-one convex, and hence not polyconvex.
     fn refutes_polyconvexity(&self) -> Option<f64> {
         let lost = |criterion: Criterion| {
             let found = self
@@ -730,7 +731,7 @@ impl LoadingAnswer {
 }
 
 impl EndAnswer {
-    /// Reason why the path ends, in a line; `None` at the end of the range.
+    /// Reason why the path ends, in one line; `None` at the end of the range.
     fn line(&self, mode: Mode, side: &str) -> Option<String> {
         let reason = self.reason.as_ref()?;
         let place = told_place(mode, self.imposed);
@@ -770,7 +771,7 @@ impl EndAnswer {
     }
 }
 
-/// Serializes pairs as a map, in their order.
+/// Serializes pairs as a map, in the given order.
 fn as_map<S: Serializer>(
     pairs: &[(String, serde_json::Value)],
     serializer: S,
@@ -786,7 +787,7 @@ fn document(value: Value) -> serde_json::Value {
     }
 }
 
-/// Fractions of the distance to each end of the path at which further equilibria are searched.
+/// Fractions of the distance to each end of the path at which other equilibria are searched.
 const EQUILIBRIUM_SEARCH_FRACTIONS: [f64; 3] = [0.25, 0.5, 1.0];
 
 fn other_states(path: &LoadingPath<'_>) -> Vec<OtherState> {
@@ -840,7 +841,7 @@ fn imposed(mode: Mode, stretch: f64) -> f64 {
     }
 }
 
-/// Place along a loading in words: `stretch 1.2`, in simple shear `gamma = 0.4`.
+/// Description of a state along a loading: `stretch 1.2`, in simple shear `gamma = 0.4`.
 fn told_place(mode: Mode, place: f64) -> String {
     match mode {
         Mode::SimpleShear => format!("gamma = {}", number::told(place)),
@@ -848,7 +849,7 @@ fn told_place(mode: Mode, place: f64) -> String {
     }
 }
 
-/// Names of the two sides of the reference configuration, first of smaller, then of larger imposed values.
+/// Names of the two sides of the reference configuration, first for smaller, then for larger imposed values.
 fn sides(mode: Mode) -> [&'static str; 2] {
     match mode {
         Mode::SimpleShear => ["gamma < 0", "gamma > 0"],

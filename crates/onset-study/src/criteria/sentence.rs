@@ -1,4 +1,4 @@
-//! Criteria in words: the table of the console, and the sentences on disagreements.
+//! Criteria as text: the table of the console, and the sentences on disagreements.
 
 use super::{CriteriaAnswer, CriterionAnswer, LoadingAnswer, SideAnswer, told};
 use crate::number;
@@ -87,7 +87,7 @@ impl Display for CriteriaAnswer {
 /// Maximum length of a user-defined energy in a title, in characters.
 const LETTERS: usize = 60;
 
-/// Name and parameters of the law, in a line.
+/// Name and parameters of the law, in one line.
 pub(super) fn heading(law: &super::LawAnswer) -> String {
     in_a_line(law, usize::MAX)
 }
@@ -156,7 +156,7 @@ pub(super) fn moduli(law: &super::LawAnswer) -> Option<String> {
     })
 }
 
-/// Knowledge about polyconvexity, in a line.
+/// Statement on polyconvexity, in one line.
 pub(super) fn polyconvexity(known: &super::PolyconvexityAnswer) -> String {
     let word = match known.knowledge {
         Knowledge::Polyconvex => "yes",
@@ -218,7 +218,7 @@ pub(super) fn cell(
     }
 }
 
-/// Perturbation at the loss in tension, or else in compression.
+/// Perturbation at the loss in tension, or in compression if there is no loss in tension.
 fn witnesses(loading: &LoadingAnswer, answer: &CriterionAnswer) -> String {
     let first = |side: &SideAnswer| side.changes.first().map(|change| witness(&change.witness));
     let mut text = first(&answer.tension)

@@ -21,9 +21,9 @@ const SHORT_COLUMNS: [(Criterion, &str); 4] = [
 const TITLE: usize = 28;
 /// Width of a cell with the gap before it: two limits.
 const CELL: usize = 18;
-/// Significant digits of a limit, which leave room for the marks of bounds.
+/// Significant digits of a limit, which leave room for the symbols that mark bounds.
 const DIGITS: usize = 4;
-/// Significant digits of an amount of shear, which leave room for its sign too.
+/// Significant digits of an amount of shear, which also leave room for its sign.
 const SIGNED_DIGITS: usize = 3;
 
 impl Brief for CriteriaAnswer {
@@ -77,12 +77,12 @@ impl CriteriaAnswer {
         has_shear.then(|| ends.map(crate::number::told))
     }
 
-    /// The loadings that the short form lists.
+    /// Loadings that the short form lists.
     fn of_each_mode(&self) -> impl Iterator<Item = &LoadingAnswer> {
         of_each_mode(&self.loadings, |own| own.mode)
     }
 
-    /// Ends of the listed loadings within the range that was searched, a sentence for each loading.
+    /// Sentences on the listed loadings whose path ends within the searched range.
     fn early_ends(&self) -> Vec<String> {
         let of = |own: &LoadingAnswer| {
             let ends = [&own.compression_end, &own.tension_end];
@@ -91,7 +91,7 @@ impl CriteriaAnswer {
         self.of_each_mode().filter_map(of).collect()
     }
 
-    /// The law, and where it loses strong ellipticity first.
+    /// Sentence on the law and its first loss of strong ellipticity.
     fn summary(&self) -> String {
         let lost = |loading: &LoadingAnswer| -> Option<String> {
             let own = answer(loading, Criterion::StrongEllipticity)?;
@@ -144,7 +144,7 @@ fn named(law: &LawAnswer) -> String {
     }
 }
 
-/// The first loading of each mode, whose faces are free, if there are several modes; all loadings of a single mode.
+/// Loadings to list: the first loading of each mode, which has free faces, or all loadings if there is only one mode.
 fn of_each_mode<T>(loadings: &[T], mode: impl Fn(&T) -> Mode) -> impl Iterator<Item = &T> {
     let is_single = loadings
         .iter()
@@ -155,7 +155,7 @@ fn of_each_mode<T>(loadings: &[T], mode: impl Fn(&T) -> Mode) -> impl Iterator<I
     })
 }
 
-/// Ends of a loading within the range that was searched, with their reasons.
+/// Ends of a loading within the searched range, with their reasons.
 fn early_ends(mode: Mode, title: &str, ends: [&EndAnswer; 2], range: [f64; 2]) -> Option<String> {
     let ends = ends.into_iter().zip(range).filter_map(|(end, limit)| {
         let reason = end.reason.as_ref()?;
@@ -245,7 +245,7 @@ fn answer(loading: &LoadingAnswer, criterion: Criterion) -> Option<&CriterionAns
     own.find(|answer| answer.criterion == criterion)
 }
 
-/// The limits of a loading in a line.
+/// Limits of a loading in one line.
 fn line(loading: &LoadingAnswer) -> String {
     let digits = match loading.mode {
         Mode::SimpleShear => SIGNED_DIGITS,

@@ -1,4 +1,4 @@
-//! Contents of a page apart from answers: the options of `onset list`, the classes of maps with their colors, and the zoo.
+//! Contents of a page apart from answers: the options of `onset list`, the classes of maps with their colors, and the zoo of reported instabilities.
 
 use super::zoo::{Entry, entries};
 use crate::catalog::{Topic, topics};

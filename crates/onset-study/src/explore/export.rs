@@ -1,4 +1,4 @@
-//! Export of a question to other forms, and of its map to files.
+//! Export of a question in other forms, and of its map as files.
 
 use super::map::{LEVELS, Maps};
 use super::{Question, Refusal, in_time, map};

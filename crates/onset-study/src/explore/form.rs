@@ -1,4 +1,4 @@
-//! Form of a question: the keys that its law and its method read, with their values.
+//! Form of a question: the keys that its law and its method use, with their values.
 
 use super::{Question, Refusal};
 use crate::catalog::KeyEntry;
@@ -12,9 +12,9 @@ use serde::Serialize;
 pub(super) struct Form {
     /// Number of space dimensions.
     dimension: usize,
-    /// Keys that law and method read, in the order of the documentation.
+    /// Keys that law and method use, in the order of the documentation.
     fields: Vec<Field>,
-    /// Assignments that law and method read.
+    /// Assignments that law and method use.
     set: Vec<String>,
     /// Parameters of a user-defined energy that have no value yet.
     missing: Vec<String>,
@@ -27,7 +27,7 @@ struct Field {
     key: KeyEntry,
     /// Words that the key accepts.
     words: Vec<&'static str>,
-    /// Further values that the key accepts: `number`, `whole`, `switch`, `text`, or none.
+    /// Other values that the key accepts: `number`, `whole`, `switch`, `text`, or none.
     takes: Option<&'static str>,
     /// Value of the key.
     value: Value,
@@ -88,7 +88,7 @@ pub(super) fn form(question: &Question, trust: &Trust) -> Result<Form, Refusal> 
     })
 }
 
-/// Assignments that are read. Reading one may depend on others, so the selection is repeated until nothing changes.
+/// Assignments that are used. Whether an assignment is used may depend on others, so the selection is repeated until nothing changes.
 fn read(question: &Question) -> Result<Vec<String>, Refusal> {
     let mut set = question.set.clone();
     loop {

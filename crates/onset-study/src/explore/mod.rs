@@ -1,8 +1,8 @@
 //! Questions of a page and their answers: the documents of the command, computed while the user moves a slider.
 //!
 //! A [`Question`] contains the arguments of a command (`--set`, `--stretch`) and a window of states. An [`Explorer`] returns the documents of `onset
-//! ... --json`, built by the same functions. Questions are not trusted, since a stranger may have written a link: they read no files, and start a
-//! library only if the user allows it.
+//! ... --json`, built by the same functions. Questions are not trusted, since a link may come from anyone: they read no files, and load a library
+//! only if the user allows it.
 //!
 //! ```
 //! use onset_study::explore::{Explorer, Question};
@@ -110,7 +110,7 @@ pub struct Explorer {
 }
 
 impl Explorer {
-    /// Explorer with the libraries that the user allows, and a map opened by the user.
+    /// Creates an explorer with the libraries that the user allows, and a map opened by the user.
     pub fn new(trust: Trust, stored: Option<Stored>) -> Self {
         Self {
             trust,

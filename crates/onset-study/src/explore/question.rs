@@ -1,4 +1,4 @@
-//! Questions of a page.
+//! Questions sent by a page.
 
 use super::{Refusal, map};
 use crate::answers::{Problem, Strain, assigned, numbers};

@@ -7,7 +7,7 @@ use crate::plot::{PlotError, Section};
 use serde::Serialize;
 use std::path::Path;
 
-/// Stored map of two axes, or the section of a map of three axes at the middle of the third axis.
+/// Stored map with two axes, or the section of a map with three axes at the middle of the third axis.
 pub struct Stored(Section);
 
 /// Content of a stored map for a page.

@@ -18,13 +18,13 @@ pub struct Entry {
     pub assumed: String,
     /// Arguments of `onset state` that reproduce the report.
     pub question: Question,
-    /// Known remedy, in words.
+    /// Description of the known remedy.
     pub remedy: String,
     /// Arguments of `onset state` with the remedy; `None` if settings do not express it.
     pub remedy_question: Option<Question>,
 }
 
-/// Returns the entries of a page.
+/// Returns the entries of the zoo as shown on a page.
 pub fn entries() -> Vec<Entry> {
     let question = |case: Case| Question {
         set: case.set,

@@ -18,7 +18,7 @@ pub enum Scale {
 pub struct Axis {
     /// Quantity on the axis, with its unit.
     pub label: String,
-    /// Numbers at the start and at the end; the start may be the larger one.
+    /// Values at the start and at the end; the start may be the larger value.
     pub range: (f64, f64),
     /// Linear or logarithmic scale.
     pub scale: Scale,
@@ -119,7 +119,7 @@ impl Axis {
         (start, end)
     }
 
-    /// Range as numbers, in which the axis is drawn.
+    /// Range of numbers over which the axis is drawn.
     pub(super) fn shown(&self) -> (f64, f64) {
         let (start, end) = self.limits();
         (self.number(start), self.number(end))
@@ -200,7 +200,7 @@ fn linear_marks(low: f64, high: f64, target: usize) -> Vec<Tick> {
         .collect()
 }
 
-/// Ticks at powers of ten, or also at 2 and 5 times these if the range is short. `low` and `high` are exponents.
+/// Ticks at powers of ten, and also at 2 and 5 times these if the range is short. `low` and `high` are exponents.
 fn log_marks(low: f64, high: f64, target: usize) -> Vec<Tick> {
     let (lowest, highest) = ((low - 1e-9).ceil() as i32, (high + 1e-9).floor() as i32);
     let inside = |at: f64| (low - 1e-9..=high + 1e-9).contains(&at.log10());
@@ -239,7 +239,7 @@ fn log_marks(low: f64, high: f64, target: usize) -> Vec<Tick> {
     linear_marks(10f64.powf(low), 10f64.powf(high), target)
 }
 
-/// Formats a number with the digits needed for ticks spaced `10^power` apart, with a true minus sign; over `10^exponent` if given.
+/// Formats a number with the digits needed for ticks spaced `10^power` apart, with a true minus sign; divided by `10^exponent` if given.
 fn number_label(at: f64, power: i32, exponent: Option<i32>) -> String {
     let label = match exponent {
         Some(_) if at == 0.0 => "0".to_string(),
@@ -365,7 +365,7 @@ mod tests {
     }
 
     #[test]
-    fn named_ticks_outside_the_range_are_left_out() {
+    fn named_ticks_outside_the_range_are_omitted() {
         let axis = Axis::linear("", (0.0, 2.0)).ticks([(2.0, "M"), (0.0, "Γ"), (3.0, "X")]);
         assert_eq!(labels(&axis), ["Γ", "M"]);
     }

@@ -40,7 +40,7 @@ impl Color {
 }
 
 impl Serialize for Color {
-    /// A word as in HTML.
+    /// Serializes the color as text, as in HTML.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }
@@ -68,22 +68,22 @@ pub enum ColorMap {
     Diverging,
 }
 
-/// Viridis of matplotlib (CC0), sampled evenly.
+/// Samples of matplotlib's Viridis (CC0) at equal distances.
 const VIRIDIS: [u32; 10] = [
     0x440154, 0x482878, 0x3e4989, 0x31688e, 0x26828e, 0x1f9e89, 0x35b779, 0x6ece58, 0xb5de2b,
     0xfde725,
 ];
 
-/// Cividis of J. R. Nunez et al., PLoS ONE 13 (2018) e0199239, as in matplotlib, sampled evenly.
+/// Samples of Cividis by J. R. Nunez et al., PLoS ONE 13 (2018) e0199239, as in matplotlib, at equal distances.
 const CIVIDIS: [u32; 10] = [
     0x00224e, 0x15396d, 0x434e6c, 0x61646f, 0x7d7c78, 0x9b9477, 0xbbae6f, 0xdac95f, 0xf4e45a,
     0xfee838,
 ];
 
-/// Light to dark, neither white nor black at its ends.
+/// Grey levels from light to dark, excluding white and black.
 const GREY: [u32; 2] = [0xf2f2f2, 0x111111];
 
-/// RdBu of ColorBrewer (Apache-2.0), which its authors list as color-blind safe.
+/// Samples of RdBu of ColorBrewer (Apache-2.0), which its authors list as color-blind safe.
 const RED_BLUE: [u32; 11] = [
     0x67001f, 0xb2182b, 0xd6604d, 0xf4a582, 0xfddbc7, 0xf7f7f7, 0xd1e5f0, 0x92c5de, 0x4393c3,
     0x2166ac, 0x053061,
@@ -103,7 +103,7 @@ impl ColorMap {
         }
     }
 
-    /// Color of `value` when the map covers `range`; values outside take the end colors.
+    /// Color of `value` in a map over `range`; values outside the range have the end colors.
     ///
     /// ```
     /// use onset_study::figure::{Color, ColorMap};

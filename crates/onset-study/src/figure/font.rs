@@ -1,7 +1,7 @@
 //! The font of all figures, embedded: DejaVu Sans, free under the terms in `DejaVu-LICENSE.txt` in this folder.
 //!
 //! The subset contains the characters that need no shaping: Latin, Greek, Cyrillic, punctuation, arrows and mathematics, a quarter of the font. It
-//! was made from release 2.37 with fonttools 4.68: `pyftsubset DejaVuSans.ttf
+//! was generated from release 2.37 with fonttools 4.68: `pyftsubset DejaVuSans.ttf
 //! --unicodes=U+0020-024F,U+0300-052F,U+1D2C-1D6A,U+1E00-1EFF,U+2000-22FF,U+25A0-25FF --retain-gids --no-hinting --layout-features=
 //! --drop-tables+=GPOS,GSUB,GDEF,MATH,kern,FFTM,post,gasp,OS/2 --notdef-outline --no-glyph-names`.
 
@@ -16,7 +16,7 @@ fn face() -> &'static Face<'static> {
     FACE.get_or_init(|| Face::parse(FONT, 0).expect("the embedded font is whole"))
 }
 
-/// The embedded font with some of its glyphs only, and their new numbers; with all of them if it cannot be cut down.
+/// The embedded font reduced to some of its glyphs, with their new numbers; the whole font if it cannot be reduced.
 pub(super) fn subset(
     glyphs: impl IntoIterator<Item = GlyphId>,
 ) -> (Vec<u8>, impl Fn(GlyphId) -> u16) {
@@ -74,7 +74,7 @@ pub(super) fn glyphs(text: &str) -> impl Iterator<Item = (GlyphId, f32)> {
     })
 }
 
-/// Width of a line of text.
+/// Width of a line of text, in the units of the font size.
 pub(super) fn width(text: &str, size: f64) -> f64 {
     let last = glyphs(text).last().map_or(0.0, |(glyph, start)| {
         start + f32::from(face().glyph_hor_advance(glyph).unwrap_or(0))

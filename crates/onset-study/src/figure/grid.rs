@@ -1,6 +1,6 @@
 //! Decomposition of a grid of classes into few rectangles.
 
-/// Block of cells of one class; the end is exclusive.
+/// Block of cells of one class; its ends are exclusive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Block {
     pub(super) class: u8,

@@ -1,11 +1,11 @@
-//! Layers of a panel: maps, curves, points, arrows, words.
+//! Layers of a panel: maps, curves, points, arrows and labels.
 
 use super::{Color, ColorMap, palette};
 use serde::Serialize;
 
 /// A layer of a [`Panel`](super::Panel), drawn over the layers before it.
 ///
-/// Numbers that are not finite are never drawn. Everything is clipped to the panel. Layers over a map get a white rim, so that they stand out from
+/// Numbers that are not finite are never drawn. Everything is clipped to the panel. Layers over a map get a white rim, so that they are visible on
 /// every color.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -48,7 +48,7 @@ pub struct Regions {
     pub key: Vec<(String, Color)>,
 }
 
-/// Map of numbers on a grid as in [`Regions`], with a color bar.
+/// Map of numbers on a grid, as in [`Regions`], with a color bar.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Field {
     /// Left and right edge of the grid.
@@ -59,7 +59,7 @@ pub struct Field {
     pub columns: usize,
     /// Number of cells along y.
     pub rows: usize,
-    /// Value of each cell, row after row from the smallest y; NaN leaves a blank, infinities take the end colors.
+    /// Value of each cell, row after row from the smallest y; NaN leaves a blank, infinite values get the end colors.
     pub values: Vec<f64>,
     /// Quantity shown, with its unit.
     pub label: String,
@@ -110,7 +110,7 @@ pub struct Points {
     pub size: f64,
     /// Shape of the markers.
     pub marker: Marker,
-    /// Whether the markers are filled; otherwise they are outlines around white.
+    /// Whether the markers are filled; otherwise they are white with an outline.
     pub filled: bool,
 }
 
@@ -230,7 +230,7 @@ impl Regions {
         }
     }
 
-    /// Creates a map of words, row after row. Verdicts take their fixed colors, other words the colors of [`palette::SERIES`] in order.
+    /// Creates a map of words, row after row. Verdicts have their fixed colors; other words get the colors of [`palette::SERIES`] in order.
     ///
     /// ```
     /// use onset_study::figure::{Regions, palette};
@@ -291,7 +291,7 @@ impl Field {
         self
     }
 
-    /// Sets the numbers at the ends of the color bar.
+    /// Sets the values at the ends of the color bar.
     pub fn range(mut self, low: f64, high: f64) -> Self {
         self.range = Some((low, high));
         self
@@ -342,7 +342,7 @@ impl Points {
         self
     }
 
-    /// Draws only the outline of the markers, around white.
+    /// Draws the markers white with an outline.
     pub fn open(mut self) -> Self {
         self.filled = false;
         self

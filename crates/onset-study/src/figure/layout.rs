@@ -11,7 +11,7 @@ use tiny_skia::PathBuilder;
 /// Font sizes, in pixels.
 const TITLE: f64 = 16.0;
 const WORDS: f64 = 13.0;
-/// Distance of baselines, in font sizes.
+/// Distance between baselines, in font sizes.
 const LEADING: f64 = 1.3;
 /// White space around the figure and between its parts.
 const PADDING: f64 = 14.0;
@@ -19,20 +19,21 @@ const GAP: f64 = 18.0;
 /// Length of a tick, and its distance from the label.
 const TICK: f64 = 5.0;
 const TICK_GAP: f64 = 4.0;
-/// Distance of the baselines of named ticks.
+/// Distance between the baselines of named ticks.
 const NAME: f64 = 17.0;
 /// Distance between the tick labels and the label of the axis.
 const LABEL_GAP: f64 = 8.0;
-/// The color bar: distance from the panel, and width.
+/// Distance of the color bar from the panel, and its width.
 const BAR_GAP: f64 = 12.0;
 const BAR: f64 = 13.0;
 
-/// Size of letters in a picture with a width in print, relative to the usual one: numbers have 8 pt instead of 9.
+/// Size of letters in a picture with a width in print, relative to the usual size: numbers have 8 pt instead of 9.
 const PRINTED: f64 = 8.0 / 9.0;
-/// Smallest width of panels in one row of a printed picture, and the same for panels with equal rows. Narrower panels are arranged in fewer columns.
+/// Smallest width of panels in one row of a printed picture, and of panels that share their named rows. Narrower panels are arranged in fewer
+/// columns.
 const NARROWEST: f64 = 150.0;
 const NARROWEST_OF_ROWS: f64 = 120.0;
-/// Smallest width of a panel, and smallest usual height, in which the label of the vertical axis has few lines.
+/// Smallest width of a panel, and smallest usual height for which the label of the vertical axis has few lines.
 const SMALLEST_PANEL: f64 = 40.0;
 const LOWEST: f64 = 120.0;
 
@@ -77,7 +78,7 @@ pub(super) fn scene(figure: &Figure, sheet: &Sheet) -> Scene {
     }
 }
 
-/// Largest usual width of the panels in a picture that is not wider than available.
+/// Largest usual panel width for which the picture is not wider than available.
 fn widest_panel(figure: &Figure, available: f64) -> f64 {
     let (mut low, mut high) = (
         SMALLEST_PANEL,
@@ -141,7 +142,7 @@ impl<'a> Grid<'a> {
         }
     }
 
-    /// Width of the columns with the gaps between them.
+    /// Width of the columns including the gaps between them.
     fn content(&self) -> f64 {
         self.widths.iter().flatten().sum::<f64>() + GAP * (self.columns - 1) as f64
     }
@@ -218,7 +219,7 @@ fn drawn(figure: &Figure, usual: Option<f64>, least: f64) -> Scene {
     }
 }
 
-/// A panel with the sizes of its parts.
+/// Panel with the sizes of its parts.
 struct Measured<'a> {
     panel: &'a Panel,
     /// Size of the box between the axes.
@@ -392,7 +393,7 @@ struct Size {
 }
 
 impl Size {
-    /// The requested size, made drawable; the usual width without a request.
+    /// Requested size, adjusted so that it can be drawn; the usual size without a request.
     fn of(asked: Option<(f64, f64)>, usual: f64) -> Self {
         let sane = |pixels: f64| {
             if pixels.is_finite() {
@@ -572,7 +573,7 @@ mod tests {
     }
 
     #[test]
-    fn panels_of_a_printed_picture_take_the_room_that_is_there() {
+    fn panels_of_a_printed_picture_fill_the_available_width() {
         let label = "frequency ω; below 0: −(growth rate) (1/time)";
         let axis = || Axis::linear(label, (-1.0, 4.0));
         let panel = Panel::new("", Axis::linear("k", (0.0, 1.0)), axis()).wider(1.84);

@@ -6,7 +6,7 @@ use super::{Color, Dash, Direction, Layer, Marker, Panel, font, palette};
 use serde::Serialize;
 use tiny_skia::PathBuilder;
 
-/// Distances after a symbol and after a name, and between rows.
+/// Gaps after a symbol, after a name, and between rows.
 const SYMBOL_GAP: f64 = 7.0;
 const ENTRY_GAP: f64 = 24.0;
 const LEGEND_ROW: f64 = 21.0;
@@ -50,7 +50,7 @@ pub enum Symbol {
     Arrow(Color),
 }
 
-/// Collects the named layers and classes, each once; maps come first and form one block.
+/// Collects the named layers and classes without duplicates; maps come first and form one block.
 pub(super) fn collect(panels: &[Panel]) -> Vec<LegendEntry> {
     let layers = || panels.iter().flat_map(|panel| &panel.layers);
     let mut entries: Vec<LegendEntry> = Vec::new();
@@ -172,7 +172,7 @@ pub(super) fn draw(
 ) -> f64 {
     let mut available = right - left;
     let mut rows = legend_rows(entries, available);
-    // Narrower rows, while their number stays the same, have more equal lengths.
+    // The width is reduced while the number of rows stays the same, which balances the lengths of the rows.
     while available > 0.0 {
         available -= 8.0;
         let narrower = legend_rows(entries, available);

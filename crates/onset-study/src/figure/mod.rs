@@ -1,7 +1,7 @@
 //! Figures: axes, layers and their rendering to SVG, PNG and PDF.
 //!
-//! A [`Figure`] is plain data: panels, each with two axes and layers of arrays. SVG, PNG and PDF are drawn from it on a [`Sheet`], and other programs
-//! draw it from its serialized form. Letters are text in SVG and PDF, and PNG and PDF have the embedded font.
+//! A [`Figure`] is plain data: panels, each with two axes and layers of arrays. It is drawn as SVG, PNG or PDF on a [`Sheet`], and other programs can
+//! draw its serialized form. Text remains text in SVG and PDF; PNG and PDF use the embedded font.
 //!
 //! ```
 //! use onset_study::figure::{Axis, Figure, Line, Panel, Regions, palette};
@@ -62,7 +62,7 @@ pub struct Figure {
     pub columns: usize,
     /// Legend below the panels; collected from the layers if empty.
     pub legend: Vec<LegendEntry>,
-    /// Width and height of the box of a panel in pixels (1/96 inch); the maximum for an equal aspect. The usual size if `None`.
+    /// Width and height of the box of a panel in pixels (1/96 inch); the maximum for an equal aspect. `None` for the usual size.
     pub panel_size: Option<(f64, f64)>,
 }
 
@@ -126,14 +126,14 @@ impl Figure {
         self
     }
 
-    /// Adds a panel after the others.
+    /// Adds a panel after the existing panels.
     pub fn with(mut self, panel: Panel) -> Self {
         self.panels.push(panel);
         self
     }
 
-    /// Legend as it is drawn: `legend`, or if it is empty, the names of the layers of all panels, each once. A categorical map names only the classes
-    /// that occur, in the order of its key.
+    /// Legend as it is drawn: `legend`, or if it is empty, the names of the layers of all panels without duplicates. A categorical map names only the
+    /// classes that occur, in the order of its key.
     pub fn legend_entries(&self) -> Vec<LegendEntry> {
         if self.legend.is_empty() {
             legend::collect(&self.panels)
@@ -142,7 +142,7 @@ impl Figure {
         }
     }
 
-    /// The figure for other programs, which draw its serialized form: with the limits of all axes and color bars, and with the legend as it is drawn.
+    /// Figure in serialized form for other programs, with the limits of all axes and color bars, and with the legend as it is drawn.
     pub fn description(&self) -> Self {
         let mut figure = self.clone();
         figure.legend = self.legend_entries();
@@ -177,10 +177,10 @@ impl Figure {
         layout::scene(self, &Sheet::default()).to_pdf()
     }
 
-    /// Endings of the files of a figure. The last is for the words of a bare picture and is used only with one.
+    /// File name extensions of a figure. The last extension is for the text of a bare picture and is used only with one.
     pub const ENDINGS: [&str; 4] = [".svg", ".png", ".pdf", ".txt"];
 
-    /// Returns the picture on a sheet as files with a base name: SVG, PNG and PDF, and the words of a bare picture.
+    /// Returns the picture on a sheet as files with a base name: SVG, PNG and PDF, and the text of a bare picture.
     ///
     /// # Errors
     /// Fails like [`Figure::to_png`].
@@ -241,7 +241,7 @@ impl Panel {
         self
     }
 
-    /// Adds a layer over those before it.
+    /// Adds a layer over the existing layers.
     pub fn with(mut self, layer: impl Into<Layer>) -> Self {
         self.layers.push(layer.into());
         self

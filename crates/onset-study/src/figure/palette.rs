@@ -25,11 +25,10 @@ pub const VERMILION: Color = Color::hex(0xd55e00);
 /// Reddish purple of Okabe and Ito.
 pub const PURPLE: Color = Color::hex(0xcc79a7);
 
-/// Colors of the first, second, ... curve of a panel.
+/// Colors of the curves of a panel, in order.
 pub const SERIES: [Color; 7] = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK];
 
-/// Colors of uniaxial tension, uniaxial compression, equibiaxial tension and equibiaxial compression; of the two blues the lighter one is
-/// equibiaxial.
+/// Colors of uniaxial tension, uniaxial compression, equibiaxial tension and equibiaxial compression; the lighter of the two blues is equibiaxial.
 pub const LOADS: [Color; 4] = [BLUE, ORANGE, SKY, BLACK];
 
 /// The verdicts and their colors, from harmless to dangerous.
@@ -58,7 +57,7 @@ pub fn verdict(word: &str) -> Option<Color> {
         .map(|&(_, color)| color)
 }
 
-/// Color of a proof result: light if stability is proved, grey if nothing was tested, yellow if nothing could be proved.
+/// Color of a proof result: light if stability is proved, grey if no proof was attempted, yellow if the proof is undecided.
 pub fn certainty(word: &str) -> Color {
     match word {
         "proved-stable" => Color::hex(0xe4f1f7),

@@ -22,7 +22,7 @@ const OVERLAP: f64 = 0.3;
 
 /// Name of the font in the page.
 const LETTERS: Name = Name(b"F");
-/// Name of the embedded font; the prefix is the mark of a subset.
+/// Name of the embedded font; its prefix marks a subset.
 const FONT_NAME: &str = "ONSETF+DejaVuSans";
 
 impl Scene {
@@ -64,7 +64,7 @@ impl Scene {
             .collect()
     }
 
-    /// Drawing operators of the shapes. `upright` moves the origin of the page to the upper left corner, where pictures have it.
+    /// Drawing operators of the shapes. `upright` moves the origin of the page to the upper left corner, the origin of pictures.
     fn content(&self, upright: [f32; 6], number: &impl Fn(GlyphId) -> u16) -> Vec<u8> {
         let mut out = Content::new();
         let background = self.theme.of(palette::WHITE);
@@ -168,7 +168,7 @@ fn embed(
     write_stream(pdf, file, program);
 }
 
-/// Writes a line of text, above the rim of its letters.
+/// Writes a line of text over the white rim of its letters.
 fn write_words(out: &mut Content, words: &Words, theme: Theme, number: &impl Fn(GlyphId) -> u16) {
     let place = words.transform();
     // Scales from font units to the size of the font.

@@ -102,7 +102,7 @@ pub(super) fn crisp(color: Color) -> Paint {
     }
 }
 
-/// Makes a width or size drawable: finite and between 0 and 100 pixels.
+/// Clips a width or size to a drawable value: finite and between 0 and 100 pixels.
 pub(super) fn pixels(size: f64) -> f64 {
     if size.is_finite() {
         size.clamp(0.0, 100.0)

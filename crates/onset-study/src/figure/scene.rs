@@ -1,6 +1,6 @@
 //! Picture as a list of painted outlines and words, written as SVG or PNG.
 //!
-//! The text of the SVG remains text, which can be searched, edited and set in the font of a paper. Its position is computed with the embedded font;
+//! Text in the SVG remains text, which can be searched, edited and typeset in the font of a paper. Its position is computed with the embedded font;
 //! the PNG is drawn with this font.
 
 use super::{Color, Dash, FigureError, Theme, font, palette};
@@ -13,9 +13,9 @@ use ttf_parser::GlyphId;
 
 /// Device pixels per pixel of the PNG along each side, for pictures on a screen.
 const RESOLUTION: f64 = 2.0;
-/// Device pixels per pixel of the PNG along each side, for pictures with a size in print: 300 per inch.
+/// Device pixels per pixel of the PNG along each side, for pictures with a print size: 300 per inch.
 const PRINTED_RESOLUTION: f64 = 300.0 / 96.0;
-/// Fonts of the text of the SVG: the embedded font, its equally wide predecessor, and common fonts of operating systems.
+/// Fonts for text in the SVG: the embedded font, its predecessor with equal widths, and common fonts of operating systems.
 const FONTS: &str = "DejaVu Sans, Bitstream Vera Sans, Verdana, Helvetica, Arial, sans-serif";
 
 /// Width of the rim of words on a map, in units of the shapes.
@@ -28,7 +28,7 @@ const MAX_PNG_PIXELS: u64 = 1 << 27;
 pub(super) struct Scene {
     pub(super) width: f64,
     pub(super) height: f64,
-    /// Name of the picture, for screen readers and other programs.
+    /// Title of the picture, for screen readers and other programs.
     pub(super) title: String,
     /// Description of the picture, for screen readers and other programs.
     pub(super) description: String,
@@ -58,7 +58,7 @@ pub(super) enum Shape {
 pub(super) struct Paint {
     pub(super) fill: Option<Color>,
     pub(super) stroke: Option<Stroke>,
-    /// Whether only whole pixels are filled, so that neighbors meet without a seam.
+    /// Whether only whole pixels are filled, so that neighbors touch without a seam.
     pub(super) crisp: bool,
 }
 
@@ -82,7 +82,7 @@ pub(super) struct Words {
     pub(super) rim: bool,
 }
 
-/// Part of a line of text that lies at its position.
+/// Point of a line of text that is placed at its position.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Anchor {
     Start,

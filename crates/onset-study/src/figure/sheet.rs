@@ -4,7 +4,7 @@ use super::scene::{Paint, Stroke};
 use super::{Color, Figure};
 use std::str::FromStr;
 
-/// Pixels of a millimeter.
+/// Number of pixels per millimeter.
 pub(super) const MILLIMETER: f64 = 96.0 / 25.4;
 /// Smallest and largest width of a picture in print, in millimeters.
 const WIDTHS: (f64, f64) = (30.0, 1000.0);
@@ -12,11 +12,11 @@ const WIDTHS: (f64, f64) = (30.0, 1000.0);
 /// Options for drawing a figure: size, title, caption and colors.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sheet {
-    /// Size of the picture or of its panels; the usual size if `None`.
+    /// Size of the picture or of its panels; `None` for the usual size.
     pub size: Option<Size>,
     /// Title that replaces the title of the figure; `None` keeps it.
     pub title: Option<String>,
-    /// Whether title and caption are left out, as in a paper, whose text contains them.
+    /// Whether title and caption are omitted, as in a paper, whose text contains them.
     pub bare: bool,
     /// Colors of background, axes and words.
     pub theme: Theme,
@@ -37,7 +37,7 @@ pub enum Theme {
     /// Black axes and words on white.
     #[default]
     Light,
-    /// White on black, for slides and dark pages. Colors of layers remain; greys are inverted.
+    /// White on black, for slides and dark pages. The colors of layers are unchanged; greys are inverted.
     Dark,
 }
 
@@ -85,7 +85,7 @@ impl Theme {
         }
     }
 
-    /// Color that is drawn for a color of the light theme.
+    /// Color in the current theme for a color of the light theme.
     pub(super) fn of(self, color: Color) -> Color {
         let parts = [color.red, color.green, color.blue];
         let [low, high] =
@@ -98,7 +98,7 @@ impl Theme {
         }
     }
 
-    /// Paint that is drawn for a paint of the light theme. The colors of maps, whose lightness has a meaning, stay.
+    /// Paint in the current theme for a paint of the light theme. The colors of maps remain unchanged, because their lightness has a meaning.
     pub(super) fn paint(self, paint: &Paint) -> Paint {
         if paint.crisp {
             return *paint;
@@ -119,7 +119,7 @@ const DARK: Color = Color::hex(0x16181c);
 const BRIGHT: Color = Color::hex(0xf2f2f2);
 
 impl Sheet {
-    /// The figure with the title of the sheet, or without title and caption.
+    /// Figure with the title of the sheet, or without title and caption.
     pub(super) fn dressed(&self, figure: &Figure) -> Figure {
         let mut figure = figure.clone();
         if let Some(title) = &self.title {

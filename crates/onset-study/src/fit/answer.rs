@@ -32,7 +32,7 @@ pub struct ConstantAnswer {
     pub name: String,
     /// Fitted value of the constant.
     pub value: f64,
-    /// Standard deviation; `None` where the tests do not determine it or the constant is fixed.
+    /// Standard deviation; `None` if the tests do not determine it or the constant is fixed.
     pub deviation: Option<f64>,
     /// Unit: `stress`, or `1`.
     pub unit: &'static str,
@@ -47,7 +47,7 @@ pub struct LossAnswer {
     pub criterion: Criterion,
     /// Imposed stretch at the loss.
     pub stretch: f64,
-    /// Whether the tests reach the state.
+    /// Whether the state is within the range of the tests.
     pub inside_of_data: bool,
 }
 
@@ -73,7 +73,7 @@ pub struct LawAnswer {
     pub shear_modulus: f64,
     /// Root mean square of the errors relative to the measured stresses.
     pub error: f64,
-    /// Sum of squares that was minimized.
+    /// Minimized sum of squares.
     pub loss: f64,
     /// Errors of each test.
     pub tests: Vec<Misfit>,
@@ -83,7 +83,7 @@ pub struct LawAnswer {
     pub free_loss: f64,
     /// Smallest stretches up to 10 at which the best fit without the stability constraint violates a criterion in tension.
     pub free_losses: Vec<LossAnswer>,
-    /// Stretches between the same limits, outside of the range, at which the result violates a criterion.
+    /// Stretches between the same limits, outside the range, at which the result violates a criterion.
     pub losses: Vec<LossAnswer>,
     /// Whether the best fit without the stability constraint is stable in the range.
     pub needs_no_demand: bool,
@@ -93,7 +93,7 @@ pub struct LawAnswer {
     pub is_global: bool,
     /// Pairs of strongly correlated constants.
     pub correlated: Vec<(String, String, f64)>,
-    /// Number of other optima whose sum of squares is within 5 %.
+    /// Number of other optima whose sum of squares is within 5 % of the best.
     pub other_optima: usize,
     /// Number of different measured conditions beyond the number of free constants; with 0, the error is not a measure of the fit.
     pub spare_points: usize,
@@ -112,7 +112,7 @@ pub struct LawAnswer {
 pub struct FitAnswer {
     /// Tests with the extent of their data.
     pub tests: Vec<TestAnswer>,
-    /// Unit of stress of the tables; `null` if they name none.
+    /// Unit of stress of the tables; `null` if they state no unit.
     pub unit: Option<String>,
     /// Weights of the points.
     pub weights: Weights,
@@ -134,7 +134,7 @@ pub struct FitAnswer {
 
 /// Significant digits of stretches and constants in sentences.
 const DIGITS: usize = 4;
-/// Smaller errors are rounding.
+/// Errors below this value are rounding errors.
 const NEGLIGIBLE: f64 = 1e-9;
 
 fn percent(part: f64) -> String {
@@ -226,7 +226,7 @@ impl FitAnswer {
         &self.laws[0]
     }
 
-    /// Range of stability in words.
+    /// Description of the range of stability.
     fn range_in_words(&self) -> String {
         let Some([low, high]) = self.stretches else {
             return String::new();
@@ -400,7 +400,7 @@ impl FitAnswer {
             .collect()
     }
 
-    /// Settings, table, figure, and blocks of the best law for the programs that have the law.
+    /// Settings, table, figure, and input blocks of the best law for the programs that support it.
     ///
     /// # Errors
     /// [`FittingError::Json`] if the answer cannot be written as JSON.
@@ -457,7 +457,7 @@ impl FitAnswer {
     }
 }
 
-/// Remarks on laws whose constants or errors say less than it seems.
+/// Remarks on laws whose constants or errors are less meaningful than they appear.
 fn remarks(laws: &[LawAnswer]) -> Vec<String> {
     let mut notes = Vec::new();
     let all = |holds: &dyn Fn(&LawAnswer) -> bool| {
@@ -518,7 +518,7 @@ impl ConstantAnswer {
         }
     }
 
-    /// Value in words, with at most six digits.
+    /// Value as text, with at most six digits.
     fn told(&self) -> String {
         told(self.rounded())
     }
@@ -631,7 +631,7 @@ impl LawAnswer {
         })
     }
 
-    /// Cost of the stability constraint, in words.
+    /// Sentence on the cost of the stability constraint.
     fn demand(&self) -> String {
         if self.proof.is_none() {
             return match self.free_losses.first() {
@@ -640,7 +640,7 @@ impl LawAnswer {
             };
         }
         if self.needs_no_demand {
-            return "The best fit is stable as it is: the stability constraint costs nothing."
+            return "The best fit is stable without the constraint, which therefore costs nothing."
                 .to_owned();
         }
         let mut text = format!(
@@ -654,7 +654,7 @@ impl LawAnswer {
     }
 }
 
-/// First violation of each criterion in words.
+/// Sentence on the first violation of each criterion.
 fn in_words(losses: &[LossAnswer]) -> String {
     let mut told: Vec<&LossAnswer> = Vec::new();
     for loss in losses {

@@ -11,11 +11,11 @@ const CELLS: usize = 90;
 /// Ratio of the largest stretch of a curve to the largest measured stretch.
 const EXTENT_RATIO: f64 = 1.1;
 
-/// Strokes of a hatching along a diagonal of a panel, and points of a stroke.
+/// Number of strokes of a hatching along a diagonal of a panel, and number of points of a stroke.
 const STROKES: usize = 40;
 const STROKE_POINTS: usize = 240;
 
-/// Diagonal strokes where parts of the width and of the height of a panel belong to a set. `at` are the coordinates.
+/// Diagonal strokes that hatch the part of a panel that belongs to a set. `at` returns the coordinates for fractions of width and height.
 fn hatching(at: impl Fn(f64, f64) -> (f64, f64), holds: impl Fn(f64, f64) -> bool) -> Line {
     let mut points = Vec::new();
     for stroke in 0..STROKES {
@@ -136,7 +136,7 @@ impl FitAnswer {
         )
     }
 
-    /// States at constant volume by their largest stretch and the inverse of their smallest one.
+    /// States of constant volume, by their largest stretch and the inverse of their smallest stretch.
     fn plane(&self) -> Panel {
         let best = self.best();
         let reach = self.stretches.map_or(1.0, |[_, high]| high);

@@ -1,6 +1,6 @@
 //! Test data: tables in CSV with a header, in decks of Abaqus and Ansys, and arrays.
 //!
-//! Data that contradict themselves or a header are refused, because the fit of a misread table would be as good as any other fit.
+//! Inconsistent data, and data that contradict a header, are refused, because even a misread table can be fitted.
 
 use crate::input::{self, MOST_TEXT};
 use crate::number::{counted, told, told_with};
@@ -29,7 +29,7 @@ pub enum TableError {
         row: &'static str,
         /// Line from 1, or point from 0.
         line: usize,
-        /// Finding and expectation in words.
+        /// Description of the finding and the expectation.
         message: String,
         /// Advice for the user.
         hint: String,
@@ -39,7 +39,7 @@ pub enum TableError {
     File {
         /// Path of the file, or name of the array.
         path: PathBuf,
-        /// Finding and expectation in words.
+        /// Description of the finding and the expectation.
         message: String,
         /// Advice for the user.
         hint: String,
@@ -47,7 +47,7 @@ pub enum TableError {
     /// Tests that contradict each other.
     #[error("{message}\n  hint: {hint}")]
     Tests {
-        /// Contradiction between the tests in words.
+        /// Description of the contradiction between the tests.
         message: String,
         /// Advice for the user.
         hint: String,
@@ -81,9 +81,9 @@ pub struct Arrays {
 /// Options for reading tables.
 #[derive(Clone, Debug, Default)]
 pub struct Reading {
-    /// Unit of stress of tables that do not name a unit; `None` if it is unknown.
+    /// Unit of stress for tables that state no unit; `None` if it is unknown.
     pub unit: Option<String>,
-    /// Area of the undeformed cross-section, which turns forces into nominal stresses; `None` for tables of stresses.
+    /// Area of the undeformed cross-section, used to convert forces to nominal stresses; `None` for tables of stresses.
     pub area: Option<f64>,
     /// Smallest and largest stretch of the points to use; `None` for all points.
     pub range: Option<[f64; 2]>,
@@ -96,7 +96,7 @@ pub struct Reading {
 pub struct Tests {
     /// Tests in the order of the files.
     pub tests: Vec<Test>,
-    /// Unit of all stresses; `None` if the tables name no unit.
+    /// Unit of all stresses; `None` if the tables state no unit.
     pub unit: Option<String>,
     /// Remarks for the reader.
     pub notes: Vec<String>,
@@ -104,21 +104,22 @@ pub struct Tests {
 
 /// Known units of stress.
 const UNITS: &str = "expected Pa, kPa, MPa, GPa, N/mm^2, bar, psi or ksi";
-/// Fewest points of a test.
+/// Smallest number of points of a test.
 const LEAST_POINTS: usize = 3;
-/// Largest stretch of rubber; larger numbers are percentages.
+/// Largest stretch of rubber; larger numbers are read as percentages.
 const LARGEST: f64 = 20.0;
-/// Hint for arrays that seem to hold strains.
+/// Hint for arrays that appear to contain strains.
 const STRETCHES: &str = "a stretch is 1 plus the strain, and 100 % is a strain of 1";
-/// Limits of the largest stress of a test.
+/// Smallest and largest admissible value of the largest stress of a test.
 const STRESSES: [f64; 2] = [1e-20, 1e20];
 /// Smallest admissible value of the largest strain of a test.
 const LEAST_STRAIN: f64 = 1e-4;
-/// Largest difference of stretches of one row that two columns give.
+/// Largest difference between the stretches that two columns give for one row.
 const STRETCH_TOLERANCE: f64 = 0.01;
-/// Largest change of volume for which laws at constant volume are fitted without a note.
+/// Largest change of volume for which laws of constant volume are fitted without a note.
 const CONSTANT_VOLUME: f64 = 0.1;
-/// Largest ratios of the shear moduli of two tests of one material at small strains, and of two tests without a note.
+/// Largest ratios of the initial shear moduli of two tests: the ratio at which tests of one material contradict each other, and the ratio without a
+/// note.
 const CONTRADICTION: f64 = 10.0;
 const DISAGREEMENT: f64 = 2.5;
 
@@ -284,7 +285,7 @@ impl Tests {
         Ok(())
     }
 
-    /// Compares the shear moduli at small strains.
+    /// Compares the initial shear moduli of the tests.
     fn compare(&mut self) -> Result<(), TableError> {
         let moduli: Vec<(String, f64)> = self
             .tests
@@ -316,7 +317,7 @@ impl Tests {
         Ok(())
     }
 
-    /// Gives tests of one name numbers.
+    /// Numbers the tests that have the same name.
     fn number(&mut self) {
         let names: Vec<String> = self.tests.iter().map(|test| test.name.clone()).collect();
         for (n, test) in self.tests.iter_mut().enumerate() {
@@ -352,7 +353,7 @@ fn initial_modulus(test: &Test) -> Option<f64> {
     (below > 0.0 && above > 0.0).then(|| above / below)
 }
 
-/// Beginning of a text of a file.
+/// First characters of a text from a file.
 fn brief(text: &str) -> String {
     text.chars()
         .filter(|own| !own.is_control())
@@ -390,7 +391,7 @@ type Rows = Vec<(usize, Point)>;
 /// Test of a deck, with the name of its material.
 type OfMaterial = (Option<String>, Test);
 
-/// Loading that a text names.
+/// Loading named in a text.
 fn mode_in(text: &str) -> Option<Mode> {
     let plain: String = text
         .to_lowercase()
@@ -427,7 +428,7 @@ enum Column {
     LateralStrain,
     VolumeRatio,
     Pressure,
-    /// Stretches of an array, which has no name.
+    /// Stretches of an array without a column name.
     Array,
 }
 
@@ -479,7 +480,7 @@ fn split(header: &str) -> (String, Option<String>) {
     (plain.trim_matches('_').to_owned(), unit)
 }
 
-/// Columns of programs whose tables have no header.
+/// Columns of programs that write tables without a header.
 const ABAQUS: &str = "data lines of Abaqus hold nominal stress and nominal strain";
 const ANSYS: &str =
     "files of Ansys hold nominal strain and nominal stress, or volume ratio and pressure";
@@ -513,7 +514,7 @@ impl Table<'_> {
         }
     }
 
-    /// Loading by the option, a comment of the file, or its name.
+    /// Loading given by the option, by a comment in the file, or by the file name.
     fn mode(&self, given: Option<Mode>) -> Result<Mode, TableError> {
         let comments = self.text.lines().map(str::trim_start).enumerate();
         let mut comments = comments
@@ -571,7 +572,7 @@ impl Table<'_> {
         {
             return Err(self.line(
                 n + 1,
-                format!("`{}` is a keyword of a deck, and the deck has no test data", brief(text)),
+                format!("`{}` is a keyword of an input deck, which contains no test data", brief(text)),
                 "expected *UNIAXIAL, *BIAXIAL, *PLANAR, *SIMPLE SHEAR or *VOLUMETRIC TEST DATA, or a table with a header",
             ));
         }
@@ -843,7 +844,7 @@ impl Table<'_> {
         Ok((self.test(mode, rows, along.0)?, unit))
     }
 
-    /// Test of arrays, whose lengths and numbers are checked.
+    /// Test given by arrays, whose lengths and numbers are checked.
     fn arrays(&self, own: &Arrays) -> Result<Test, TableError> {
         let lengths = [Some(&own.stress), own.lateral.as_ref()];
         if let Some(other) = lengths
@@ -876,7 +877,7 @@ impl Table<'_> {
                 return Err(self.line(
                     n,
                     format!("the value {value} is not a finite number"),
-                    "leave out points that were not measured",
+                    "omit points that were not measured",
                 ));
             }
             self.check_stretch(n, own.mode, *stretch, lateral, Column::Array)?;
@@ -890,7 +891,7 @@ impl Table<'_> {
         self.test(own.mode, rows, Column::Array)
     }
 
-    /// Test of rows whose signs and order are checked, without the points in the reference configuration.
+    /// Test from rows whose signs and order are checked, without the points in the reference configuration.
     fn test(
         &self,
         mode: Mode,
@@ -908,7 +909,7 @@ impl Table<'_> {
         })
     }
 
-    /// Tests of the chosen material, or of the only one.
+    /// Tests of the chosen material, or of the only material.
     fn of_material(
         &self,
         tests: Vec<OfMaterial>,
@@ -947,7 +948,7 @@ impl Table<'_> {
         Err(self.refused(message, "choose one of them with --material"))
     }
 
-    /// Note where lateral stretches contradict a constant volume, or have the sign of the strain.
+    /// Note on lateral stretches that contradict a constant volume, or have the sign of the strain.
     fn volume(&self, test: &Test) -> Option<String> {
         let changes = test.points.iter().filter_map(|own| {
             let lateral = own.lateral?;
@@ -986,7 +987,8 @@ impl Table<'_> {
             ),
             (Mode::Volumetric, _) => (
                 "volume ratio",
-                "a volume ratio is the deformed over the undeformed volume, near 1".to_owned(),
+                "a volume ratio is the deformed volume divided by the undeformed volume, near 1"
+                    .to_owned(),
             ),
             (_, Some(columns)) => ("stretch", format!("{columns}, not percentages")),
             (_, None) => (
@@ -1041,7 +1043,7 @@ impl Table<'_> {
         Ok(())
     }
 
-    /// Signs and order of the rows.
+    /// Checks the signs and the order of the rows.
     fn check_rows(
         &self,
         mode: Mode,

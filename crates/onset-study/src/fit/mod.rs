@@ -18,7 +18,7 @@ use thiserror::Error;
 /// Ratio of bulk to shear modulus of a fitted law if there is no volumetric test.
 pub const BULK_RATIO: f64 = 1000.0;
 
-/// Reason why nothing can be fitted.
+/// Reason why no law can be fitted.
 #[derive(Debug, Error)]
 pub enum FittingError {
     /// A table that cannot be used.
@@ -46,7 +46,7 @@ pub enum FittingError {
     /// A fitted law that the settings refuse.
     #[error(transparent)]
     Setting(#[from] SettingError),
-    /// A fitted law that cannot be made.
+    /// A fitted law that cannot be constructed.
     #[error(transparent)]
     Material(#[from] onset::material::MaterialError),
     /// An answer that cannot be written as JSON.
@@ -86,7 +86,7 @@ pub fn criteria(name: &str) -> Result<Vec<Criterion>, FittingError> {
     }
 }
 
-/// Two positive stretches in ascending order, as `0.5,3`.
+/// Two positive stretches in ascending order, given as `0.5,3`.
 ///
 /// # Errors
 /// A sentence on the expected form, for the argument parser.
@@ -98,7 +98,7 @@ pub fn stretches_between(text: &str) -> Result<[f64; 2], String> {
     }
 }
 
-/// Range of the stability constraint by its text, for example `box=0.3,4`. The text `none` is `None`.
+/// Range of the stability constraint given as text, for example `box=0.3,4`. The text `none` gives `None`.
 ///
 /// # Errors
 /// A sentence on the expected form, for the argument parser.
@@ -126,7 +126,7 @@ pub fn stable_range(text: &str) -> Result<Option<Range>, String> {
     })
 }
 
-/// Families with the names of laws; all of them for `all`.
+/// Families with the given names of laws, or all families for `all`.
 ///
 /// # Errors
 /// [`FittingError::Law`] with the reason if a law cannot be fitted.
@@ -165,7 +165,7 @@ pub fn families(names: &[String]) -> Result<Vec<Family>, FittingError> {
     Ok(distinct)
 }
 
-/// Fits laws to tests. `each` receives the name of each law before the fit.
+/// Fits laws to tests. `each` is called with the name of each law before its fit.
 ///
 /// # Errors
 /// [`FittingError`] if no law can be fitted.
@@ -275,7 +275,7 @@ fn assignments(
     Ok((at(kappa), Some(kappa)))
 }
 
-/// Pressures of a law at the volumes of points; 0 where it is not defined.
+/// Pressures of a law at the volumes of points; 0 if the law is not defined there.
 fn pressures(points: &[Point], settings: &[String]) -> Result<Vec<f64>, FittingError> {
     let law = Settings::from_assignments(settings)?.material.build()?;
     let pressure = |own: &Point| {

@@ -1,4 +1,4 @@
-//! Critical time steps over the values of a setting, and the intervals of values for which a step is stable.
+//! Critical time steps as a function of a setting, and the intervals of values for which a step is stable.
 
 use super::interval::{Admitted, Trial, admitted, refuse_undefined};
 use super::varied::Varied;
@@ -23,7 +23,7 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// Tolerance of the logarithmic step ratio at a limit, and of the relative width of the bracket.
+/// Tolerance of the logarithm of the step ratio at a limit, and of the relative width of the bracket.
 const LIMIT_TOLERANCE: f64 = 1e-10;
 
 /// Result for one value of the setting.
@@ -122,7 +122,7 @@ pub struct LimitAnswer {
     is_range_given: bool,
 }
 
-/// Smallest critical step for which the step, a fraction of it, is safe.
+/// Smallest critical step for which the given step is safe; the step is a fraction of it.
 fn needed(time_step: f64, safety: f64) -> f64 {
     time_step / safety
 }
@@ -282,7 +282,7 @@ impl LimitAnswer {
         self.tried.iter().filter(|one| one.is_admitted())
     }
 
-    /// Warning if the waves of a filled body admit the step but an isolated material point does not.
+    /// Warning for a step that the waves of a filled body admit but an isolated material point does not.
     fn isolated_point(&self) -> Option<String> {
         let needed = self.needed();
         let (value, step) = self.admitting().find_map(|one| {
@@ -297,7 +297,7 @@ impl LimitAnswer {
         ))
     }
 
-    /// Note on verdicts other than stable among the values that admit the step.
+    /// Note on values that admit the step although their verdict is not stable.
     fn verdicts(&self) -> Option<String> {
         let unstable = |one: &&Tried| one.verdict.is_some_and(|own| own != Verdict::Stable);
         let names: BTreeSet<&str> = self
@@ -331,7 +331,7 @@ impl LimitAnswer {
         }
     }
 
-    /// Figure of the critical step over the values, with the step that must be stable.
+    /// Figure of the critical step as a function of the value, with the required step.
     pub fn figure(&self) -> Figure {
         let varied = self.varied();
         let step = |one: &Tried| {
@@ -390,7 +390,7 @@ impl LimitAnswer {
         }
     }
 
-    /// The answer in a sentence. Limits are rounded inward, so that the printed value admits the step.
+    /// Sentence of the answer. Limits are rounded inward, so that the printed value admits the step.
     fn sentence(&self) -> String {
         let step = self.step(self.time_step);
         let critical = match self.safety {

@@ -1,4 +1,4 @@
-//! Intervals of values of a setting for which something holds: runs of a grid of values, whose ends are refined.
+//! Intervals of values of a setting in which a condition holds: runs of a grid of values whose ends are refined.
 
 use crate::answers::ProblemError;
 use crate::range::middle;
@@ -13,7 +13,7 @@ const HALVINGS: usize = 12;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EndKind {
-    /// Beyond the end the step is too large, or a state is not stable.
+    /// Beyond the end the step is too large, or a state is unstable.
     Limit,
     /// End of the range of values.
     Range,
@@ -129,7 +129,7 @@ pub(super) fn admitted<T: Trial>(
     (admitted, all)
 }
 
-/// Refines the end between an admitted value and a neighbor that is not.
+/// Refines the end between an admitted value and a neighbor that is not admitted.
 fn refined<T: Trial>(inside: &T, outside: &T, trial: &dyn Fn(f64) -> T, all: &mut Vec<T>) -> End {
     let (mut inside, mut outside) = (inside.clone(), outside.clone());
     // For an end at zero the width is relative to the cell of the grid.

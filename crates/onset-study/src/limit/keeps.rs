@@ -27,9 +27,9 @@ pub struct Kept {
     pub value: f64,
     /// Fraction of stable states; `null` if no state can be evaluated.
     pub stable_share: Option<f64>,
-    /// Verdict on the first state that is not stable, or `undefined` where method or law are not defined; `None` if all states are stable.
+    /// Verdict on the first state that is not stable, or `undefined` if the method or the law is not defined there; `None` if all states are stable.
     pub verdict: Option<&'static str>,
-    /// Stretches of this state.
+    /// Stretches of the first state that is not stable.
     pub stretches: Option<[f64; 3]>,
     /// Reason why the value cannot be evaluated; `None` if it can be evaluated.
     pub note: Option<String>,
@@ -201,7 +201,7 @@ impl KeepsAnswer {
         }
     }
 
-    /// The answer in a sentence. Ends are rounded inward, so that the printed value keeps the states stable.
+    /// Sentence of the answer. Ends are rounded inward, so that the printed value keeps the states stable.
     fn sentence(&self) -> String {
         let [low, high] = self.window;
         let states = format!(
@@ -265,7 +265,7 @@ impl KeepsAnswer {
             .to_string()
     }
 
-    /// Fraction of stable states over the values.
+    /// Fraction of stable states as a function of the value.
     pub fn figure(&self) -> Figure {
         let varied = self.varied();
         let stable = |one: &Kept| Some(100.0 * one.stable_share?);
@@ -291,7 +291,7 @@ impl KeepsAnswer {
     }
 }
 
-/// Fraction of the states in words. Only all states are 100 %.
+/// Fraction of the states as text. Only 100 % of the states are printed as 100 %.
 fn share(share: f64) -> String {
     match share {
         1.0 => "100 %".to_owned(),

@@ -1,8 +1,8 @@
 //! Limits of a setting for a given time step: the largest modulus, the smallest spacing or density, the largest penalty.
 //!
 //! The step of a simulation is often prescribed by other parts of it or by cost. The critical step of a state is evaluated on a grid of values. The
-//! values at which it equals the needed step are found by secant steps with interposed bisection. Instead of a step, the stability of all states in a
-//! window of stretches can be required.
+//! values at which it equals the required step are found by secant steps with interposed bisection. Instead of a step, the stability of all states in
+//! a window of stretches can be required.
 
 mod answer;
 mod interval;
@@ -28,7 +28,7 @@ const DEFAULT_RANGE_RATIO: f64 = 1e6;
 /// Default window of the stretches of states that must be stable.
 pub const USUAL_STRETCHES: (f64, f64) = (0.7, 1.5);
 
-/// The time step, as a value with a unit.
+/// Key of the time step, a value with a unit.
 static TIME_STEP: Key = Key {
     name: "--time-step",
     kind: Kind::Number("time", crate::settings::Admitted::Positive),
@@ -36,7 +36,7 @@ static TIME_STEP: Key = Key {
     read_with: &[],
 };
 
-/// A setting to vary, and how.
+/// Setting to vary, with the options of the search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LimitQuestion {
     key: &'static Key,
@@ -141,7 +141,7 @@ impl LimitQuestion {
         }
     }
 
-    /// Range of values: as requested, or around the present value.
+    /// Range of values: as requested, or around the present value by default.
     fn range(&self, present: Option<f64>) -> Result<[f64; 2], SettingError> {
         if let Some(range) = self.range {
             return Ok(range);
@@ -166,7 +166,7 @@ impl LimitQuestion {
             })
     }
 
-    /// Sets another value of the varied key and checks the result.
+    /// Settings with another value of the varied key, which are checked.
     fn settings(&self, settings: &Settings, value: f64) -> Result<Settings, ProblemError> {
         let mut changed = settings.clone();
         let unit = settings.unit(self.key);

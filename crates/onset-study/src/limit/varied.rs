@@ -1,11 +1,11 @@
-//! A varied setting in an answer: its values in words, in the rows of the text and on the axis of the figure.
+//! Varied setting of an answer: its values as text, in the rows of the table and on the axis of the figure.
 
 use super::interval::{Admitted, End, EndKind, Trial};
 use crate::figure::{Axis, Panel, Points, Rule, palette};
 use crate::number::{told, told_above, told_below};
 use crate::settings::{Key, Units};
 
-/// Ratio of the ends of the figure to the outermost limits and the present value.
+/// Ratio of the range of the figure to the outermost limits and the present value.
 const NEIGHBORHOOD: f64 = 10.0;
 
 /// The varied setting of an answer, with all results.
@@ -23,7 +23,7 @@ pub(super) struct Varied<'a, T> {
 }
 
 impl<'a, T: Trial> Varied<'a, T> {
-    /// A value in words, with its unit.
+    /// Value as text, with its unit.
     pub(super) fn value(&self, told: String) -> String {
         self.units
             .of(told, self.unit.unwrap_or_default())
@@ -36,7 +36,7 @@ impl<'a, T: Trial> Varied<'a, T> {
         [self.tried.first(), self.tried.last()].map(|one| one.map_or(f64::NAN, T::value))
     }
 
-    /// Smallest and largest value tried, in words.
+    /// Smallest and largest value tried, as text.
     pub(super) fn ends_told(&self) -> [String; 2] {
         self.ends().map(|end| self.value(told(end)))
     }
@@ -46,7 +46,7 @@ impl<'a, T: Trial> Varied<'a, T> {
         self.admitted.iter().flat_map(|own| [&own.from, &own.to])
     }
 
-    /// Admitted values in words, rounded inward, so that a printed value is admitted.
+    /// Admitted values as text, rounded inward, so that a printed value is admitted.
     pub(super) fn ranges(&self) -> String {
         let key = self.key;
         let is_open = |end: &End| end.kind == EndKind::Range;
@@ -59,7 +59,7 @@ impl<'a, T: Trial> Varied<'a, T> {
             [only] if is_open(&only.from) => format!("{key} up to {}", to(only)),
             [only] if is_open(&only.to) => {
                 let [_, last] = self.ends_told();
-                format!("{key} from {} on, as far as {last}", from(only))
+                format!("{key} from {} up to at least {last}", from(only))
             }
             several => {
                 let several = several.iter();
@@ -71,7 +71,7 @@ impl<'a, T: Trial> Varied<'a, T> {
         }
     }
 
-    /// Sentences on intervals that end because values beyond cannot be evaluated.
+    /// Sentences on intervals that end because values beyond the end cannot be evaluated.
     pub(super) fn ends_of_domain(&self) -> impl Iterator<Item = String> {
         self.all_ends().filter_map(|end| {
             let note = end.note.as_deref()?.lines().next()?;
@@ -141,7 +141,7 @@ impl<'a, T: Trial> Varied<'a, T> {
         panel
     }
 
-    /// Range of the figure: the given range, or the neighborhood of the limits and of the present value. All values if there are neither.
+    /// Range of the figure: the given range, or the neighborhood of the limits and of the present value, or all values if there is neither.
     fn window(&self) -> [f64; 2] {
         let all = self.ends();
         let places = self

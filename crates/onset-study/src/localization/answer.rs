@@ -12,13 +12,13 @@ use serde::Serialize;
 /// Onset of localization along a path, with the states that lead to it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LocalizationAnswer {
-    /// The answer in words.
+    /// Sentence of the answer.
     pub sentence: String,
     /// Parameters that have an effect.
     pub settings: serde_json::Map<String, serde_json::Value>,
     /// Units of all numbers with dimensions: the units of the parameters, or SI.
     pub units: Units,
-    /// Parameters as a text.
+    /// Parameters of the law, formatted for printing.
     #[serde(skip)]
     pub told: String,
     /// State at first yield.
@@ -211,7 +211,7 @@ impl LocalizationAnswer {
             .to_string()
     }
 
-    /// Name of the band. In a sheet it is a neck, and the kind of the band gives the change of thickness.
+    /// Name of the band. In a sheet it is a neck, and the kind of band determines the change of thickness.
     fn band_name(&self, point: &PointAnswer) -> &'static str {
         match self
             .settings

@@ -12,7 +12,7 @@ use crate::settings::SettingError;
 use onset::plasticity::PlasticityError;
 use thiserror::Error;
 
-/// Reasons why there is no answer; the input is always at fault.
+/// Reasons why there is no answer; all reasons are errors in the input.
 #[derive(Debug, Error)]
 pub enum LocalizationError {
     /// A setting is invalid.

@@ -21,11 +21,11 @@ pub struct Parameter {
     pub name: &'static str,
     /// Kind of value that the parameter accepts.
     pub kind: Kind,
-    /// Default value, as it would be typed.
+    /// Default value, as the user would type it.
     pub default: &'static str,
     /// Meaning, with formula or options.
     pub meaning: &'static str,
-    /// Condition for an effect: another parameter and its admissible words; `None` without a condition.
+    /// Condition for an effect: another parameter and its admissible values; `None` without a condition.
     pub only_with: Option<(&'static str, &'static [&'static str])>,
 }
 
@@ -80,8 +80,8 @@ impl Parameter {
 const CONFINEMENT: &str = "plasticity.confinement";
 const MODEL: &str = "plasticity.model";
 const HARDENING: &str = "plasticity.hardening";
-/// Model names of user routines, which are specified by keys of `[material]`. First yield is found from their tangent, which differences of the stress
-/// of a VUMAT do not resolve.
+/// Model names of user routines, which are specified by keys of `[material]`. First yield is determined from their tangent; differences of the stress
+/// of a VUMAT do not resolve it.
 const ROUTINES: &[&str] = &["umat", "library"];
 
 pub(crate) const MODELS: &[&str] = &[
@@ -369,12 +369,12 @@ pub const PARAMETERS: &[Parameter] = &[
     .only_with(MODEL, ROUTINES),
 ];
 
-/// Plastic law and loading path, as set.
+/// Plastic law and loading path as given by the user.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlasticSettings {
     /// One value for each of [`PARAMETERS`].
     values: Vec<Value>,
-    /// Place at which each value was set; `None` for defaults.
+    /// Origin of each value that was set; `None` for defaults.
     origins: Vec<Option<Origin>>,
     /// Whether each value was given with a unit; it is then in SI.
     with_units: Vec<bool>,
@@ -476,7 +476,9 @@ impl PlasticSettings {
                 origin,
                 format!("{MODEL} = {name} is a separate user material"),
             )
-            .hint("leave material.model out, and name the library: --set material.library=./my_umat.so"));
+            .hint(
+                "omit material.model, and name the library: --set material.library=./my_umat.so",
+            ));
         }
         self.routine = Some(material);
         Ok(())
@@ -507,8 +509,8 @@ impl PlasticSettings {
         Ok(())
     }
 
-    /// Sets the confinement of Cam-clay, which has no strength without pressure, unless the user sets it: half of the preconsolidation pressure, in
-    /// the middle of the yield surface.
+    /// Sets the default confinement of Cam-clay, which has no strength without pressure: half of the preconsolidation pressure, in the middle of the
+    /// yield surface.
     fn confine(&mut self) {
         let place = |name: &str| PARAMETERS.iter().position(|known| known.name == name);
         let places = (place(CONFINEMENT), place("plasticity.preconsolidation"));

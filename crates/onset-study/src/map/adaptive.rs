@@ -2,8 +2,8 @@
 //!
 //! The states of a coarse grid are the corners of cells. A cell is halved if the findings at its corners differ, or if the signed measures indicate
 //! that a boundary may pass between corners with the same finding. It is also halved if a state computed for a neighboring cell contradicts its
-//! corners. In the end all states of a cell are corners, or all have one finding. A pocket smaller than a cell of the coarse grid can be missed if
-//! no measure indicates it.
+//! corners. In the end all states of a cell are corners, or all have the same finding. A pocket smaller than a cell of the coarse grid can be missed
+//! if no measure indicates it.
 
 use super::record::{Finding, Outcomes, Record};
 use crate::store::{ravel, unravel};
@@ -93,7 +93,7 @@ impl Cell {
     }
 }
 
-/// All tuples with one element from each list, the last running fastest.
+/// All tuples with one element from each list, the last element varying fastest.
 fn product<T: Copy>(lists: &[Vec<T>]) -> Vec<Vec<T>> {
     let shape: Vec<usize> = lists.iter().map(Vec::len).collect();
     let tuple = |index| {
@@ -111,7 +111,7 @@ fn cells(intervals: &[Vec<(usize, usize)>]) -> Vec<Cell> {
     product(intervals).into_iter().map(cell).collect()
 }
 
-/// Cells of a coarse grid. The last state along each axis is a corner, so that the cells fill the tile without states outside it.
+/// Cells of a coarse grid. The last state along each axis is a corner, so that the cells cover exactly the states of the tile.
 fn coarse(extent: &[usize], stride: usize) -> Vec<Cell> {
     let along = |states: &usize| {
         let last = states - 1;
@@ -196,7 +196,7 @@ impl<'a> Tile<'a> {
             .any(|row| self.numbers[row].iter().any(differs))
     }
 
-    /// All states of the tile: computed, or filled in from the corners of the cell.
+    /// All states of the tile, either computed or filled in from the corners of the cell.
     fn filled(mut self, agreed: &[(Cell, Finding)]) -> Outcomes {
         // Cells fill the tile, so every state has a finding.
         let mut findings = vec![Finding::UNDEFINED; self.numbers.len()];
@@ -216,7 +216,7 @@ impl<'a> Tile<'a> {
     }
 }
 
-/// Returns true if a boundary may pass between states of one finding.
+/// Returns true if a boundary may pass between states with the same finding.
 ///
 /// Each measure vanishes on some boundary, but only relevant boundaries count. Stable particles lose stability where the scaled minimum vanishes, and
 /// their verdict changes with ellipticity. For unstable particles the verdict is physical if the material is not elliptic and long waves of the
@@ -244,8 +244,8 @@ struct Signs {
 impl Signs {
     /// Signs at the corners, or both signs if the measure is close to zero.
     ///
-    /// Close means within `nearness` times its change between corners. The error of linear interpolation is proportional to the square of the cell
-    /// size, and the change is proportional to the cell size; `nearness` may therefore shrink with the cell.
+    /// A measure is close to zero if it is within `nearness` times its change between corners. The error of linear interpolation is proportional to
+    /// the square of the cell size, and the change is proportional to the cell size; `nearness` may therefore decrease with the cell size.
     fn of(records: &[&Record], measure: usize, nearness: f64) -> Self {
         let values = || records.iter().map(|record| record.measures[measure]);
         let low = values().fold(f64::INFINITY, f64::min);
@@ -308,7 +308,7 @@ mod tests {
     use std::cell::Cell as Count;
     use std::convert::Infallible;
 
-    /// State of a material that is elliptic where `measure` is positive, with particles that agree.
+    /// State of a material that is elliptic where `measure` is positive, with particles whose stability agrees.
     fn faithful(measure: f64) -> Record {
         let (verdict, stability) = if measure >= 0.0 {
             (Verdict::Stable, Stability::Stable)
@@ -325,7 +325,7 @@ mod tests {
         }
     }
 
-    /// Refines a tile whose records follow from the position, compares with a full computation, and returns the fraction of computed states.
+    /// Refines a tile whose records depend only on the position, compares it with a full computation, and returns the fraction of computed states.
     fn refined(extent: &[usize], stride: usize, record: impl Fn(&[usize]) -> Record) -> f64 {
         let count = Count::new(0);
         let evaluate = |states: &[usize]| {

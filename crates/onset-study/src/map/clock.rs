@@ -26,7 +26,7 @@ fn now() -> Duration {
     )
 }
 
-/// Wall-clock time, on systems without a clock of processor time.
+/// Wall-clock time, on systems without a processor-time clock.
 #[cfg(not(unix))]
 fn now() -> Duration {
     use std::sync::LazyLock;

@@ -31,7 +31,7 @@ pub struct Evaluator {
 }
 
 impl Evaluator {
-    /// Prepares the settings, with some extra milliseconds of set-up if `many` states will follow.
+    /// Prepares the evaluation for the settings; the setup takes a few milliseconds longer if `many` states will follow.
     ///
     /// A method whose support holds too few or too many particles in the reference configuration is accepted: all its states are undefined.
     ///
@@ -96,7 +96,7 @@ impl Evaluator {
                         true => own.transferred(f)?.map(|waves| waves.critical_time_step()),
                         false => Some(self.time_step(own, f, &state)?),
                     };
-                    // An undefined step is not a number, which the minimum leaves out.
+                    // An undefined step is NaN, which the minimum ignores.
                     let step = step.unwrap_or(f64::INFINITY).min(record.critical_time_step);
                     record.critical_time_step = if step.is_finite() { step } else { f64::NAN };
                 }

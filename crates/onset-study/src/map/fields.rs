@@ -26,7 +26,7 @@ const NO_REASON: &str = "decided-or-not-asked";
 enum Taken {
     /// Flag for the finding at a state.
     Word(fn(Finding) -> i8),
-    /// Flag for a computed record; -1 if the flag does not apply.
+    /// Flag of a property of a computed record; -1 if the property does not apply.
     Flag(fn(Option<&Record>) -> i8),
     /// Number, for computed states only.
     Number(fn(&Record) -> f64),
@@ -104,7 +104,7 @@ const STABILITIES: [(Stability, &str); 3] = [
     (Stability::Divergence, "divergence"),
 ];
 
-/// Index of an element in a list; the length of the list if it is missing.
+/// Index of an element in a list, or the length of the list if it is missing.
 fn flag<T: PartialEq>(list: &[T], element: Option<T>) -> i8 {
     element
         .and_then(|element| list.iter().position(|other| *other == element))

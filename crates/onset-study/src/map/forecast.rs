@@ -1,8 +1,8 @@
 //! Forecast of the cost of a map before it is computed.
 //!
-//! For an adaptive map, states are computed on successively finer grids over the window while time allows. The refinement is then rehearsed with
-//! values interpolated on this grid, which predicts the states that it will compute. Some states of the map, spread evenly over it, are then computed
-//! as in the map and timed by processor time, which other processes do not affect.
+//! For an adaptive map, states are computed on successively finer grids over the window while time allows. A trial refinement with values
+//! interpolated on the finest grid then predicts the states that the map will compute. Some states, spread evenly over the map, are computed as in
+//! the map and timed by processor time, which other processes do not affect.
 
 use super::adaptive::refine;
 use super::clock::Clock;
@@ -20,11 +20,11 @@ use std::time::{Duration, Instant};
 
 /// Number of grid points along each axis, for successively finer grids.
 const GRID_POINTS: [usize; 6] = [2, 3, 5, 9, 17, 33];
-/// Largest number of tiles whose refinement is rehearsed, evenly chosen.
+/// Largest number of tiles, chosen evenly, for which the refinement is tried.
 const MAX_REHEARSED_TILES: usize = 200;
 /// Numbers of timed states: in the first group, in the initial batch, in the largest batch, and in total.
 ///
-/// Batches fill the vector lanes as in a map.
+/// Batches are large enough to fill the vector lanes, as in a map.
 const FIRST_BATCH: usize = 4;
 const INITIAL_BATCH: usize = 16;
 const LARGEST_BATCH: usize = 128;
@@ -52,7 +52,7 @@ pub struct Forecast {
 }
 
 impl Forecast {
-    /// Forecast for a study. New grids and timings start until `patience` has elapsed.
+    /// Creates the forecast for a study. New grids and timings are started until `patience` has elapsed.
     ///
     /// # Errors
     /// [`ProblemError`] if the material or the discretization is not admissible.
@@ -135,7 +135,7 @@ impl Work {
         }
     }
 
-    /// Work of an adaptive map.
+    /// Work of an adaptive map, predicted by a trial refinement.
     fn rehearsed(study: &Study, tiling: &Tiling, sample: &Sample<'_>) -> Self {
         let tiles = tiling.tiles();
         let some = tiles.min(MAX_REHEARSED_TILES);
@@ -176,7 +176,7 @@ impl Work {
         }
     }
 
-    /// Number of the n-th timed state.
+    /// Number of the n-th state to be timed.
     fn timed(&self, n: usize) -> usize {
         match self.states.len() {
             0 => ravel(&spread(n, &self.shape), &self.shape),
@@ -295,7 +295,7 @@ fn prepared_in<'a>(study: &'a Study, tile: &'a Tile) -> impl Iterator<Item = usi
     })
 }
 
-/// Sample on the finest grid that the time allows.
+/// Sample on the finest grid that can be computed in the given time.
 fn sampled<'a>(
     study: &Study,
     tiling: &'a Tiling,

@@ -6,7 +6,7 @@ use crate::store::{Dimension, LIBRARY, Layout, Tiling};
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
-/// Edge of a tile in states: with three axes smaller than with two, so that a tile needs the same memory.
+/// Edge of a tile in states: smaller with three axes than with two, so that a tile needs the same memory.
 pub(crate) fn edge(tile: usize, axes: usize) -> usize {
     let edge = (tile as f64).powf(2.0 / axes as f64).round() as usize;
     edge.max(1)

@@ -1,7 +1,7 @@
 //! Maps: the states of a study, computed tile by tile into a store.
 //!
 //! A [`Plan`] is a prepared study. Its [layout](Plan::layout) is the layout of the store; [`Plan::run`] computes its tiles on all cores. The result
-//! does not depend on their order. A [`Record`] holds the results at a state, and [`fields`] lists the stored part.
+//! does not depend on the order of the tiles. A [`Record`] holds the results at a state, and [`fields`] lists the part that is stored.
 
 mod adaptive;
 mod clock;

@@ -7,7 +7,7 @@ use std::str::FromStr;
 /// Selection of the tiles of a map.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// Range of tiles, `0..64`, without its end.
+    /// Range of tiles such as `0..64`, whose end is exclusive.
     Range(Range<usize>),
     /// One of `of` shares, counted from 1, as in `2/8`.
     ///

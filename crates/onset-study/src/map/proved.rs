@@ -99,7 +99,7 @@ impl Add for Proofs {
     }
 }
 
-/// Numbers of proved states, over the tiles of a run.
+/// Numbers of proved states in the tiles of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Proved {
     /// Share of the states with each certainty about the waves of the particles, by the name of the certainty.

@@ -72,7 +72,7 @@ impl From<&certificate::Certainty<3>> for Certainty {
 /// Proved facts about a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proof {
-    /// Certainty for the material, on strong ellipticity.
+    /// Proof status of the strong ellipticity of the material.
     pub material: Certainty,
     /// Bound on the acoustic eigenvalue, divided by `rho0 c^2`: a lower bound if elliptic, an upper bound otherwise.
     pub material_bound: f64,
@@ -122,7 +122,7 @@ fn bound(proved: &certificate::Certainty<3>) -> f64 {
     }
 }
 
-/// All results at a state. Numbers that do not exist there are NaN.
+/// All results at a state. Undefined numbers are NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record {
     /// Verdict and stability of the state.
@@ -167,7 +167,7 @@ impl Record {
     };
 }
 
-/// Results for the states of a tile, last dimension running fastest.
+/// Results for the states of a tile, the last dimension varying fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcomes {
     /// Verdict and stability of each state.

@@ -48,7 +48,7 @@ pub enum MapError {
 }
 
 impl MapError {
-    /// Returns true if the request is at fault, and false for failures of the machine.
+    /// Returns true for an error in the request, false for a failure of the machine.
     pub fn is_input(&self) -> bool {
         match self {
             Self::Store(error) => error.is_input(),
@@ -248,7 +248,7 @@ impl Plan {
     }
 }
 
-/// Observer of a tile that another process may compute too.
+/// Observer of a tile that another process may also be computing.
 struct Race<'a> {
     store: &'a dyn ResultStore,
     tile: usize,

@@ -30,7 +30,7 @@ pub struct Plan {
     evaluator: Option<Evaluator>,
 }
 
-/// Options for the work on a tile.
+/// Options for the computation of a tile.
 #[derive(Clone, Copy)]
 pub(super) struct Work<'a> {
     /// Whether the states of a tile are distributed among the cores.
@@ -78,7 +78,7 @@ impl Plan {
         &self.tiling
     }
 
-    /// Results for all states of a tile, last dimension running fastest.
+    /// Results for all states of a tile, the last dimension varying fastest.
     pub(super) fn outcomes(&self, tile: &Tile, work: Work<'_>) -> Result<Outcomes, MapError> {
         let states = States::new(self, tile);
         let pace = Pace::default();
@@ -128,7 +128,7 @@ impl Plan {
 
 /// Number of states computed between two checks for cancellation: initially one, then adapted to the time per state.
 ///
-/// Results do not depend on it.
+/// The results do not depend on this number.
 struct Pace(AtomicUsize);
 
 impl Default for Pace {
@@ -138,7 +138,7 @@ impl Default for Pace {
 }
 
 impl Pace {
-    /// Batches that take less time than `SHORT_BATCH` are followed by larger ones, and batches that take more than `LONG_BATCH` by smaller ones.
+    /// After a batch shorter than this duration a larger batch follows, and after a batch longer than `LONG_BATCH` a smaller batch.
     const SHORT_BATCH: Duration = Duration::from_millis(50);
     const LONG_BATCH: Duration = Duration::from_millis(250);
 

@@ -17,8 +17,8 @@ pub(crate) const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-wid
 main{display:flex;flex-wrap:wrap;gap:1.5rem}figure{margin:0}figcaption{max-width:320px}";
 
 impl ModesAnswer {
-    /// Writes a page that animates every mode. Each particle moves along its ellipse, all with the same period; the amplitudes equal those of the
-    /// exported fields.
+    /// Writes a page that animates every mode. Each particle moves along its ellipse, all with the same period; the amplitudes equal the amplitudes
+    /// of the exported fields.
     pub fn page(&self) -> String {
         let mut page = format!(
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
@@ -60,8 +60,8 @@ impl ModesAnswer {
     }
 }
 
-/// Draws particles that move periodically along their paths, all of equal numbers of points. `places` are the reference positions, which determine
-/// the frame. All lengths have the same unit.
+/// Draws particles that move periodically along their paths, which all have the same number of points. `places` are the reference positions, which
+/// determine the frame. All lengths have the same unit.
 pub(crate) fn moving_particles(
     places: &[[f64; 3]],
     paths: &[Vec<[f64; 3]>],

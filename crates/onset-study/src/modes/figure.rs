@@ -13,7 +13,7 @@ const MAX_MODES: usize = 6;
 const HALF_SIDE: f64 = 1.6;
 /// Radius of a ball, in spacings.
 const RADIUS: f64 = 0.15;
-/// Largest distance of neighbors that are joined by a line, in spacings.
+/// Largest distance between neighbors that are joined by a line, in spacings.
 const JOINING_DISTANCE: f64 = 1.05;
 /// Color of the lines between neighbors.
 const PALE: Color = Color::hex(0xc4c4c4);

@@ -1,4 +1,4 @@
-//! Fit of waves into patches: numbers of cells that hold whole wavelengths.
+//! Fit of waves into patches: numbers of cells that contain whole wavelengths.
 
 use serde::Serialize;
 
@@ -9,7 +9,7 @@ const MAX_DENOMINATOR: usize = 16;
 /// Largest deviation from a whole number of wavelengths for a wave that fits.
 const WHOLE_NUMBER_TOLERANCE: f64 = 1e-6;
 
-/// Patch with equal numbers of cells along the primitive vectors, and the wave closest to a given one that fits into it.
+/// Patch with equal numbers of cells along the primitive vectors, and the wave that fits into it and is closest to a given wave.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fit {
     /// Number of cells along each primitive vector.
@@ -21,7 +21,7 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// The wave closest to the given one for a number of cells.
+    /// Wave closest to the given wave for a number of cells.
     fn of(fractional: &[f64], cells: usize) -> Self {
         let count = cells as f64;
         let nearest: Vec<f64> = fractional

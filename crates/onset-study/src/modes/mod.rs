@@ -66,7 +66,7 @@ pub struct ModesAnswer {
     /// Evidence that the list of zero-energy modes is complete: `bounded` if bounds on the strain decide every part of the zone, `searched` if parts
     /// are undecided.
     pub evidence: Evidence,
-    /// The lowest relative frequency anywhere; `None` if the slowest waves of the material have zero frequency, like the shear waves of a fluid.
+    /// Lowest relative frequency over the zone; `None` if the slowest waves of the material have zero frequency, like the shear waves of a fluid.
     pub weakest: Option<f64>,
     /// Modes, zero-energy modes first.
     pub modes: Vec<ShownMode>,
@@ -250,7 +250,7 @@ impl ShownMode {
         format!("({})", parts.join(", "))
     }
 
-    /// Note that the wave does not fit into a patch, with a patch that it fits into; `None` if it fits.
+    /// Note for a wave that does not fit into a patch, with a patch that it fits into; `None` if it fits.
     pub fn misfit(&self, cells: usize) -> Option<String> {
         let Fit {
             cells: fitting,
@@ -274,7 +274,7 @@ impl ShownMode {
         })
     }
 
-    /// Kind of the mode, in words.
+    /// Description of the kind of the mode.
     pub fn kind(&self) -> String {
         let of_zero = match self.nullity {
             0 => {
@@ -300,7 +300,7 @@ impl ShownMode {
     }
 }
 
-/// A number as a fraction if it is one with a small denominator.
+/// A number written as a fraction if it equals a fraction with a small denominator.
 fn fraction(x: &f64) -> String {
     for denominator in 1..=16_u32 {
         let numerator = x * f64::from(denominator);
@@ -370,7 +370,7 @@ impl ModesAnswer {
         }
     }
 
-    /// The modes, a line for each.
+    /// List of the modes, one line for each.
     fn list(&self) -> Vec<String> {
         let modes = self.modes.iter().enumerate();
         let line = |(n, mode): (usize, &ShownMode)| {
@@ -379,7 +379,7 @@ impl ModesAnswer {
         modes.map(line).collect()
     }
 
-    /// What the list may lack, and the modes that do not fit the exported patch.
+    /// Notes on modes that may be missing from the list, and on modes that do not fit the exported patch.
     fn cautions(&self) -> Vec<String> {
         let unsure =
             "not all of the zone could be searched for zero-energy modes: there may be others";

@@ -1,4 +1,4 @@
-//! View of particles: plain for a line or a plane, in perspective for 3D.
+//! View of particles: parallel projection of a line or a plane, perspective in 3D.
 
 /// Direction of the eye in 3D, in degrees: azimuth about axis 3 from axis 1, and elevation above the plane of axes 1 and 2.
 const AZIMUTH: f64 = -62.0;
@@ -19,7 +19,7 @@ pub(super) struct View {
     depth: f64,
 }
 
-/// A point in the picture plane, with its magnification and distance.
+/// Point in the picture plane, with its magnification and distance.
 #[derive(Clone, Copy)]
 pub(super) struct Seen {
     /// Position in the picture.

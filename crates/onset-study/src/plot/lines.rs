@@ -27,7 +27,7 @@ pub(super) fn joined(boundary: &Boundary) -> Vec<(f64, f64)> {
     points
 }
 
-/// Name in the legend. It mentions gaps if a curve of the boundary was not followed to its ends.
+/// Name in the legend. It mentions gaps if a curve of the boundary was not traced to its ends.
 pub(super) fn honest(name: &str, boundary: &Boundary) -> String {
     match boundary.is_complete() {
         true => name.to_owned(),
@@ -35,7 +35,7 @@ pub(super) fn honest(name: &str, boundary: &Boundary) -> String {
     }
 }
 
-/// Line of the material boundary. It is wide enough to show under the line of a discretization that agrees with it.
+/// Line of the material boundary. It is wide enough to be visible under a coinciding line of the discretization.
 fn of_material(points: Vec<(f64, f64)>, name: String) -> Option<Line> {
     (!points.is_empty()).then(|| Line::new(points).width(6.0).named(name))
 }

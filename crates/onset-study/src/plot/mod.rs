@@ -1,4 +1,4 @@
-//! Figures of stored maps: verdicts with both boundaries, fields of numbers, and several discretizations in one.
+//! Figures of stored maps: verdicts with both boundaries, fields of numbers, and several discretizations in one figure.
 
 mod lines;
 mod overlay;
@@ -26,7 +26,7 @@ const ROUNDING_FRACTION: f64 = 1e-12;
 /// Name of the field of verdicts.
 const VERDICT: &str = "verdict";
 
-/// Note for boundaries along cells instead of traced ones.
+/// Note on boundaries that are drawn along cells instead of being traced.
 const NOT_LOADED: &str =
     "Boundaries are the edges of cells: the library of the material was not loaded.";
 
@@ -63,7 +63,7 @@ pub struct Look {
     pub x: Option<(f64, f64)>,
     /// Ends of the vertical axis; `None` for the range of the map.
     pub y: Option<(f64, f64)>,
-    /// Numbers at the ends of the color bar; `None` for the limits of the middle 99 % of the values.
+    /// Values at the ends of the color bar; `None` for the limits of the middle 99 % of the values.
     pub range: Option<(f64, f64)>,
     /// Color map of a field of numbers; `None` for the default of the field.
     pub color_map: Option<ColorMap>,
@@ -154,7 +154,7 @@ pub enum PlotError {
 }
 
 impl PlotError {
-    /// Returns true if the input is at fault, and not the machine.
+    /// Returns true for an error in the input, false for a failure of the machine.
     pub fn is_input(&self) -> bool {
         match self {
             Self::Store(error) => error.is_input(),
@@ -385,7 +385,7 @@ fn panels(
     Ok(figure)
 }
 
-/// Gives the fields of all panels one color scale, so that they can be compared.
+/// Applies one color scale to the fields of all panels, so that they can be compared.
 fn share_colors(figure: &mut Figure) {
     let layers = figure.panels.iter_mut().flat_map(|panel| &mut panel.layers);
     let mut fields: Vec<&mut Field> = layers

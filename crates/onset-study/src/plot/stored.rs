@@ -28,7 +28,7 @@ pub(super) struct Slice {
     pub(super) study: Study,
     /// Index of the state along the third axis.
     index: Option<usize>,
-    /// Value on the third axis, in words.
+    /// Value on the third axis, as text.
     pub(super) title: Option<String>,
 }
 
@@ -272,7 +272,7 @@ impl StoredMap {
         Ok(((columns, rows), values))
     }
 
-    /// Returns the reason why two maps cannot be overlaid, or `None` if they can.
+    /// Returns the reason why two maps cannot be overlaid, or `None` if they can be overlaid.
     pub(super) fn differs_from(&self, other: &Self) -> Option<&'static str> {
         let quantities = |study: &Study| -> Vec<Quantity> {
             study.axes.iter().map(|axis| axis.quantity).collect()

@@ -422,10 +422,10 @@ fn domains<const N: usize>(
     Ok(Plate { figure, tables })
 }
 
-/// Cells of a drawn field for each computed state along an axis.
+/// Number of cells of a drawn field per computed state along an axis.
 const CELLS_PER_STATE: usize = 6;
 
-/// Values on a grid that is finer by a factor, linear between the middles of the cells of the given grid and constant beyond.
+/// Values on a grid that is finer by a factor, interpolated linearly between the cell centers of the given grid and constant beyond them.
 fn interpolated(values: &[f64], (columns, rows): (usize, usize), factor: usize) -> Vec<f64> {
     // Neighbors of a fine cell along an axis, and the weight of the second one.
     let between = |n: usize, count: usize| {

@@ -80,7 +80,7 @@ const REPORT: &str = "report.html";
 /// File name of the table of all claims.
 const CLAIMS: &str = "claims.csv";
 
-/// Study of the paper; the folder `studies/` of the repository links to it.
+/// Study of the paper; the folder `studies/` of the repository contains a link to it.
 macro_rules! study {
     ($name:literal) => {
         $crate::settings::Study::parse(

@@ -68,7 +68,7 @@ impl Report {
             .to_string()
     }
 
-    /// Report as a page that needs no files except the figures next to it.
+    /// Report as a page that needs no files except the figures in the same folder.
     pub fn html(&self) -> String {
         let rows: String = self.claims.iter().map(row).collect();
         let figures: String = self

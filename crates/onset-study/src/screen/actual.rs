@@ -14,22 +14,23 @@ use serde::Serialize;
 
 /// Number of modes in an answer.
 const MODES: usize = 6;
-/// Smallest `omega^2` that is not rounding, over the largest entry of the tangent over masses.
+/// Smallest `omega^2` that is not a rounding error, relative to the largest entry of the tangent divided by the masses.
 const ROUNDING_FRACTION: f64 = 1e-9;
-/// Radius of the neighborhoods in which a mode is linear or not, in spacings: nearest neighbors and, on square lattices, those along diagonals.
+/// Radius of the neighborhoods in which a mode is compared with a linear field, in spacings: nearest neighbors and, on square lattices, those along
+/// diagonals.
 const RADIUS: f64 = 1.6;
-/// Smallest fraction of short waves in a mode of this kind: waves of up to four spacings.
+/// Smallest fraction of short waves in a short-wave mode; short waves have wavelengths of up to four spacings.
 const SHORT_WAVE_SHARE: f64 = 0.2;
-/// Largest deforming fraction of the body in a localized mode, and its largest width in spacings.
+/// Largest deforming fraction of the body in a localized mode, and largest width of the deforming region in spacings.
 const LOCALIZED: (f64, f64) = (0.2, 6.0);
 
 /// Kind of a mode of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ModeKind {
-    /// Smooth: a long wave, a neck or a buckle.
+    /// Smooth mode: a long wave, a neck or a buckle.
     Structural,
-    /// Smooth, but strains are confined to a few spacings: a band or a spot.
+    /// Smooth mode whose strains are confined to a few spacings: a band or a spot.
     Localized,
     /// Displacements that alternate between neighbors: an hourglass mode or another wave of a few spacings.
     ShortWave,
@@ -56,7 +57,7 @@ pub struct BodyModeAnswer {
     pub particle: usize,
     /// Reference position of the particle with the largest displacement; length.
     pub place: [f64; 3],
-    /// Displacements; the largest has unit length.
+    /// Displacements, normalized so that the largest has unit length.
     #[serde(skip)]
     pub displacements: Vec<[f64; 3]>,
 }
@@ -64,7 +65,7 @@ pub struct BodyModeAnswer {
 /// Lowest modes of the body in a frame: `K u = omega^2 M u` with the tangent `K` of the forces on its particles.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Actual {
-    /// Time that the user gave.
+    /// Time given by the user.
     pub asked: f64,
     /// Time of the nearest frame, in which the modes are computed.
     pub time: f64,
@@ -72,7 +73,7 @@ pub struct Actual {
     pub frame: usize,
     /// Number of unknowns: components of the displacements of all particles that are not held.
     pub unknowns: usize,
-    /// Number of rigid motions, which are left out.
+    /// Number of rigid motions, which are excluded.
     pub rigid: usize,
     /// Whether the forces have a potential, so that all `omega^2` are real.
     pub is_symmetric: bool,
@@ -96,7 +97,7 @@ pub(super) struct Nearest {
 }
 
 impl Actual {
-    /// Finds the lowest modes. `deformations` are the gradients of the particles, for methods whose particles carry them.
+    /// Finds the lowest modes. `deformations` are the deformation gradients of the particles, for methods whose particles carry them.
     ///
     /// # Errors
     /// [`ScreenError`] if method or law have no tangent at the positions of the frame.

@@ -6,13 +6,13 @@ use crate::settings::Family;
 use nalgebra::Matrix3;
 use onset::kinematics::DeformationGradient;
 
-/// Median of relative differences that gradients and stresses of one state can have.
+/// Gradients or stresses of one state disagree if their median relative difference exceeds this value.
 const DISAGREEMENT: f64 = 0.05;
 /// Smallest norm of `F - 1` for which gradients are compared.
 const COMPARABLE_STRAIN: f64 = 1e-3;
 /// Largest number of points whose stresses are compared in a frame.
 const SAMPLES: usize = 500;
-/// Number of frames at the beginning whose stresses are compared.
+/// Number of frames at the beginning of the run whose stresses are compared.
 const FRAMES: usize = 5;
 
 /// Differences of gradients and stresses in the files.
@@ -20,12 +20,12 @@ const FRAMES: usize = 5;
 pub(super) struct Agreement {
     /// Text on the gradients of the last frame that was compared.
     gradient: Option<String>,
-    /// Relative differences of stresses, and factors between them, in the frames at the beginning.
+    /// Relative differences of stresses, and ratios between them, in the frames at the beginning.
     stress: Vec<(f64, f64)>,
     frames: usize,
 }
 
-/// Way to read a gradient in a file.
+/// Interpretation of a gradient in a file.
 type Reading<'r> = &'r dyn Fn(&Matrix3<f64>) -> Option<Matrix3<f64>>;
 
 fn median(mut values: Vec<f64>) -> Option<f64> {
@@ -40,7 +40,7 @@ fn rotation(f: &Matrix3<f64>) -> Option<Matrix3<f64>> {
 }
 
 impl Agreement {
-    /// Compares gradients in a file with gradients `found` from positions.
+    /// Compares gradients in a file with the gradients `found` from positions.
     pub(super) fn compare_gradients(
         &mut self,
         dimension: usize,

@@ -23,20 +23,20 @@ use std::fmt;
 
 /// Relative error of the predicted limits; a step or a state closer to its limit counts as at the limit.
 const LIMIT_TOLERANCE: f64 = 0.02;
-/// Recommended fraction of the largest stable step: loads and disorder stiffen a body.
+/// Recommended fraction of the largest stable step; it allows for the stiffening of a body by loads and disorder.
 const SAFETY_FACTOR: f64 = 0.9;
-/// Smallest growth exponent before the observation that explains short waves, even if they were expected later: gradients of strain, which
-/// are part of the short waves, let them show earlier.
+/// Smallest growth exponent before the observation that explains short waves, even if they were expected later: strain gradients contribute to the
+/// measured short waves, so that they may appear earlier.
 const EXPLAINING_EXPONENT: f64 = 1.0;
 /// Smallest growth exponent before the observation in a body that is then destroyed.
 const DESTROYED_BODY_EXPONENT: f64 = 0.5;
-/// Smallest amplitude of short waves that rounding of positions does not cause, in units of the last digit.
+/// Smallest amplitude of short waves that is not attributed to rounding of positions, in units of the last digit.
 const ROUNDING_FACTOR: f64 = 2.0;
 /// Ratio of short waves to the threshold at which a body is destroyed.
 const DESTROYED_BODY_RATIO: f64 = 10.0;
-/// Smallest growth of short waves that are still below the threshold but follow a prediction.
+/// Smallest growth ratio at which short waves below the threshold are considered to follow a prediction.
 const RISE_RATIO: f64 = 10.0;
-/// Largest delay of a prediction after the observation, as a fraction of the time until then.
+/// Largest delay of the predicted time after the observation, as a fraction of the time until the observation.
 const LATENESS_FRACTION: f64 = 0.35;
 
 /// Smallest amplitude in the figure; spacings.
@@ -56,9 +56,9 @@ pub enum Cause {
     TimeStep,
     /// Short waves that no force resists.
     ZeroEnergy,
-    /// Short waves that do not grow by themselves: loads, contact, gradients of strain.
+    /// Short waves that are not due to an instability: loads, contact, strain gradients.
     Forced,
-    /// No short waves and no lost ellipticity: nothing to explain.
+    /// No short waves and no loss of ellipticity.
     None,
 }
 
@@ -165,11 +165,11 @@ pub struct ScreenAnswer {
     pub cause: Cause,
     /// Mechanism of a numerical instability; `None` for other causes.
     pub mechanism: Option<Mechanism>,
-    /// Cause, time, place, numbers and remedy in words.
+    /// Sentence with cause, time, position, numbers and remedy.
     pub sentence: String,
     /// Whether a change of the limit by 2 % would change the cause.
     pub at_the_limit: bool,
-    /// Place and time at which the cause begins; for a time step, at which it exceeds the largest stable step. `null` without a cause.
+    /// Position and time at which the cause begins; for a time step, at which it exceeds the largest stable step. `null` without a cause.
     pub first: Option<Event>,
     /// Time at which short waves are expected to become visible; `null` if they are not expected.
     pub expected: Option<f64>,
@@ -183,13 +183,13 @@ pub struct ScreenAnswer {
     pub evidence: Vec<String>,
     /// Suggested changes, and commands that examine the decisive state.
     pub remedy: Vec<String>,
-    /// Changes of the discretization, with the time at which growing waves then show.
+    /// Changes of the discretization, with the time at which growing waves would then become visible.
     pub changes: Vec<Remedy>,
     /// Limits of the theory in this run.
     pub limits: Vec<String>,
     /// Lowest modes of the body in one frame; `null` if they were not requested.
     pub actual: Option<Actual>,
-    /// Largest stable time steps; `null` for runs whose step is not judged.
+    /// Largest stable time steps; `null` for runs whose step is not assessed.
     pub time_step: Option<StepLimit>,
     /// Smallest amplitude of observed short waves; spacings.
     pub threshold: f64,
@@ -339,7 +339,7 @@ impl ScreenAnswer {
         };
         let step = question.time_step;
         let at_limit_of_step = course.step.as_ref().zip(step).is_some_and(|(limit, step)| {
-            // The limit of the undeformed body, and the least during the run.
+            // The limit of the undeformed body, and the smallest limit during the run.
             let limits = limit.least..=limit.body.unwrap_or(limit.lattice).max(limit.least);
             matches!(cause, Cause::None | Cause::TimeStep | Cause::Forced)
                 && step > (1.0 - LIMIT_TOLERANCE) * limits.start()
@@ -395,7 +395,7 @@ impl ScreenAnswer {
         let rates = rates.or(course.growing.as_ref());
         let rates = rates.filter(|_| cause == Cause::Numerical);
         let spacing = problem.analysis.spacing();
-        // The map shows the first short waves, or else the first event.
+        // The map shows the first short waves, otherwise the first event.
         let time = course.observed.as_ref().or(event.as_ref());
         let time = time.map(|event| event.window[1]);
         let mut pictures = course.pictures.iter();
@@ -590,7 +590,7 @@ impl ScreenAnswer {
 
     fn limits_of(&self, problem: &Problem, cut: f64, points: [usize; 2], end: f64) -> Vec<String> {
         let mut limits = vec![
-            "states are taken as homogeneous: regions smaller than half of the growing wave are not judged".to_owned(),
+            "states are taken as homogeneous: regions smaller than half of the growing wavelength are not assessed".to_owned(),
         ];
         if cut > 0.0 {
             limits.push(format!(
@@ -600,7 +600,7 @@ impl ScreenAnswer {
         }
         if points[1] > 0 {
             limits.push(format!(
-                "{} near held particles are not judged",
+                "{} near held particles are not assessed",
                 counted(points[1], "point")
             ));
         }

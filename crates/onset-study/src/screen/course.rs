@@ -1,4 +1,4 @@
-//! The course of a run: short waves that the states of the particles predict, and short waves in the positions.
+//! Evaluation of a run: short waves predicted from the states of the particles, and short waves in the positions.
 
 use super::actual::{Actual, Nearest, placed};
 use super::agreement::Agreement;
@@ -17,15 +17,15 @@ use onset::time_step::Stepping;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Smallest integral of the growth rate of growing waves: amplitudes are five percent larger.
+/// Smallest integral of the growth rate that counts as growth: amplitudes have grown by five percent.
 const INTEGRAL_AT_BEGINNING: f64 = 0.05;
 /// Largest integral whose exponential is finite for all seeds.
 const LARGEST_INTEGRAL: f64 = 500.0;
-/// Largest amplitude of short waves, in spacings, at which a particle has a state. Beyond it the neighbors have changed.
+/// Largest amplitude of short waves, in spacings, at which the state of a particle is evaluated. Beyond it the neighbors have changed.
 const FINAL_AMPLITUDE: f64 = 0.5;
 /// Smallest acoustic eigenvalue of a strongly elliptic material, divided by its modulus; smaller values are rounding.
 const ELLIPTICITY_ROUNDING: f64 = 1e-9;
-/// Largest acoustic eigenvalue of a state at the limit of ellipticity, divided by the modulus.
+/// Largest acoustic eigenvalue at which a state counts as at the limit of ellipticity, divided by the modulus.
 pub(super) const ELLIPTIC_MARGIN: f64 = 0.02;
 /// Amplitude of short waves in an exact lattice; spacings.
 const EXACT_LATTICE_AMPLITUDE: f64 = 1e-10;
@@ -39,7 +39,7 @@ pub struct Moment {
     pub time: f64,
     /// Largest predicted amplitude of growing waves; spacings.
     pub predicted: f64,
-    /// Predicted amplitude of the oscillation by a too large time step; spacings.
+    /// Predicted amplitude of the oscillation caused by a too large time step; spacings.
     pub predicted_by_step: f64,
     /// Largest amplitude of short waves in the positions; spacings.
     pub observed: f64,
@@ -51,16 +51,16 @@ pub struct Moment {
     pub growth: Option<f64>,
     /// Time step divided by the largest stable step of the body; `None` without a time step.
     pub step_ratio: Option<f64>,
-    /// Number of points without a state: inverted, too few neighbors, or outside of the domain of the law or the method.
+    /// Number of points without a state: inverted, with too few neighbors, or outside the domain of the law or the method.
     pub undefined: usize,
 }
 
-/// First point and time at which something happens.
+/// Point and time at which an event first occurs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Event {
     /// Time, interpolated between the frames.
     pub time: f64,
-    /// Times of the frame before and of the frame.
+    /// Times of the frames before and after the event.
     pub window: [f64; 2],
     /// Number of the particle or cell, from 0 in the order of the first frame.
     pub point: usize,
@@ -77,7 +77,7 @@ pub struct StepLimit {
     pub lattice: f64,
     /// Largest stable step of the body in the reference state; time. `None` for methods whose particles have no forces at arbitrary positions.
     pub body: Option<f64>,
-    /// Smallest value of the largest stable step during the run, until the first event; time.
+    /// Smallest value of the largest stable step during the run, up to the first event; time.
     pub least: f64,
     /// Time at which the step of the run first exceeds the largest stable step; `None` if it never does.
     pub exceeded: Option<f64>,
@@ -89,23 +89,23 @@ pub struct StepLimit {
     pub place: Option<[f64; 3]>,
 }
 
-/// Everything that is measured and predicted in a run.
+/// All measured and predicted quantities of a run.
 pub(super) struct Course {
     pub(super) moments: Vec<Moment>,
     /// First loss of strong ellipticity.
     pub(super) lost: Option<Event>,
-    /// First predicted amplitude above the threshold, with the rates there.
+    /// First predicted amplitude above the threshold, with the growth rates there.
     pub(super) grown: Option<(Event, StateRates)>,
     /// First amplitude in the positions above the threshold.
     pub(super) observed: Option<Event>,
     pub(super) step: Option<StepLimit>,
     /// Amplitude of the short waves when growth begins; spacings.
     pub(super) seed: f64,
-    /// Numbers of points with states, and of points near held particles without states.
+    /// Number of points with states, and number of points near held particles without states.
     pub(super) points: [usize; 2],
     /// Number of states that were evaluated.
     pub(super) states: usize,
-    /// Fraction of points with fewer than nine tenths of the largest number of neighbors.
+    /// Fraction of points that have fewer than nine tenths of the largest number of neighbors.
     pub(super) cut: f64,
     /// Rates of the point whose waves had grown most when the first short waves were observed.
     pub(super) growing: Option<StateRates>,
@@ -115,7 +115,7 @@ pub(super) struct Course {
     pub(super) notes: Vec<String>,
     /// Time of each frame, and the stretch tensor of the point whose waves have grown most.
     pub(super) leading: Vec<(f64, Matrix3<f64>)>,
-    /// Frames at which something happens first.
+    /// Frames at which events first occur.
     pub(super) pictures: Vec<Picture>,
     /// Lowest modes of the body in a frame.
     pub(super) actual: Option<Actual>,
@@ -190,14 +190,14 @@ fn mean(cell: &[usize], x: &[[f64; 3]]) -> [f64; 3] {
     std::array::from_fn(|axis| sum(axis) / cell.len().max(1) as f64)
 }
 
-/// Growth rate of the waves, with the damping but without the amplification by the scheme, which belongs to the time step.
+/// Growth rate of the waves, with the damping but without the amplification by the time integration scheme, which is attributed to the time step.
 pub(super) fn own_rate(rates: &StateRates) -> f64 {
     rates
         .stepped
         .map_or(rates.growth, |stepped| stepped.min(rates.growth))
 }
 
-/// Growth that is integrated at each point.
+/// Growth integrals of all points.
 struct Growth<'p> {
     states: States<'p>,
     integral: Vec<f64>,
@@ -328,9 +328,9 @@ struct Follower<'p> {
     question: &'p Question,
     run: &'p Run,
     points: Points,
-    /// Nodes whose short waves count.
+    /// Nodes whose short waves are evaluated.
     nodes: Vec<bool>,
-    /// Whether a point has states.
+    /// Whether states are evaluated at a point.
     is_asked: Vec<bool>,
     growth: Growth<'p>,
     at_rest: StateRates,
@@ -341,7 +341,7 @@ struct Follower<'p> {
     /// Amplitude of the first frame; spacings.
     first_seed: f64,
     has_begun: bool,
-    /// Frame nearest to the time of the modes.
+    /// Frame nearest to the time for which modes are requested.
     nearest: Option<Nearest>,
     /// Integral of the growth rate caused by the time step.
     by_step: f64,
@@ -372,7 +372,7 @@ impl<'p> Follower<'p> {
         let asked = is_asked.iter().filter(|is| **is).count();
         if asked == 0 || !nodes.contains(&true) {
             return Err(ScreenError::Run {
-                what: "no particle is left to be judged: all are held, near held particles, or outside of the region".to_owned(),
+                what: "no particle remains to be assessed: all are held, near held particles, or outside the region".to_owned(),
                 hint: "choose held particles with --held, or another --region".to_owned(),
             });
         }
@@ -415,7 +415,7 @@ impl<'p> Follower<'p> {
         })
     }
 
-    /// Amplitudes of the nodes that count.
+    /// Amplitudes of the evaluated nodes.
     fn checked<'s>(&'s self, observed: &'s [f64]) -> impl Iterator<Item = f64> + 's {
         let all = observed.iter().zip(&self.nodes);
         all.filter(|(_, counts)| **counts)
@@ -474,7 +474,7 @@ impl<'p> Follower<'p> {
             self.course.seed = self.first_seed;
             self.by_step = 0.0;
         }
-        // States of the points.
+        // States of the points follow.
         let (points, run, is_asked) = (&self.points, self.run, &self.is_asked);
         let found: Vec<Option<Matrix3<f64>>> = (0..count)
             .into_par_iter()
@@ -625,7 +625,7 @@ impl<'p> Follower<'p> {
         Ok(fields)
     }
 
-    /// Keeps positions and short waves of the frames at which something happens first.
+    /// Stores the positions and short waves of the frames at which events first occur.
     fn picture(&mut self, frame: &Frame, observed: &[f64]) {
         let at = |event: Option<&Event>| event.is_some_and(|own| own.window[1] == frame.time);
         let grown = self.course.grown.as_ref().map(|(event, _)| event);
@@ -770,8 +770,8 @@ fn limits(
     Ok(Some((limit, mode)))
 }
 
-/// Nodes whose short waves count, and points with states: not held, and without held neighbors (for short waves, without held neighbors
-/// of neighbors).
+/// Nodes whose short waves are evaluated, and points with states. Neither the points nor their neighbors are held; for short waves the neighbors of
+/// neighbors are not held either.
 fn far_from_held(run: &Run, points: &Points) -> (Vec<bool>, Vec<bool>) {
     let spread = |held: &[bool]| -> Vec<bool> {
         let near = |n: usize| held[n] || points.nodes.numbers(n).any(|other| held[other]);

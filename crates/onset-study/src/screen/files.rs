@@ -5,7 +5,7 @@ use crate::output::{Batch, Output};
 use crate::vtk::{Grid, pvd};
 use std::path::PathBuf;
 
-/// Files that are written while a run is followed. They appear together at the end.
+/// Files that are written while a run is processed. They are moved to their folder together at the end.
 #[derive(Debug)]
 pub struct ScreenFiles<'r> {
     batch: Batch,
@@ -16,7 +16,7 @@ pub struct ScreenFiles<'r> {
 }
 
 impl<'r> ScreenFiles<'r> {
-    /// Names of the files whose number does not depend on the frames, without the figure.
+    /// Names of the files that are written once, independent of the number of frames; the figure is not listed.
     pub const NAMES: [&'static str; 5] = [
         "screen.pvd",
         "screen.csv",

@@ -7,18 +7,18 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// Displacements of held particles that differ by less than this fraction of a spacing are equal.
+/// Largest difference between displacements of held particles that count as equal, as a fraction of a spacing.
 const RIGID: f64 = 1e-5;
-/// Largest number of different displacements of the held particles of one kind: two or more grips.
+/// Largest number of distinct displacements of the held particles of one kind: two or more grips.
 const GRIPS: usize = 6;
-/// Median motion between frames, in spacings and without the mean motion, at which the rows are in another order.
+/// Smallest median motion between frames, in spacings and without the mean motion, that indicates a changed order of the rows.
 const JUMP_SPACINGS: f64 = 3.0;
 /// Smallest number of particles in a face that moves rigidly.
 const LEAST_FACE: usize = 3;
-/// Distance of a lattice position, in spacings, within which reference positions are regular.
+/// Largest distance from a lattice position, in spacings, at which reference positions are regular.
 const REGULAR: f64 = 1e-3;
 
-/// Largest coordinate: fits use its square.
+/// Largest admissible coordinate; fits use its square.
 const LARGEST_COORDINATE: f64 = 1e100;
 
 /// Box of the reference configuration.
@@ -64,7 +64,7 @@ impl FromStr for Region {
 /// Particles whose motion is prescribed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Held {
-    /// Particles that the file marks, or else a minority kind or faces that move rigidly.
+    /// Particles marked in the file; otherwise a minority kind, or faces that move rigidly.
     #[default]
     Guessed,
     /// Particles of a kind.
@@ -95,7 +95,7 @@ impl FromStr for Held {
 /// Reference configuration of the computed deformation gradients.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Reference {
-    /// Reference positions or displacements in the files, or else the first frame.
+    /// Reference positions or displacements in the files; otherwise the first frame.
     #[default]
     Recorded,
     /// Positions of the first frame.
@@ -115,14 +115,14 @@ pub struct Source {
     pub reference: Reference,
     /// Particles with prescribed motion.
     pub held: Held,
-    /// The answer is restricted to this box; `None` for all particles.
+    /// Box that contains the particles to be assessed; `None` for all particles.
     pub region: Option<Region>,
 }
 
 /// Properties of the files that were recognized, and checked.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Recording {
-    /// Number of files after wildcards.
+    /// Number of files after expansion of wildcards.
     pub files: usize,
     /// Format of the files.
     pub format: String,
@@ -136,7 +136,7 @@ pub struct Recording {
     pub particles: usize,
     /// Number of elements; zero if the particles have the states.
     pub elements: usize,
-    /// Columns with the quantities that they were read as.
+    /// Columns, with the quantities assigned to them.
     pub columns: Vec<String>,
     /// Columns that are not used.
     pub unused: Vec<String>,
@@ -148,7 +148,7 @@ pub struct Recording {
     pub held_by: String,
     /// Median distance of nearest neighbors in the reference configuration; length.
     pub spacing: f64,
-    /// Assumptions, differences and parts that were left out.
+    /// Assumptions, differences and omitted parts.
     pub notes: Vec<String>,
     #[serde(skip)]
     identity: Option<Vec<u64>>,
@@ -161,17 +161,17 @@ fn wrong(what: impl Into<String>, hint: impl Into<String>) -> ScreenError {
     }
 }
 
-/// Beginning of a word of the user.
+/// Beginning of a word given by the user, quoted.
 fn quoted(text: &str) -> String {
     text.chars().take(40).collect()
 }
 
-/// Components beyond the dimensions are zero.
+/// Sets components beyond the dimensions to zero.
 fn flat(x: &[f64; 3], dimension: usize) -> [f64; 3] {
     std::array::from_fn(|i| if i < dimension { x[i] } else { 0.0 })
 }
 
-/// Median motion of the rows from a frame to the next, without the mean motion.
+/// Median motion of the rows from one frame to the next, without the mean motion.
 fn median_jump(from: &Read, to: &Read) -> f64 {
     let moved = from.position.iter().zip(&to.position);
     let moved: Vec<[f64; 3]> = moved
@@ -229,13 +229,13 @@ impl Recording {
             let fault = own.ordered(&mut frame).or_else(|| broken(&frame));
             if let Some(fault) = fault {
                 own.notes
-                    .push(format!("{fault}: this and all later frames are left out"));
+                    .push(format!("{fault}: this and all later frames are skipped"));
                 break;
             }
             if written > frame.len() && !has_others {
                 has_others = true;
                 own.notes.push(format!(
-                    "{}: {} that the first frame lacks, left out from here on",
+                    "{}: {} that the first frame lacks, skipped from this frame on",
                     frame.source,
                     counted(written - frame.len(), "particle")
                 ));
@@ -335,7 +335,7 @@ impl Recording {
         }
     }
 
-    /// Takes the particles of the first frame.
+    /// Initializes the particles from the first frame.
     fn begin(&mut self, frame: &Read) -> Result<(), ScreenError> {
         if let Some(fault) = broken(frame) {
             return Err(wrong(
@@ -381,7 +381,7 @@ impl Recording {
         }
     }
 
-    /// Frames of the run, in the order of the particles of the first one.
+    /// Frames of the run, in the particle order of the first frame.
     pub fn frames<'s>(
         &'s self,
         series: &'s mut Series,
@@ -421,7 +421,7 @@ impl Recording {
         }
     }
 
-    /// Sorts the particles in the order of the first frame; returns what prevents it.
+    /// Sorts the particles in the order of the first frame; returns the reason if this is impossible.
     fn ordered(&self, frame: &mut Read) -> Option<String> {
         let place = frame.source.clone();
         if let Some(identity) = &self.identity {
@@ -510,14 +510,14 @@ impl Recording {
         }
     }
 
-    /// Displacement of a particle in the run, in small fractions of the spacing.
+    /// Displacement of a particle in the run, rounded to a small fraction of the spacing.
     fn moved(&self, first: &Read, last: &Read, n: usize) -> [i64; 3] {
         let (from, to) = (&first.position[n], &last.position[n]);
         let unit = RIGID * self.spacing;
         std::array::from_fn(|i| ((to[i] - from[i]) / unit).round() as i64)
     }
 
-    /// Outermost particles along an axis that all have one displacement, with all others that have it.
+    /// Particles of the outermost faces along an axis that share one displacement, with all other particles that have it.
     fn rigid_faces(&mut self, first: &Read, last: &Read, reference: &[[f64; 3]]) -> Vec<bool> {
         let mut held = vec![false; reference.len()];
         let mut faces = Vec::new();
@@ -564,7 +564,7 @@ fn time_of(frame: &Read) -> Result<f64, ScreenError> {
     })
 }
 
-/// Reason why a frame is not sound: coordinates that are not finite, or so large that their squares are not.
+/// Reason why a frame is invalid: coordinates that are not finite, or so large that their squares are not.
 fn broken(frame: &Read) -> Option<String> {
     let is_finite = |x: &[f64; 3]| x.iter().all(|x| x.abs() < LARGEST_COORDINATE);
     let n = frame.position.iter().position(|x| !is_finite(x))?;
@@ -641,7 +641,7 @@ pub(super) fn spacing(reference: &[[f64; 3]], dimension: usize) -> f64 {
     }
 }
 
-/// Returns true if nearest neighbors have the distance of a regular lattice.
+/// Returns true if the distances of nearest neighbors agree with a regular lattice.
 pub(super) fn is_spaced(found: f64, spacing: f64) -> bool {
     (found / spacing - 1.0).abs() < REGULAR
 }

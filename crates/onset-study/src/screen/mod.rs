@@ -1,8 +1,10 @@
-//! A run of another code: which particle became unstable first, when, and whether the material, the discretization or the time step is the cause.
+//! Screening of a run of another code: the particle that first became unstable, the time, and whether the material, the discretization or the time
+//! step is the cause.
 //!
 //! A [`Run`] is read from output files, or given as arrays. For each particle and frame the deformation gradient follows from the positions. Its state
-//! has a smallest acoustic eigenvalue and a fastest-growing wave. The integral of the growth rate over time, from the short waves at the start, gives the
-//! amplitude that is expected. It is compared with the short waves in the positions. The largest stable step refers to the body and to the scheme of the code.
+//! has a smallest acoustic eigenvalue and a fastest-growing wave. The integral of the growth rate over time, from the short waves at the start, gives
+//! the amplitude that is expected. It is compared with the short waves in the positions. The largest stable step refers to the body and to the scheme
+//! of the code.
 
 mod actual;
 mod agreement;
@@ -29,7 +31,7 @@ use crate::output::OutputError;
 use onset_frames::FrameError;
 use thiserror::Error;
 
-/// Default amplitude at which short waves count; spacings.
+/// Default threshold for the amplitude of short waves; spacings.
 pub const THRESHOLD: f64 = 0.05;
 /// Default width of the bins of stretch.
 pub const BIN: f64 = 0.001;
@@ -50,7 +52,7 @@ pub fn stepping_named(name: &str) -> Option<Stepping> {
 /// Time integration of the code, and thresholds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
-    /// Time step of the code; `None` for runs whose step is not judged.
+    /// Time step of the code; `None` for runs whose step is not assessed.
     pub time_step: Option<f64>,
     /// Time integration of the code.
     pub stepping: Stepping,
@@ -96,7 +98,7 @@ pub struct Run {
     pub cells: Option<Vec<Vec<usize>>>,
     /// Rounding of positions in the file; length.
     pub rounding: f64,
-    /// The answer is restricted to this box; `None` for all particles.
+    /// Box that contains the particles to be assessed; `None` for all particles.
     pub region: Option<Region>,
 }
 
@@ -114,13 +116,13 @@ pub struct Frame {
     pub time: f64,
     /// Current positions, in the order of the reference positions; length.
     pub x: Vec<[f64; 3]>,
-    /// Velocities of the particles; length/time. `None` if the code gives none.
+    /// Velocities of the particles; length/time. `None` if the code provides none.
     pub velocity: Option<Vec<[f64; 3]>>,
-    /// Deformation gradients F_iJ of the particles or elements, row by row, as the code gives them. `None` if it gives none.
+    /// Deformation gradients F_iJ of the particles or elements, row by row, as provided by the code; `None` if it provides none.
     pub gradient: Option<Vec<[f64; 9]>>,
-    /// Cauchy stresses xx, yy, zz, xy, xz, yz of the particles or elements, as the code gives them. `None` if it gives none.
+    /// Cauchy stresses xx, yy, zz, xy, xz, yz of the particles or elements, as provided by the code; `None` if it provides none.
     pub stress: Option<Vec<[f64; 6]>>,
-    /// Components of the stresses that the code gives.
+    /// Components of the stresses that the code provides.
     pub stress_given: [bool; 6],
 }
 
@@ -138,10 +140,10 @@ pub enum ScreenError {
         "the law or the method is not defined in the reference configuration\n  hint: try `onset state --stretch 1,1` with the same settings"
     )]
     Reference,
-    /// The run and the settings do not belong together, or a frame does not belong to the run.
+    /// The run and the settings are inconsistent, or a frame does not belong to the run.
     #[error("{what}\n  hint: {hint}")]
     Run {
-        /// Fault and its place.
+        /// Description of the fault and its location.
         what: String,
         /// Remedy for the user.
         hint: String,

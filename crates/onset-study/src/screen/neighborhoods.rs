@@ -11,7 +11,7 @@ const SINGULAR: f64 = 1e-6;
 
 /// Smallest ratio of the eigenvalues of normal equations that determine a polynomial.
 const REGULAR: f64 = 1e-4;
-/// Largest mean position of the neighbors in a neighborhood that no face cuts, divided by their mean distance.
+/// Largest distance of the mean position of the neighbors from the particle, divided by their mean distance, in a neighborhood that no face cuts.
 const CUT_NEIGHBORHOOD_OFFSET: f64 = 0.2;
 
 /// Neighbors of each particle within a radius in the reference configuration.
@@ -191,7 +191,7 @@ impl Neighborhoods {
 
     /// Residual of a field against fits to the neighbors: linear functions inside, quadratic ones at faces, whose neighborhoods are one-sided.
     ///
-    /// A fit amplifies random noise more than a mean of the neighbors does. Residuals are divided by this factor.
+    /// A fit amplifies random noise more than a mean over the neighbors does. Residuals are divided by this factor.
     fn residual(&self, field: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         let of = |n: usize| {
             let neighbors = self.of(n);

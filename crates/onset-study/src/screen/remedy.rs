@@ -1,4 +1,4 @@
-//! Changes of a discretization, each with the time at which its waves would show in the states of the run.
+//! Changes of a discretization, each with the time at which waves would become visible for the states of the run.
 
 use super::Question;
 use super::course::{Course, amplified, crossing, own_rate};
@@ -11,7 +11,7 @@ use onset::method::Frame;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// Trial factors of the present coefficient of a stabilization, and trial values without a stabilization.
+/// Multiples of the present coefficient of a stabilization, and values that are tried without a stabilization.
 const FACTORS: [f64; 4] = [2.0, 5.0, 10.0, 30.0];
 const VALUES: [f64; 4] = [0.05, 0.1, 0.3, 1.0];
 /// Largest number of changes in an answer.
@@ -20,14 +20,14 @@ const MAXIMUM_CHANGES: usize = 3;
 /// Change of settings that avoids or delays an instability.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Remedy {
-    /// Settings that change, `key=value`.
+    /// Changed settings, as `key=value`.
     pub settings: Vec<String>,
     /// Time at which growing waves are then expected to become visible; `None` if they are not expected within the run.
     pub expected: Option<f64>,
 }
 
 impl Remedy {
-    /// The change and its effect, as a clause.
+    /// Description of the change and its effect, as a clause.
     pub(super) fn told(&self) -> String {
         let change = self.settings.join(" and ");
         match self.expected {
@@ -40,7 +40,7 @@ impl Remedy {
     }
 }
 
-/// Ladders of changes, from the smallest to the largest; of each ladder the first change that helps is of interest.
+/// Sequences of changes, from the smallest to the largest change; in each sequence the first change that helps is reported.
 fn ladders(problem: &Problem) -> Vec<Vec<Vec<String>>> {
     let settings = &problem.settings;
     let mut ladders = Vec::new();
@@ -72,7 +72,7 @@ fn ladders(problem: &Problem) -> Vec<Vec<Vec<String>>> {
     ladders
 }
 
-/// Changed settings with the law of a problem; `None` if they do not belong together.
+/// Changed settings with the law of a problem; `None` if they are inconsistent.
 fn changed(problem: &Problem, change: &[String]) -> Option<Problem> {
     let mut settings = problem.settings.clone();
     for assignment in change {
@@ -81,7 +81,7 @@ fn changed(problem: &Problem, change: &[String]) -> Option<Problem> {
     Problem::with_law(settings, Arc::clone(&problem.material)).ok()
 }
 
-/// States that lead the growth of a run, extrapolated at the mean rate of loading after the first short waves.
+/// States with the largest growth in a run, extrapolated at the mean rate of loading after the first short waves.
 fn loading(course: &Course) -> Vec<(f64, Matrix3<f64>)> {
     let grown = course.grown.as_ref().map(|(event, _)| event.window[1]);
     let observed = course.observed.as_ref().map(|event| event.window[1]);
@@ -107,7 +107,8 @@ fn loading(course: &Course) -> Vec<(f64, Matrix3<f64>)> {
     leading
 }
 
-/// Time at which waves of a problem show in the states that lead the growth of a run, in bins of a given width; `None` if a state is not defined.
+/// Time at which waves of a problem become visible in the states with the largest growth in a run, in bins of a given width; `None` if a state is not
+/// defined.
 pub(super) fn expected(
     problem: &Problem,
     question: &Question,
@@ -141,7 +142,7 @@ pub(super) fn expected(
     Some(None)
 }
 
-/// Changes after which the waves of the discretization show clearly later than `now`, or not at all.
+/// Changes after which the waves of the discretization become visible clearly later than `now`, or not at all.
 pub(super) fn remedies(
     problem: &Problem,
     question: &Question,

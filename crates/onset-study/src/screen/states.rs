@@ -1,4 +1,4 @@
-//! Growth rates of the states of a run: states that differ by a rotation or by less than a bin share one.
+//! Growth rates of the states of a run; states that differ by a rotation or by less than the width of a bin share one evaluation.
 
 use crate::answers::Problem;
 use nalgebra::Matrix3;
@@ -16,13 +16,13 @@ const WAVES: [usize; 3] = [48, 12, 6];
 pub(super) struct StateRates {
     /// State without its rotation, at the middle of its bin.
     pub(super) f: DeformationGradient,
-    /// Smallest acoustic eigenvalue over the largest one of the reference state.
+    /// Smallest acoustic eigenvalue divided by the largest acoustic eigenvalue of the reference state.
     pub(super) acoustic: f64,
     /// Growth rate of the fastest-growing wave in continuous time, viscosity included; 1/time.
     pub(super) growth: f64,
     /// Reference wave vector of the fastest-growing wave in continuous time; 1/length.
     pub(super) wave: Vec<f64>,
-    /// Growth rate of the fastest-growing wave in steps of the scheme; 1/time.
+    /// Growth rate of the fastest-growing wave in discrete time, with the steps of the scheme; 1/time.
     pub(super) stepped: Option<f64>,
     /// Largest eigenvalue that limits the step of the infinite lattice; 1/time^2.
     pub(super) squared: f64,
@@ -124,7 +124,7 @@ impl<'p> States<'p> {
         Matrix3::identity() + Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
     }
 
-    /// Evaluates the states that are not known yet.
+    /// Evaluates the states that have not been evaluated yet.
     pub(super) fn ask(&mut self, keys: impl IntoIterator<Item = [i32; 6]>) {
         let mut new: Vec<[i32; 6]> = keys
             .into_iter()
@@ -140,7 +140,7 @@ impl<'p> States<'p> {
         self.known.extend(new.into_iter().zip(found));
     }
 
-    /// Rates of a bin; `None` where law or method are not defined.
+    /// Rates of a bin; `None` if the law or the method is not defined at its state.
     pub(super) fn of(&self, key: &[i32; 6]) -> Option<&StateRates> {
         self.known.get(key)?.as_ref()
     }

@@ -12,7 +12,7 @@ pub(super) fn gradient(f: &[[f64; 3]; 3], dimension: usize) -> String {
     told.join(",")
 }
 
-/// Command that repeats the judgment of a state; `None` for laws that no command can name.
+/// Command that repeats the assessment of a state; `None` for laws that no command can name.
 pub(super) fn command(problem: &Problem, f: &[[f64; 3]; 3]) -> Option<String> {
     if problem.settings.material.is_handed() {
         return None;

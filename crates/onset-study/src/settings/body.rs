@@ -366,7 +366,7 @@ impl BodySettings {
                         origin.clone(),
                         "`body.height` has no effect in two dimensions",
                     )
-                    .hint("leave body.height out"));
+                    .hint("omit body.height"));
                 }
                 Ok(Shape::Ring {
                     radius: needed("body.radius")?,
@@ -587,7 +587,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_without_effect_are_refused_with_their_place() {
+    fn keys_without_effect_are_refused_with_their_position() {
         let told = refused("[body]\nshape = 'bar'\nsize = [40, 6]\nhole = 3");
         assert!(
             told.contains("study.toml:4") && told.contains("body.hole"),

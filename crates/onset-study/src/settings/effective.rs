@@ -249,7 +249,7 @@ impl Effective {
         joined(self.discretization())
     }
 
-    /// Lines below an answer in continuous time. For methods with a velocity transfer they mention the effects that are left out.
+    /// Lines below an answer in continuous time. For methods with a velocity transfer they mention the effects that are omitted.
     pub(crate) fn in_continuous_time(&self) -> String {
         let transfer = self.get("discretization.transfer");
         let left_out = match transfer.map(|choice| &choice.value) {

@@ -94,7 +94,7 @@ impl SettingError {
         let meant = aliases::counterpart(key.name, &value)
             .map_or_else(String::new, |other| format!("did you mean `{other}`? Or "));
         Self::new(origin, message).hint(format!(
-            "{meant}leave `{}` out; it is used only with {}",
+            "{meant}omit `{}`; it is used only with {}",
             key.name,
             key.readers()
         ))

@@ -466,14 +466,14 @@ impl MaterialSettings {
                     format!(
                         "`material.plane` is membrane, and the discretization has {dimension} dimensions"
                     ),
-                    "leave material.plane out, or set a lattice of two dimensions",
+                    "omit material.plane, or set a lattice of two dimensions",
                 ),
             };
         }
         if dimension > 2 {
             return refused(
                 "`material.plane` is stress, and the discretization has three dimensions and no out-of-plane direction".to_owned(),
-                "leave material.plane out, or set a lattice of two dimensions (a sheet) or a chain (a bar)",
+                "omit material.plane, or set a lattice of two dimensions (a sheet) or a chain (a bar)",
             );
         }
         if self.model.is_in_rate_form() && !self.model.yields() {
@@ -497,7 +497,7 @@ impl MaterialSettings {
                 "`material.plane` is stress, but this command evaluates the law in three dimensions",
             )
             .hint(
-                "leave material.plane out, or set material.plane=strain; state, path, map and others of particles read it, and `onset criteria` follows \
+                "omit material.plane, or set material.plane=strain; state, path, map and others of particles read it, and `onset criteria` follows \
                  equibiaxial and planar loading in plane stress",
             )),
             _ => Ok(()),

@@ -258,7 +258,7 @@ impl Settings {
                 format!("`{control}` has no effect: {coefficient} is 0"),
             )
             .hint(format!(
-                "set {coefficient}, or leave `{control}` out; it is used only with {coefficient} other than 0"
+                "set {coefficient}, or omit `{control}`; it is used only with {coefficient} other than 0"
             ))),
             None => Ok(()),
         }
@@ -277,7 +277,7 @@ impl Settings {
                     set.name()
                 );
                 Err(SettingError::new(origin.clone(), message).hint(
-                    "set discretization.lattice to chain, square or simple-cubic, or leave the key out for a square grid",
+                    "set discretization.lattice to chain, square or simple-cubic, or omit the key for a square grid",
                 ))
             }
             _ => Ok(()),
@@ -348,7 +348,7 @@ impl Settings {
                 let message =
                     format!("`{name}` has no effect here: this command computes no map of states");
                 return Err(SettingError::new(origin, message)
-                    .hint(format!("leave `{name}` out ({})", key.meaning)));
+                    .hint(format!("omit `{name}` ({})", key.meaning)));
             }
             if BODY_KEYS
                 .iter()

@@ -46,7 +46,7 @@ const MODULUS_TOLERANCE: f64 = 1e-9;
 /// Shear and bulk modulus from two of the moduli, `mu = E / (2 (1 + nu))`, `K = E / (3 (1 - 2 nu))`.
 ///
 /// # Errors
-/// Description of the error, in words.
+/// Description of the error.
 fn shear_and_bulk(given: &[(&str, f64)]) -> Result<(f64, f64), String> {
     let of = |name: &str| {
         given

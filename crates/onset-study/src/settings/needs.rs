@@ -102,7 +102,7 @@ impl Key {
             .min_by_key(Vec::len)
     }
 
-    /// Conditions of the key, in words; empty if it always has an effect.
+    /// Description of the conditions of the key; empty if it always has an effect.
     pub fn readers(&self) -> String {
         let cases: Vec<String> = self.all_needs().iter().map(|case| told(case)).collect();
         cases.join(", or ")

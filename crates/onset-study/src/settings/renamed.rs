@@ -70,7 +70,7 @@ pub fn verdict(name: &str) -> &str {
     }
 }
 
-/// Returns the present name of a command, or `None` if the name is not an earlier one.
+/// Returns the present name of a command, or `None` if the name is not an earlier name.
 pub fn renamed_command(name: &str) -> Option<&'static str> {
     let (_, now) = COMMANDS.iter().find(|(earlier, _)| *earlier == name)?;
     note(format!("`onset {name}` is now called `onset {now}`"));

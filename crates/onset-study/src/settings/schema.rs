@@ -87,7 +87,7 @@ fn readers(key: &Key) -> Option<Value> {
     (!cases.is_empty() && !is_open).then(|| json!({ "if": condition, "then": { "anyOf": cases } }))
 }
 
-/// Condition on the section that a need expresses.
+/// Returns the schema that a section satisfies if a need is met.
 fn demand(need: &Need) -> Option<Value> {
     let key = Key::named(need.key).filter(|key| !key.is_varied())?;
     let value = |written: &&str| serde_json::from_str(written).unwrap_or_else(|_| json!(written));
@@ -266,7 +266,7 @@ fn axes() -> Value {
     let (least, most) = STATES;
     json!({
         "type": "array",
-        "description": "quantity that is varied; the first axis runs fastest",
+        "description": "quantity that is varied; the first axis varies fastest",
         "minItems": 2,
         "maxItems": 3,
         "items": {

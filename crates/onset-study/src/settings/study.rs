@@ -132,7 +132,7 @@ impl Study {
         self
     }
 
-    /// Returns the numbers of states along the axes, slowest first: the counts in reverse.
+    /// Returns the numbers of states along the axes in reverse order: the axis that varies slowest comes first.
     pub fn shape(&self) -> Vec<usize> {
         self.axes.iter().rev().map(|axis| axis.count).collect()
     }
@@ -142,7 +142,7 @@ impl Study {
         self.axes.iter().map(|axis| axis.count).product()
     }
 
-    /// Returns the coordinates of a state, in the order of the axes; the first axis runs fastest.
+    /// Returns the coordinates of a state, in the order of the axes; the first axis varies fastest.
     pub fn coordinates(&self, index: usize) -> Vec<f64> {
         let mut rest = index;
         let coordinate = |axis: &Axis| {

@@ -209,7 +209,7 @@ fn scaled(number: f64, factor: f64) -> f64 {
     number * factor
 }
 
-/// A dimension in words.
+/// Name of a dimension with its article, for messages.
 fn named(dimension: &str) -> &str {
     match dimension {
         "stress" => "a stress",

@@ -165,7 +165,7 @@ impl SimulateAnswer {
 
 /// Largest displacement in the range of the linearized equations, in particle spacings.
 const SMALL_DISPLACEMENT_SPACINGS: f64 = 0.01;
-/// Largest relative difference of a rate measured in noise that the other waves can explain.
+/// Largest relative difference of a rate measured in noise that can be attributed to the other waves.
 const NOISE_RATE_TOLERANCE: f64 = 0.01;
 /// Smallest number of samples in a record.
 const MIN_SAMPLES: usize = 16;
@@ -178,7 +178,8 @@ fn undecided(reason: String) -> Verdict {
 
 /// Replaces disagreement by an undecided outcome if the run does not test the linearized equations.
 ///
-/// This is the case for large displacements, for noise, and for a wave that faster growing waves overrun.
+/// The linearized equations are not tested if displacements are large, if the perturbation is noise, or if faster growing waves dominate the measured
+/// wave.
 fn explained(
     (outcome, reason): (Outcome, String),
     plan: &Plan,
@@ -258,7 +259,7 @@ fn moving(plan: &Plan, progress: &Progress) -> Verdict {
 
 /// Outcome for a zero-energy mode, whose amplitude stays constant.
 ///
-/// A rate `s` would bend its record: `y = y0 (1 + s^2 t^2 / 2)`. Rates are in units of the largest frequency of the patch.
+/// A rate `s` would give the record curvature: `y = y0 (1 + s^2 t^2 / 2)`. Rates are in units of the largest frequency of the patch.
 fn standing(plan: &Plan, patch: &dyn PatchMotion, progress: &Progress) -> Verdict {
     let samples = &progress.samples;
     let (Some([_, first]), Some([end, _])) = (samples.first(), samples.last()) else {
@@ -307,7 +308,7 @@ fn standing(plan: &Plan, patch: &dyn PatchMotion, progress: &Progress) -> Verdic
     (outcome, reason, Some(measured))
 }
 
-/// Formats a rate in words; growth below the given fraction of the rate is printed as zero.
+/// Formats a rate; growth below the given fraction of the rate is printed as zero.
 pub(super) fn rate_in_words(rate: &Rate, share: f64, units: Units) -> String {
     let size = rate.growth.hypot(rate.frequency);
     let growth = || {

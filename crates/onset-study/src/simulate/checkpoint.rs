@@ -1,7 +1,7 @@
 //! Checkpoints: all data needed to resume a run so that it ends with identical files.
 //!
-//! A checkpoint holds eight bytes that name the format, the identifier of the run, the counts of each kind of number, the numbers, and a CRC-32C of
-//! all of these; everything is little-endian.
+//! A checkpoint contains eight bytes that name the format, the identifier of the run, the counts of each kind of number, the numbers, and a CRC-32C
+//! of everything before it; all data are little-endian.
 
 use super::SimulateError;
 use onset::motion::PatchState;
@@ -10,7 +10,7 @@ use std::path::Path;
 /// Name of the checkpoint file.
 pub const CHECKPOINT: &str = "checkpoint.onset";
 
-/// Hint of an error that resuming cannot mend.
+/// Hint for an error that resuming cannot repair.
 pub(super) const FRESH_START: &str = "start afresh with --overwrite, or choose another folder";
 const FORMAT: &[u8; 8] = b"onsetck3";
 /// Number of digits in an identifier.
@@ -23,7 +23,7 @@ pub(super) struct Progress {
     pub(super) history: Vec<f64>,
     /// Times and amplitudes of the record.
     pub(super) samples: Vec<[f64; 2]>,
-    /// Displacements of the fields written until now, concatenated; kept for small patches only.
+    /// Displacements of all fields that have been written, concatenated; kept for small patches only.
     pub(super) fields: Vec<f64>,
 }
 

@@ -48,7 +48,7 @@ pub enum SimulateError {
     /// Motion that breaks down.
     #[error("{fault}\n  hint: {hint}{}", kept(checkpoint))]
     Fault {
-        /// Time, place and reason of the failure.
+        /// Time, position and reason of the failure.
         fault: Box<Fault>,
         /// Remedy for the user.
         hint: String,
@@ -66,7 +66,7 @@ pub enum SimulateError {
 }
 
 impl SimulateError {
-    /// Returns true if the input is at fault, and not the machine or the motion.
+    /// Returns true for an error in the input, false for a failure of the machine or of the motion.
     pub fn is_input(&self) -> bool {
         !matches!(self, Self::Fault { .. } | Self::Output { .. })
     }

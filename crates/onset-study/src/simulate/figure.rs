@@ -14,9 +14,9 @@ const VERTICES: usize = 400;
 const LARGE_GROWTH: f64 = 3.0;
 
 impl SimulateAnswer {
-    /// Amplitude of the wave over time: samples of the run, and motions with the predicted and with the measured rate that start like it.
+    /// Amplitude of the wave over time: samples of the run, and motions with the predicted and with the measured rate and the same initial values.
     ///
-    /// If the wave grows several times larger, the axis is logarithmic: the rate is a slope.
+    /// If the wave grows by a large factor, the axis is logarithmic, so that the rate is a slope.
     pub fn figure(&self) -> Figure {
         let units = self.settings.units();
         let end = self.samples.last().map_or(0.0, |sample| sample[0]);

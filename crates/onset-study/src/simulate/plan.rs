@@ -27,7 +27,7 @@ pub enum Seeded {
 /// Duration of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Duration {
-    /// Duration that suits the wave: about a period, or four e-folding times.
+    /// Default duration for the wave: about a period, or four e-folding times.
     Natural,
     /// Number of time steps.
     Steps(u64),
@@ -124,9 +124,9 @@ const MAX_SAMPLES: u64 = 400;
 /// Number of samples per period, and per e-folding time.
 const SAMPLES_PER_PERIOD: f64 = 20.0;
 const SAMPLES_PER_E_FOLDING: f64 = 40.0;
-/// Number of e-folding times in a record; beyond, a growing wave is no longer small.
+/// Number of e-folding times in a record; beyond them a growing wave is no longer small.
 const E_FOLDINGS: f64 = 4.0;
-/// Relative tolerance of a wave vector that fits the patch, in wavelengths; allows for typed digits.
+/// Relative tolerance of a wave vector that fits the patch, in wavelengths; allows for the rounding of typed numbers.
 const WAVE_VECTOR_TOLERANCE: f64 = 1e-6;
 
 pub(super) fn refused(what: impl Into<String>, hint: impl Into<String>) -> SimulateError {
@@ -184,7 +184,7 @@ impl Plan {
                     "--integrator {} has backward substeps, in which damping amplifies",
                     stepper.name()
                 ),
-                "choose kick-drift-kick, or leave the viscosity out",
+                "choose kick-drift-kick, or omit the viscosity",
             ));
         }
         let wave = chosen(problem, question, patch, &cells)?;
@@ -253,7 +253,7 @@ impl Plan {
         })
     }
 
-    /// The two rates of the wave as they appear in its record; for a traveling wave the rate with positive frequency first.
+    /// Both rates of the wave as they appear in its record; for a traveling wave the rate with positive frequency comes first.
     pub(super) fn rates(&self) -> [Complex; 2] {
         let rates = self.wave.rates(self.course.step, self.course.sampling);
         match rates[0].im.abs() > 1e-9 * rates[0].norm() {
@@ -408,7 +408,7 @@ fn stepped(
         None => Ok((stepper, transfer)),
         Some(_) => Err(refused(
             format!("--integrator has no effect: the {transfer} transfer defines the step"),
-            "leave --integrator out, or set discretization.transfer=continuous for equations in continuous time",
+            "omit --integrator, or set discretization.transfer=continuous for equations in continuous time",
         )),
     }
 }

@@ -36,7 +36,7 @@ pub struct Place {
 
 /// Observer of a run, which may end it.
 pub trait Watch {
-    /// Reports `done` of `all` steps; called first when the motion has been set up.
+    /// Reports that `done` of `all` steps are completed; first called after the motion has been set up.
     fn advance(&self, done: u64, all: u64);
 
     /// Returns true if the run should end now.
@@ -66,7 +66,7 @@ pub(super) struct Course {
     /// Units of the history.
     pub(super) units: Units,
     pub(super) start: PatchState,
-    /// Remedy for a motion that grows beyond the range of its law.
+    /// Hint for a motion that grows beyond the domain of its law.
     pub(super) grown: &'static str,
 }
 
@@ -189,12 +189,12 @@ impl<'a> Keeper<'a> {
         Ok(is_interrupted)
     }
 
-    /// Collection of the fields, at the end of a run that writes fields.
+    /// Collection of all fields of a run.
     pub(super) fn collection(&self) -> Files {
         self.collection_before(self.course.steps + 1)
     }
 
-    /// Collection of the fields before a step.
+    /// Collection of the fields up to a step.
     fn collection_before(&self, end: u64) -> Files {
         let course = self.course;
         let steps = course.fields.iter().take_while(|step| **step < end);
@@ -263,7 +263,7 @@ impl<'a> Keeper<'a> {
         Ok(written)
     }
 
-    /// Writes the fields and the history of a motion that breaks down in a step. The last checkpoint remains.
+    /// Writes the fields and the history of a motion that breaks down in a step. The last checkpoint is kept.
     fn keep_broken(&mut self, step: u64) -> Result<(), SimulateError> {
         if let Some(place) = self.place {
             let collection = self.collection_before(step);
@@ -298,7 +298,7 @@ impl<'a> Keeper<'a> {
     pub(super) fn failed(&self, fault: Box<Fault>) -> SimulateError {
         let hint = match fault.ground {
             _ if self.course.step > self.course.critical => {
-                "the step is above the largest stable step: leave --supercritical out"
+                "the step is above the largest stable step: omit --supercritical"
             }
             Ground::Method(MethodError::SingularMoment { .. }) => {
                 "the particle has lost its neighbors: with discretization.corrected = false it would continue as a free particle"

@@ -15,7 +15,7 @@ const WORDS: [(&str, &str); 5] = [
     ("proved-rank-deficient", "proved-zero-energy"),
 ];
 
-/// Returns true if the metadata of a store are in the previous format.
+/// Returns true if the metadata of a store have the previous format.
 pub(super) fn is_of(group: &Value) -> bool {
     group["attributes"][FORMAT] == VERSION
 }

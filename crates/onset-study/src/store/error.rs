@@ -175,7 +175,7 @@ impl StoreError {
         }
     }
 
-    /// Returns true if the request is at fault, and false for damaged files and failures of the machine.
+    /// Returns true for an error in the request, false for damaged files and failures of the machine.
     pub fn is_input(&self) -> bool {
         !matches!(self, Self::Machine { .. } | Self::Damaged { .. })
     }
@@ -197,8 +197,8 @@ fn hint(error: &io::Error) -> &'static str {
 
 /// Remedy for a damaged file.
 ///
-/// A chunk of results can be computed anew. Metadata and coordinates are written only with the store; only coordinate chunks have a single
-/// dimension (`c/0`).
+/// A chunk of results can be computed again. Metadata and coordinates are written only when the store is created; only chunks of coordinates have a
+/// single dimension (`c/0`).
 fn damage_hint(path: &Path) -> &'static str {
     let is_coordinate = path.parent().is_some_and(|folder| folder.ends_with("c"));
     if path.ends_with("zarr.json") || is_coordinate {

@@ -1,7 +1,7 @@
 //! Files of a store, each written completely or not at all.
 //!
-//! A file is written under a unique name in the folder `.partial` and then renamed. Readers therefore find complete files only, even if processes are
-//! killed or write simultaneously. The same folder holds the locks of tiles in progress. Writes are not synchronized to the disk: after a power
+//! A file is written under a unique name in the folder `.partial` and then renamed. Readers therefore find only complete files, even if processes are
+//! killed or write simultaneously. The same folder contains the locks of tiles in progress. Writes are not synchronized to the disk: after a power
 //! failure a chunk may be truncated, which its checksum detects.
 
 use super::occupancy::Taken;
@@ -76,7 +76,7 @@ impl Folder {
         })
     }
 
-    /// Checks that no link on the existing part of a path leads out of the folder.
+    /// Checks that no link in the existing part of a path leads out of the folder.
     fn check_inside(&self, path: &Path) -> io::Result<()> {
         let root = match fs::canonicalize(&self.root) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
@@ -129,7 +129,7 @@ pub(super) fn read(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
     let too_long = || io::Error::new(ErrorKind::InvalidData, "it is longer than possible");
     match fs::metadata(path) {
         Ok(found) if !found.is_file() => {
-            return Err(io::Error::new(ErrorKind::InvalidData, "it is no file"));
+            return Err(io::Error::new(ErrorKind::InvalidData, "it is not a file"));
         }
         Ok(found) if found.len() > most => return Err(too_long()),
         Ok(_) => {}

@@ -61,7 +61,7 @@ pub struct Layout {
     pub tile: Vec<usize>,
     /// Number of components of a vector.
     pub components: usize,
-    /// Fields of the store. The first one is written last, and marks a tile as finished.
+    /// Fields of the store. The first field is written last, and marks a tile as finished.
     pub fields: Vec<Field>,
 }
 

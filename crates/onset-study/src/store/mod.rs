@@ -22,7 +22,7 @@ pub use tiling::{Tile, Tiling};
 pub(crate) use tiling::{ravel, unravel};
 pub use zarr::ZarrStore;
 
-/// Values of a field on a tile, components running fastest, then the first axis.
+/// Values of a field on a tile; components vary fastest, then the first axis.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Column {
     /// Values of a field of flags.

@@ -57,7 +57,7 @@ impl Occupancy {
 
 /// Reservation of a tile until dropped.
 ///
-/// Other processes do not compute the tile meanwhile, unless the file system does not support locks.
+/// Other processes do not compute the tile while it is reserved, unless the file system does not support locks.
 #[derive(Debug)]
 pub struct Taken {
     lock: PathBuf,
@@ -68,7 +68,7 @@ impl Taken {
     /// Reserves a tile by creating and locking a file; `None` if another process holds it. Links, pipes and other special files are not opened.
     pub(super) fn by(lock: &Path) -> io::Result<Option<Self>> {
         match fs::symlink_metadata(lock) {
-            Ok(found) if !found.is_file() => return Err(io::Error::other("it is no file")),
+            Ok(found) if !found.is_file() => return Err(io::Error::other("it is not a file")),
             Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
             _ => {}
         }

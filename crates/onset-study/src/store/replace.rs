@@ -14,7 +14,7 @@ enum Place {
     Folder(Vec<(PathBuf, Place)>),
 }
 
-/// Folders and files of a store, according to its metadata.
+/// Folders and files of a store that its metadata describe.
 pub(super) struct Contents(Vec<(PathBuf, Place)>);
 
 impl Contents {

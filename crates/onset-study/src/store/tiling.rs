@@ -35,7 +35,7 @@ impl Tiling {
         self.shape.iter().product()
     }
 
-    /// Indices of a tile along each dimension; tiles are numbered with the last dimension running fastest.
+    /// Indices of a tile along each dimension; tiles are numbered with the last dimension varying fastest.
     pub fn position(&self, tile: usize) -> Vec<usize> {
         unravel(tile, &self.grid())
     }
@@ -75,7 +75,7 @@ impl Tile {
     }
 }
 
-/// Indices of an element in an array, from its number, last dimension running fastest.
+/// Indices of an element in an array, from its number, the last dimension varying fastest.
 pub(crate) fn unravel(mut index: usize, shape: &[usize]) -> Vec<usize> {
     let mut place = vec![0; shape.len()];
     for (place, states) in place.iter_mut().zip(shape).rev() {
@@ -84,7 +84,7 @@ pub(crate) fn unravel(mut index: usize, shape: &[usize]) -> Vec<usize> {
     place
 }
 
-/// Number of an element in an array, from its indices, last dimension running fastest.
+/// Number of an element in an array, from its indices, the last dimension varying fastest.
 pub(crate) fn ravel(place: &[usize], shape: &[usize]) -> usize {
     place
         .iter()

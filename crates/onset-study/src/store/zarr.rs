@@ -99,7 +99,7 @@ pub struct ZarrStore {
     attributes: Map<String, Value>,
     identity: String,
     tiling: Tiling,
-    /// Fields of the store; the first one marks a tile as finished.
+    /// Fields of the store; the first field marks a tile as finished.
     fields: Vec<Array>,
     /// Lock of a writing process.
     occupancy: Option<Occupancy>,
@@ -152,7 +152,7 @@ impl ZarrStore {
         }
     }
 
-    /// Replaces a store. The previous one is removed only after the new one is complete.
+    /// Replaces a store. The previous store is removed only after the new store is complete.
     ///
     /// # Errors
     /// [`StoreError`] if the path is not a store of onset or contains foreign files, other processes write to it, or it cannot be written.
@@ -215,7 +215,7 @@ impl ZarrStore {
         &self.path
     }
 
-    /// Names of the fields; the first one marks a tile as finished.
+    /// Names of the fields; the first field marks a tile as finished.
     pub fn fields(&self) -> impl Iterator<Item = &str> {
         self.fields.iter().map(|field| field.name.as_str())
     }
@@ -391,7 +391,7 @@ impl ZarrStore {
 }
 
 impl Drop for ZarrStore {
-    /// The last writer clears leftovers of killed processes.
+    /// Removes the files left by killed processes, if this is the last writer.
     fn drop(&mut self) {
         let Some(occupancy) = self.occupancy.take() else {
             return;
@@ -475,7 +475,7 @@ impl ResultStore for ZarrStore {
 }
 
 impl ZarrStore {
-    /// Common runs of values of a tile and its chunk: first value in the tile, first value in the chunk, and length.
+    /// Contiguous values common to a tile and its chunk: first value in the tile, first value in the chunk, and length.
     fn runs(&self, tile: &Tile, components: usize) -> impl Iterator<Item = [usize; 3]> + use<> {
         let (extent, chunk) = (tile.extent.clone(), self.tiling.tile.clone());
         let length = extent.last().copied().unwrap_or(0);
@@ -598,7 +598,7 @@ fn of_format(path: &Path, group: &Option<Value>) -> Result<(), StoreError> {
     }
 }
 
-/// Metadata of the store at a path, for any format version.
+/// Metadata of the store at a path, in any version of the format.
 fn examine_any(path: &Path) -> Result<Option<Value>, StoreError> {
     let reading = StoreError::reading(path);
     let nothing =
@@ -713,7 +713,7 @@ fn files_below(folder: &Path, grid: &[usize]) -> io::Result<usize> {
     Ok(files)
 }
 
-/// Text of metadata. Keys keep the order of the layout, so that equal layouts give identical bytes.
+/// Text of metadata. Keys are in the order of the layout, so that equal layouts give identical bytes.
 fn text(metadata: &Value) -> String {
     format!("{metadata:#}\n")
 }

@@ -47,7 +47,7 @@ impl Tried {
         })
     }
 
-    /// Returns true if the instability of the material is masked: the discretization is stable where the material is not, or loses stability clearly
+    /// Returns true if the instability of the material is masked: the discretization is stable where the material is not, or loses stability much
     /// later.
     pub fn masks(&self, limits: &Thresholds) -> bool {
         self.measured.as_ref().is_ok_and(|measured| {
@@ -91,12 +91,12 @@ pub struct Dependence {
     pub threshold: &'static str,
     /// Changed value of the threshold.
     pub value: f64,
-    /// Smallest value tried that is then sufficient and does not mask, or `None`.
+    /// Smallest value tried that would then be sufficient and not mask, or `None`.
     pub recommended: Option<f64>,
 }
 
 impl TuneAnswer {
-    /// Evaluates all values in parallel, and refines the smallest sufficient one; `told` is called with each value of the grid.
+    /// Evaluates all values in parallel, and refines the smallest sufficient value; `told` is called with each value of the grid.
     ///
     /// # Errors
     /// [`ProblemError`] when the material is invalid, no value can be evaluated, or the method does not use the coefficient.
@@ -202,7 +202,7 @@ impl TuneAnswer {
         })
     }
 
-    /// Figure of the errors over the values.
+    /// Figure of the errors as functions of the value.
     pub fn figure(&self) -> Figure {
         let positive: Vec<f64> = self
             .tried
@@ -278,7 +278,7 @@ impl TuneAnswer {
             .caption(self.settings.caption())
     }
 
-    /// The least Courant number of the body of the study, in words.
+    /// Smallest Courant number of the body of the study, as text.
     fn body(&self) -> String {
         let measured = self
             .tried
@@ -348,7 +348,7 @@ fn stiffness(settings: &Settings) -> String {
     })
 }
 
-/// The next number of six digits that is no smaller than a positive one.
+/// Smallest number of six digits that is not below a positive number.
 fn rounded_up(value: f64) -> f64 {
     let unit = 10.0_f64.powf(value.log10().floor() - 5.0);
     let rounded = format!("{:.5e}", (value / unit).ceil() * unit);
@@ -356,7 +356,7 @@ fn rounded_up(value: f64) -> f64 {
 }
 
 impl TuneAnswer {
-    /// The answer in a sentence.
+    /// Sentence of the answer.
     fn sentence(&self) -> String {
         let key = self.key;
         match self.recommended {
@@ -371,7 +371,7 @@ impl TuneAnswer {
         }
     }
 
-    /// A value in a line of the table.
+    /// One line of the table, for one value.
     fn line(&self, one: &Tried) -> String {
         let value = number::told(one.value);
         match &one.measured {
@@ -396,7 +396,7 @@ impl TuneAnswer {
         }
     }
 
-    /// The head of the table.
+    /// Head of the table.
     fn head() -> String {
         format!(
             "  {:>11}  {:>10}  {:>8}  {:>8}  {:>10}  {:>8}  verdict",
@@ -404,7 +404,7 @@ impl TuneAnswer {
         )
     }
 
-    /// The ends of the range, the recommended value and its neighbors.
+    /// Most important values: the ends of the range, the recommended value and its neighbors.
     fn decisive(&self) -> Vec<&Tried> {
         let recommended = self
             .recommended

@@ -2,14 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Block of particles, numbered along the first axis first. In fewer than three dimensions the remaining coordinates are zero.
+/// Block of particles, numbered along the first axis first. In fewer than three dimensions the other coordinates are zero.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Block {
     /// Number of particles along each axis.
     pub counts: Vec<usize>,
     /// Particle spacing along each axis in the reference configuration; length.
     pub sides: Vec<f64>,
-    /// Range of measured particles along each axis: index of the first one, and index after the last.
+    /// Range of measured particles along each axis: index of the first measured particle, and index after the last.
     pub measured: Vec<[usize; 2]>,
 }
 

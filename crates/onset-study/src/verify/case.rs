@@ -33,13 +33,13 @@ pub struct Question {
     pub wave_vector: Vec<f64>,
     /// Branch, counted from 1 by increasing `omega^2`.
     pub branch: usize,
-    /// Time step; `None` for a step that resolves the wave and its neighbors.
+    /// Time step; `None` for a default step that resolves the wave and its neighbors.
     pub time_step: Option<f64>,
     /// Number of time steps; `None` for one period or four e-folding times.
     pub steps: Option<usize>,
     /// Relative difference of rates that counts as agreement; `None` for the tolerance of the code.
     pub tolerance: Option<f64>,
-    /// Time integration, for codes whose integrator only the user knows.
+    /// Time integration, for codes whose integrator is known only to the user.
     pub stepping: Option<Stepping>,
 }
 
@@ -88,7 +88,7 @@ const MAX_FRAMES: usize = 400;
 const MIN_STEPS_RESOLVED: f64 = 160.0;
 /// Smallest number of time steps if the user sets the step. With more steps a growing wave would leave the linear range.
 const MIN_STEPS_GIVEN: f64 = 48.0;
-/// Relative tolerance of a wave vector that fits a periodic block, in units of the reciprocal vector; allows for typed digits.
+/// Relative tolerance of a wave vector that fits a periodic block, in units of the reciprocal vector; allows for the rounding of typed numbers.
 const WAVE_VECTOR_TOLERANCE: f64 = 1e-6;
 /// Half the width of the measured core, in particle spacings.
 const HALF_CORE_SPACINGS: f64 = 9.0;
@@ -110,7 +110,7 @@ impl Case {
         if problem.analysis.is_transferred() {
             return Err(VerifyError::Wave {
                 what: "discretization.transfer: predictions are for waves of the nodes, and decks would place particles".to_owned(),
-                hint: "leave discretization.transfer out, or evaluate the method with `onset state`".to_owned(),
+                hint: "omit discretization.transfer, or evaluate the method with `onset state`".to_owned(),
             });
         }
         let dimension = problem.dimension();
@@ -291,7 +291,7 @@ impl Case {
         (0..self.block.dimension()).map(along).collect()
     }
 
-    /// Rate with the larger growth, or with positive frequency.
+    /// Rate of the solution with the larger growth, or with positive frequency.
     pub fn rate(&self) -> Complex {
         self.prediction.rates[0].into()
     }
@@ -439,7 +439,7 @@ fn reach(settings: &Settings, stretches: [f64; 3]) -> f64 {
     }
 }
 
-/// Time step and number of steps: slightly less than a period, or four e-folding times.
+/// Time step and number of steps; the duration is slightly less than a period, or four e-folding times.
 ///
 /// # Errors
 /// [`VerifyError::Wave`] for a number of steps that are not stable.
@@ -464,7 +464,7 @@ fn steps(
                         exact(duration),
                         exact(critical)
                     ),
-                    hint: format!("leave --steps out for {fewest} steps, or set --time-step"),
+                    hint: format!("omit --steps for {fewest} steps, or set --time-step"),
                 });
             }
             (step, count)
@@ -472,7 +472,7 @@ fn steps(
     })
 }
 
-/// Smallest periodic block that holds a whole number of wavelengths, with the wave vector that fits it.
+/// Smallest periodic block that contains a whole number of wavelengths, with the wave vector that fits it.
 fn periodic(
     sides: &[f64],
     question: &Question,
@@ -513,7 +513,7 @@ fn periodic(
     Ok((block, fitted))
 }
 
-/// Block with a rim that no signal leaves fast enough to reach the core during the run.
+/// Block with a rim so wide that signals from it do not reach the core during the run.
 fn held(sides: &[f64], apart: f64, reach: f64) -> Block {
     let mut block = Block {
         counts: Vec::new(),

@@ -71,12 +71,12 @@ pub trait Code: Sync {
     /// Choices that the code fixes.
     fn dialect(&self) -> &'static [Settled];
 
-    /// Further deviations from the expected behavior, one sentence each.
+    /// Other deviations from the expected behavior, one sentence each.
     fn remarks(&self) -> &'static [&'static str];
 
     /// Returns true if blocks are periodic.
     ///
-    /// If not, the rim of a block is held, and its core is measured before waves from the rim arrive.
+    /// If not, the rim of a block is held, and the core is measured before waves from the rim arrive.
     fn is_periodic(&self) -> bool;
 
     /// Width of the rim of a block, in units of the interaction range at the state; `None` for a periodic block.

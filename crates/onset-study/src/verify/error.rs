@@ -8,7 +8,7 @@ use onset::method::MethodError;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Reason why a code cannot be verified. All of them are errors of the input.
+/// Reason why a code cannot be verified. All reasons are errors in the input.
 #[derive(Debug, Error)]
 pub enum VerifyError {
     /// Error in the study.
@@ -48,7 +48,7 @@ pub enum VerifyError {
         /// Error of the operating system.
         source: std::io::Error,
     },
-    /// File that is not a case, or that was changed after it was written.
+    /// File that is not a case file, or that was changed after it was written.
     #[error("{}: {what}\n  hint: write the deck again with `onset verify deck`", path.display())]
     Case {
         /// Path of the case file.

@@ -2,12 +2,12 @@
 //!
 //! The record `y(t)` of a wave is `c0 + a C(t) + b S(t)` with `C = exp(m t) cosh(sqrt(d) t)` and `S = exp(m t) sinh(sqrt(d) t) / sqrt(d)`. These
 //! combine the two solutions `exp(s t)`, `s = m +- sqrt(d)`, which travel if `d < 0` and grow or decay if `d > 0`, without a singularity in between.
-//! The constant is left by codes that integrate stress or density. For given `(m, d)` the three amplitudes follow from linear least squares, and the
+//! The constant occurs in codes that integrate stress or density. For given `(m, d)` the three amplitudes follow from linear least squares, and the
 //! residual is a function of two numbers only. Levenberg-Marquardt iterations with Kaufman's Jacobian minimize it from several starts. If one of the
 //! two solutions decays too early to be measured, `d = 0` and `S` is omitted.
 //!
-//! The projection leaves a trace of other branches, of the order of the time step; their rates are predicted. If their part of the record is small,
-//! their solutions are fitted with the wave, so that they do not bias its rate.
+//! The projection retains traces of other branches, of the order of the time step; their rates are predicted. If these traces are a small part of the
+//! record, the solutions of the other branches are fitted together with the wave, so that they do not bias its rate.
 //!
 //! Sources: Golub, Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; Kaufman, BIT 15 (1975) 49.
 
@@ -22,7 +22,7 @@ pub struct Fit {
     pub rate: Complex,
     /// Uncertainty in the plane of complex rates; 1/time.
     ///
-    /// The larger of four standard deviations, and the change of the rate if the last three tenths of the record are omitted.
+    /// The larger of four standard deviations, and of the change of the rate if the last three tenths of the record are omitted.
     pub uncertainty: f64,
     /// Root mean square of the residual, divided by the largest amplitude of the record.
     pub residual: f64,
@@ -64,11 +64,11 @@ const REFINED_STARTS: usize = 3;
 const MAX_ITERATIONS: usize = 200;
 /// Number of standard deviations in the uncertainty.
 const UNCERTAINTY_DEVIATIONS: f64 = 4.0;
-/// Leading fraction of the record that must give the rate of the whole record.
+/// Leading fraction of the record whose rate must agree with the rate of the whole record.
 const PARTIAL_RECORD_FRACTION: f64 = 0.7;
 /// Largest fraction of a record that counts as a trace of other branches.
 const MAX_TRACE_FRACTION: f64 = 1e-2;
-/// Smallest phase (or growth) of another branch relative to the wave, over the record, for a reliable separation and for any separation.
+/// Smallest relative phase (or growth) of another branch and the wave over the record: for a reliable separation, and for any separation.
 const SEPARABLE_PHASES: [f64; 2] = [3.0, 0.3];
 
 /// Fits the rates of a record.
@@ -89,7 +89,7 @@ pub fn fitted(
 /// Fits the rate of a single solution that grows or decays; the expected rate provides one of the starts.
 ///
 /// # Errors
-/// As [`fitted`].
+/// Fails like [`fitted`].
 pub fn fitted_alone(samples: &[(f64, f64)], expected: f64) -> Result<Fit, FitError> {
     fit(samples, [Complex::new(expected, 0.0); 2], &[], true)
 }
@@ -201,7 +201,7 @@ impl Series {
         })
     }
 
-    /// Number of solutions of the wave itself.
+    /// Number of solutions of the wave, without other branches.
     fn own(&self) -> usize {
         if self.is_alone { 1 } else { 2 }
     }
@@ -253,7 +253,7 @@ impl Series {
         }
     }
 
-    /// Series and fit with traces of other branches, or `None` if these are larger than traces.
+    /// Series and fit with traces of other branches, or `None` if their contributions are too large for traces.
     fn with_traces(&self, others: &[Complex], best: &Point) -> Option<(Self, Point)> {
         let traced = self.with(others);
         let parameters = self.own() + 1 + traced.traces.len() + 2;
@@ -301,7 +301,7 @@ impl Series {
         }
     }
 
-    /// Residual and its Jacobian after Kaufman: minus the component of `dPhi c` orthogonal to the functions.
+    /// Residual and its Jacobian after Kaufman: the negative component of `dPhi c` orthogonal to the functions.
     fn jacobian(&self, place: &Vector2<f64>) -> (DVector<f64>, DMatrix<f64>) {
         let (q, r, left) = self.projected(place);
         let amplitudes = r.solve_upper_triangular(&(q.transpose() * &self.values));
@@ -322,7 +322,7 @@ impl Series {
         (left, jacobian)
     }
 
-    /// `J^T J`; a fixed parameter has one on the diagonal and stays unchanged.
+    /// Matrix `J^T J`; a fixed parameter has one on the diagonal and remains unchanged.
     fn normal(&self, jacobian: &DMatrix<f64>) -> Matrix2<f64> {
         let mut normal: Matrix2<f64> = (jacobian.transpose() * jacobian)
             .fixed_view::<2, 2>(0, 0)

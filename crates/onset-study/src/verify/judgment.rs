@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
-    /// The rates agree within the tolerance, and the uncertainty is within the tolerance too.
+    /// The rates agree within the tolerance, and the uncertainty does not exceed the tolerance.
     Agrees,
     /// The rates differ by more than the uncertainty.
     Differs,
@@ -42,7 +42,7 @@ impl Outcome {
     }
 }
 
-/// Measured against predicted rate of a wave.
+/// Comparison of the measured with the predicted rate of a wave.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Judgment {
     /// Outcome of the comparison.
@@ -85,7 +85,7 @@ pub struct Judgment {
 
 /// Largest relative residual of a record that counts as a single wave.
 const MAX_RESIDUAL: f64 = 0.02;
-/// Factor on the uncertainty within which a difference is undecided. An uncertainty estimated from a short part of a period is uncertain itself.
+/// Factor on the uncertainty within which a difference is undecided. An uncertainty estimated from a fraction of a period is itself uncertain.
 const UNDECIDED_UNCERTAINTY_FACTOR: f64 = 4.0;
 
 /// Reads an output and compares it with the prediction.
@@ -197,7 +197,7 @@ pub(crate) fn compared(
         return (
             Outcome::Undecided,
             format!(
-                "the record is not a single wave: {:.1} % of it remain unexplained",
+                "the record is not a single wave: {:.1} % of it remains unexplained",
                 100.0 * residual
             ),
         );

@@ -1,4 +1,4 @@
-//! Properties of a law that decks depend on: isotropy, rate form, resistance to volume changes alone.
+//! Properties of a law that determine its deck: isotropy, rate form, and purely volumetric resistance.
 
 use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, MaterialError};
@@ -83,14 +83,14 @@ pub(super) fn is_in_rate_form(
 /// Pressure of a law `W(J)` at a state, and its derivative with respect to the density ratio `rho/rho0 = 1/J`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Volumetric {
-    /// Pressure `p = -W'(J)`; stress.
+    /// The pressure `p = -W'(J)`; stress.
     pub(super) pressure: f64,
-    /// Slope `dp/d(1/J) = J^2 W''(J)`; stress.
+    /// The slope `dp/d(1/J) = J^2 W''(J)`; stress.
     pub(super) slope: f64,
 }
 
 impl Volumetric {
-    /// Pressure and slope of a law, or `None` if it resists more than volume changes at the state.
+    /// Pressure and slope of a law, or `None` if it resists other deformations than volume changes at the state.
     ///
     /// `P_iJ = W' J F^-1_Ji` and `A_iJkL = (W'' J^2 + W' J) F^-1_Ji F^-1_Lk - W' J F^-1_Li F^-1_Jk`, for `F` along the axes.
     pub(super) fn of(
@@ -123,7 +123,7 @@ impl Volumetric {
     }
 }
 
-/// Pressure, its slope, shear modulus and deviator of a law whose stress rate at a state is a Jaumann rate.
+/// Pressure, its slope, shear modulus and deviatoric stress of a law whose stress rate at a state is a Jaumann rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct JaumannRates {
     /// Pressure and its slope, as for a purely volumetric law.

@@ -18,7 +18,7 @@ pub struct Rate {
 }
 
 impl Rate {
-    /// Returns true if the solution grows or decays without oscillation, rounding apart.
+    /// Returns true if the solution grows or decays without oscillation, to rounding.
     pub fn is_growth(&self) -> bool {
         self.frequency.abs() <= 1e-9 * self.growth.abs()
     }
@@ -48,11 +48,12 @@ pub struct Prediction {
     pub polarization: Vec<f64>,
     /// Projection vector `l` of the displacements, with `l . g = 1`, orthogonal to all other branches. It equals `g` if `D` is symmetric.
     pub projection: Vec<f64>,
-    /// Rates in discrete time; first the growing one, or the one with positive frequency.
+    /// Rates in discrete time, with the growing rate or the rate with positive frequency first.
     pub rates: [Rate; 2],
     /// Rates of the other branches, one of each conjugate pair.
     ///
-    /// In discrete time no projection removes them completely: integrated variables lag behind positions, differently in each branch.
+    /// In discrete time no projection removes these branches completely: integrated variables lag behind positions by an amount that depends on the
+    /// branch.
     #[serde(default)]
     pub others: Vec<Rate>,
     /// Time integration of the code.
@@ -126,7 +127,7 @@ pub(super) fn mode(
     Ok(Mode::of(&matrix, value.re))
 }
 
-/// Returns the reason for which a wave has `omega^2 = 0` up to rounding.
+/// Returns the reason why a wave has `omega^2 = 0` to rounding.
 fn without_rate(
     problem: &Problem,
     f: &DeformationGradient,
@@ -182,7 +183,7 @@ pub(super) struct Mode {
 impl Mode {
     /// Mode of an eigenvalue.
     ///
-    /// For equal eigenvalues the polarization is the projection of a coordinate axis onto their eigenspace, for the axis nearest to it.
+    /// For equal eigenvalues the polarization is the projection of a coordinate axis onto the eigenspace, for the axis nearest to the eigenspace.
     fn of(matrix: &DMatrix<f64>, omega_squared: f64) -> Self {
         let n = matrix.nrows();
         let shifted = matrix - DMatrix::identity(n, n) * omega_squared;

@@ -3,7 +3,7 @@
 use super::{Case, VerifyError};
 use std::path::{Path, PathBuf};
 
-/// Largest displacement of a small perturbation, in particle spacings. Larger ones also indicate another lattice.
+/// Largest displacement of a small perturbation, in particle spacings. Larger displacements also indicate that the lattice has changed.
 const MAX_DISPLACEMENT_SPACINGS: f64 = 0.1;
 
 /// Amplitudes of a wave over time.

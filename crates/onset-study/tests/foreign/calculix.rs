@@ -1,9 +1,9 @@
-//! Blocks of CalculiX, which have the keywords of Abaqus, and another meaning of zeros.
+//! Blocks of CalculiX, which have the keywords of Abaqus but a different meaning of zeros.
 
 use crate::{agrees, invariants, ogden, read, told};
 use onset_study::settings::Program::{Abaqus, Calculix};
 
-/// `D_i = (0.1/mu)^i` in place of zeros, as the sources of CalculiX have it.
+/// In the sources of CalculiX zeros are replaced by `D_i = (0.1/mu)^i`.
 #[test]
 fn zeros_become_compressibilities_that_depend_on_the_units() {
     let block = "*MATERIAL, NAME=EL\n*HYPERELASTIC, POLYNOMIAL, N=2\n0.2, 0.05, 0.01, -0.003, 0.002, 0.1, 0.0\n";

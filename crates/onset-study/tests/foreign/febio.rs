@@ -95,8 +95,8 @@ fn uncoupled_materials_have_the_energies_of_the_manual_and_a_pressure_model() {
     });
 }
 
-/// Cauchy stress `2/J dev(W1 bbar) + k ln J/J` as the sources have it, with `W1 = sum c_i x^(i - 1)` and `W1 = mu sum i a_i (I1bar/N)^(i - 1)`,
-/// `a = 1/2, 1/10, 11/350, 19/1750, 519/134750`.
+/// Cauchy stress `2/J dev(W1 bbar) + k ln J/J` as in the sources, with `W1 = sum c_i x^(i - 1)` and `W1 = mu sum i a_i (I1bar/N)^(i - 1)`, `a = 1/2,
+/// 1/10, 11/350, 19/1750, 519/134750`.
 #[test]
 fn yeoh_and_arruda_boyce_have_the_stresses_of_the_sources() {
     let yeoh = "<c1>0.4</c1><c2>-0.02</c2><c3>0.003</c3><k>20</k>";
@@ -142,7 +142,7 @@ fn yeoh_and_arruda_boyce_have_the_stresses_of_the_sources() {
 }
 
 #[test]
-fn a_law_inside_of_a_viscoelastic_material_is_found() {
+fn a_law_inside_a_viscoelastic_material_is_found() {
     let text = "<material id=\"2\" name=\"skin\" type=\"uncoupled viscoelastic\">\n<g1>0.5</g1>\n<t1>10</t1>\n<k>30</k>\n\
                 <elastic type=\"Ogden\">\n<c1>0.6</c1>\n<m1>2</m1>\n</elastic>\n</material>\n<material id=\"3\" type=\"neo-Hookean\"><E>1</E><v>0</v></material>";
     agrees(&*read(Febio, text, &[]), |f| {

@@ -1,12 +1,12 @@
-//! Models of felupe other than the models of rubber with published stresses.
+//! Models of felupe that are not among the rubber models with published stresses.
 
 use crate::{STATES, agrees, invariants, read, told};
 use onset::kinematics::DeformationGradient;
 use onset_study::settings::Program::Felupe;
 
-/// `P11`, `P21`, `P33` at the first state as felupe 11.3.0 computes them.
+/// Values of `P11`, `P21`, `P33` at the first state as computed by felupe 11.3.0.
 #[test]
-fn further_models_have_the_stresses_of_felupe() {
+fn other_models_have_the_stresses_of_felupe() {
     let volume = "& fem.Volumetric(bulk=50.0)";
     for (text, expected) in [
         (
@@ -67,7 +67,7 @@ fn hencky_and_van_der_waals_have_the_documented_energies() {
 }
 
 #[test]
-fn models_without_an_equal_energy_are_refused_with_their_reason() {
+fn models_without_an_equivalent_energy_are_refused_with_the_reason() {
     for (text, fact) in [
         (
             "\nfem.Hyperelastic(fem.alexander, C1=17, C2=19.85, C3=1, gamma=0.735, k=0.00015)",

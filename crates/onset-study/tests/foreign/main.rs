@@ -326,8 +326,8 @@ fn a_block_overrides_all_defaults_and_user_settings_override_the_block() {
     );
 }
 
-/// `P11`, `P21`, `P33` at the first state as felupe 11.3.0 and hyperelastic 0.10.2 compute them, with `bulk = 50`. These packages perturb
-/// eigenvalues; where they use them, the numbers come from the documented energies with 30 digits, which felupe reproduces to 6e-7.
+/// Values of `P11`, `P21`, `P33` at the first state as computed by felupe 11.3.0 and hyperelastic 0.10.2, with `bulk = 50`. These packages perturb
+/// eigenvalues; where they use eigenvalues, the numbers come from the documented energies with 30 digits, which felupe reproduces to 6e-7.
 #[test]
 fn models_of_python_packages_have_the_stresses_of_the_packages() {
     let volume = "fem.Volumetric(bulk=50.0)";
@@ -412,7 +412,8 @@ fn models_of_python_packages_have_the_stresses_of_the_packages() {
     }
 }
 
-/// "The sum of the moduli mu_i is equal to the initial shear modulus", says felupe of Ogden's law; Abaqus uses the same convention.
+/// The documentation of felupe says of Ogden's law: "The sum of the moduli mu_i is equal to the initial shear modulus"; Abaqus uses the same
+/// convention.
 #[test]
 fn moduli_of_ogden_in_felupe_add_up_to_the_shear_modulus() {
     let text = "fem.Hyperelastic(fem.ogden, mu=[1.0, 0.2], alpha=[1.7, -1.5])";
@@ -427,7 +428,7 @@ fn moduli_of_ogden_in_felupe_add_up_to_the_shear_modulus() {
 }
 
 #[test]
-fn incomplete_python_models_are_refused_with_their_place() {
+fn incomplete_python_models_are_refused_with_their_position() {
     for (program, text, fact) in [
         (
             Program::Felupe,
@@ -678,7 +679,7 @@ fn ignored_keywords_of_a_deck_are_listed_with_their_lines() {
     assert!(notes(Program::Ansys, ansys, Some("2")).contains("material 2 (2 of 2"));
 }
 
-/// Keywords begin lines, so that a path with `/mat/` in a study does not count as a deck.
+/// Keywords are recognized only at the beginning of a line, so that a path with `/mat/` in a study does not count as a deck.
 #[test]
 fn programs_are_recognized_by_their_keywords() {
     for (text, program) in [
@@ -712,7 +713,7 @@ fn programs_are_recognized_by_their_keywords() {
     );
 }
 
-/// Lines cut off, doubled, and letters replaced: an answer or an error, and never a panic.
+/// Decks with truncated or repeated lines and replaced letters give an answer or an error, but never a panic.
 #[test]
 fn damaged_decks_are_read_or_refused() {
     let laws: [(&str, &[(&str, f64)]); 4] = [

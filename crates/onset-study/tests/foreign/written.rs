@@ -286,7 +286,7 @@ fn written_blocks_read_back_with_equal_limits() {
     assert!(count > 30, "{count} limits");
 }
 
-/// Blocks in the words of the manuals, with constants converted by hand.
+/// Blocks as written in the manuals, with constants converted by hand.
 #[test]
 fn written_blocks_use_the_constants_of_the_manuals() {
     let ogden = [

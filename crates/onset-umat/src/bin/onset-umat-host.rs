@@ -1,6 +1,6 @@
-//! Process for UMATs without the rest of `onset`, for programs that use the crate but cannot serve themselves.
+//! Program that runs UMATs without the rest of `onset`, for programs that use the crate but cannot run them themselves.
 //!
-//! It is selected by the variable `ONSET_UMAT_HOST`.
+//! The variable `ONSET_UMAT_HOST` selects this program.
 
 use std::process::ExitCode;
 

@@ -34,7 +34,7 @@ impl Law {
         unsafe { found(library, Interface::Law.symbols()) }.map(Self)
     }
 
-    /// Calls the function once. Where it returns an error, this process ends with that exit code.
+    /// Calls the function once. If it returns an error, this process ends with that exit code.
     #[allow(unsafe_code)]
     pub(super) fn advance(
         &self,

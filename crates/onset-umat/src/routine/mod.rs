@@ -20,20 +20,20 @@ const NAME: [u8; 80] = {
     name
 };
 
-/// Strain of the differences that give a tangent, 2^-16: errors are about 1e-10 of the tangent, from rounding.
+/// Strain of the differences that give a tangent, 2^-16: rounding causes errors of about 1e-10 of the tangent.
 const DIFFERENCE_STRAIN: f64 = 1.0 / 65_536.0;
 
-/// Largest such strain as a fraction of the strain of the increment, so that differences do not unload a flowing material.
+/// Largest strain of the differences as a fraction of the strain of the increment, so that differences do not unload a flowing material.
 const PART_OF_INCREMENT: f64 = 1.0 / 64.0;
 
-/// Least such strain, 2^-26, where rounding reaches 1e-7 of the tangent.
+/// Smallest strain of the differences, 2^-26, at which rounding errors reach 1e-7 of the tangent.
 const LEAST_STRAIN: f64 = 1.0 / 67_108_864.0;
 
-/// Largest accepted part of a response that contradicts the balance of angular momentum, relative to the tangent. A stress with rounding of single
-/// precision passes.
+/// Largest accepted part of a response that violates the balance of angular momentum, relative to the tangent. A stress with single-precision
+/// rounding is accepted.
 const SKEW_TOLERANCE: f64 = 1e-6;
 
-/// Largest accepted part of a tangent from differences, which amplify rounding of the stress, that contradicts the balance of angular momentum.
+/// Largest accepted part of a tangent from differences that violates the balance of angular momentum; differences amplify rounding of the stress.
 const DIFFERENCE_SKEW_TOLERANCE: f64 = 1e-3;
 
 /// Reason why the routine cannot be loaded.
@@ -83,15 +83,15 @@ struct Point {
     /// Cauchy stress, in the order of Abaqus/Standard.
     stress: [f64; 6],
     variables: Vec<f64>,
-    /// `DDSDDE` by columns, if the routine has delivered it.
+    /// `DDSDDE` by columns, if the routine delivers it.
     ddsdde: Option<[f64; 36]>,
     /// Energies `SSE`, `SPD`, `SCD` per current volume.
     energies: [f64; 3],
     strain: [f64; 6],
     factor: f64,
-    /// Antisymmetric part of the Cauchy stress, which contradicts the balance of angular momentum.
+    /// Antisymmetric part of the Cauchy stress, which violates the balance of angular momentum.
     skew: Matrix3<f64>,
-    /// Largest component of the tangent that does, relative to its tolerance.
+    /// Largest component of the tangent that violates the balance of angular momentum, relative to its tolerance.
     skew_of_tangent: f64,
 }
 
@@ -213,7 +213,7 @@ impl Routine {
         point.reply(passed, count)
     }
 
-    /// Takes a point to the end of an increment.
+    /// Advances a point to the end of an increment.
     fn advance(
         &self,
         point: &mut Point,
@@ -268,7 +268,7 @@ impl Routine {
 }
 
 impl Point {
-    /// Returns true if the parts of the response that contradict the balance of angular momentum are rounding errors.
+    /// Returns true if the parts of the response that violate the balance of angular momentum are rounding errors.
     fn is_symmetric(&self) -> bool {
         let largest = |numbers: &[f64]| numbers.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let tangent = largest(self.ddsdde.as_ref().map_or(&[], |ddsdde| ddsdde));

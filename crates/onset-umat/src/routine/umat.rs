@@ -62,7 +62,7 @@ type SdviniRoutine = unsafe extern "C" fn(
     kspt: *const i32,
 );
 
-/// UMAT and, where the library has it, SDVINI.
+/// UMAT and, if the library contains it, SDVINI.
 pub(super) struct Umat {
     umat: UmatRoutine,
     sdvini: Option<SdviniRoutine>,

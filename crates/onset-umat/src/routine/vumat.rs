@@ -1,4 +1,4 @@
-//! `SUBROUTINE VUMAT` of Abaqus/Explicit, compiled in double precision, for one point a call.
+//! `SUBROUTINE VUMAT` of Abaqus/Explicit, compiled in double precision, called for one point at a time.
 
 use super::{Data, NAME, Overrun, Point, Step, found};
 use crate::arguments::Arguments;
@@ -48,7 +48,7 @@ type VumatRoutine = unsafe extern "C" fn(
 
 /// Index pairs of symmetric tensors in the order of Abaqus/Explicit: 11, 22, 33, 12, 23, 31.
 const SYMMETRIC: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
-/// Index pairs of other tensors: those, then 21, 32, 13.
+/// Index pairs of other tensors: the symmetric ones, then 21, 32, 13.
 const GENERAL: [(usize, usize); 9] = [
     (0, 0),
     (1, 1),
@@ -72,7 +72,7 @@ impl Vumat {
 
     /// Calls the VUMAT once.
     ///
-    /// Its tensors have the axes that turn with the rotation `R` of `F = R U`: the stress is `R^T sigma R`.
+    /// The axes of its tensors rotate with `R` of `F = R U`: the stress is `R^T sigma R`.
     #[allow(unsafe_code)]
     pub(super) fn advance(
         &self,

@@ -1,4 +1,4 @@
-//! Failures of user code: each gives an error with its reason, and leaves nothing behind.
+//! Failures of user code: each failure gives an error with its reason, and leaves no files or processes behind.
 
 use crate::{blatz_ko, general, library, settings};
 use nalgebra::Matrix3;
@@ -160,7 +160,7 @@ fn memory_is_limited() {
     }
 }
 
-/// A process may wait for its children without processor time, so that the system must end an endless child.
+/// A process may wait for its children without using processor time, so that the system must end a child in an endless loop.
 #[test]
 #[cfg(target_os = "linux")]
 fn processes_started_by_a_umat_end_with_the_umat() {

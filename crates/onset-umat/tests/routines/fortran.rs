@@ -6,9 +6,9 @@ use std::process::Command;
 /// Variable that names the Fortran compiler; `gfortran` by default.
 const COMPILER: &str = "ONSET_FORTRAN";
 
-/// Library compiled from sources of this crate; it is compiled again if a source or the compiler is newer.
+/// Library compiled from sources of this crate; it is recompiled if a source or the compiler is newer.
 ///
-/// Fails the test without a compiler: a test that cannot run has not passed.
+/// Fails the test if there is no compiler: a test that cannot run has not passed.
 pub fn library(sources: &[&str]) -> PathBuf {
     let package = Path::new(env!("CARGO_MANIFEST_DIR")).join("../onset-umat");
     let name: String = sources

@@ -51,7 +51,7 @@ fn a_vumat_and_a_function_in_c_respond_as_the_built_in_law() {
     }
 }
 
-/// Both subroutines integrate the same equations where the rotation grows in proportion to the strain.
+/// Both subroutines integrate the same equations if the rotation grows in proportion to the strain.
 #[test]
 fn a_plastic_vumat_has_the_stress_of_the_umat_and_a_consistent_tangent() {
     let plastic = |interface, source: &str| {
@@ -131,7 +131,7 @@ fn short_increments_of_a_vumat_do_not_unload_its_tangent() {
 }
 
 #[test]
-fn a_vumat_turns_with_the_body() {
+fn the_response_of_a_vumat_rotates_with_the_body() {
     let settings = UmatSettings {
         state_variables: 1,
         increments: 16,
@@ -220,7 +220,7 @@ fn a_vumat_that_updates_more_state_variables_than_there_are_is_detected() {
 }
 
 #[test]
-fn state_variables_of_a_function_follow_the_path_and_not_the_differences() {
+fn finite_differences_do_not_change_the_state_variables_of_a_function() {
     let settings = UmatSettings {
         state_variables: 1,
         increments: 5,

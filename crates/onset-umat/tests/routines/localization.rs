@@ -126,7 +126,7 @@ fn a_routine_in_triaxial_compression_has_the_critical_modulus_of_rudnicki_and_ri
     }
 }
 
-/// Hill's neck in a sheet with linear hardening under tension: the slope of the flow stress is half of the stress, up to elastic strains.
+/// Hill's neck in a sheet with linear hardening under tension: the slope of the flow stress is half of the stress, to the order of elastic strains.
 #[test]
 fn a_sheet_of_a_routine_necks_at_the_criterion_of_hill() {
     let (young, poisson, yield_stress, slope) = (200e3, 0.3, 250.0, 400.0);

@@ -13,7 +13,7 @@ pub(crate) struct Decomposition {
     pub(crate) values: Vec<Complex>,
     /// Unitary factor of the Schur form.
     q: DMatrix<Complex>,
-    /// Eigenvectors of the triangular Schur factor, which are triangular themselves; `None` if `Q` contains the eigenvectors of `A`.
+    /// Eigenvectors of the triangular Schur factor, a triangular matrix; `None` if `Q` contains the eigenvectors of `A`.
     x: Option<DMatrix<Complex>>,
 }
 

@@ -5,7 +5,7 @@
 
 use std::f64::consts::TAU;
 
-/// Ratio of the discriminant to `a^3` above this value means that real eigenvalues are well separated.
+/// Real eigenvalues are well separated if the ratio of the discriminant to `a^3` exceeds this value.
 const SEPARATION: f64 = 1e-2;
 /// Ratio of `tr K^2` to the squared norm of `K`, which is one for a symmetric `K`. For smaller ratios the matrix is far from normal, and trace and
 /// determinant cancel.

@@ -4,7 +4,7 @@ use super::{Complex, symmetric_eigen};
 use crate::algebra::{Deviator, Each, any_eigenvalues, array_of};
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector};
 
-/// Number of sweeps after which an iterative decomposition counts as not converging.
+/// Number of sweeps after which an iterative decomposition is considered not to converge.
 pub(crate) const MAXIMUM_ITERATIONS: usize = 200;
 
 /// Returns the eigenvalues of a complex matrix, sorted by real part, then imaginary part.
@@ -87,8 +87,8 @@ pub fn eigenvalues<const D: usize>(matrix: &SMatrix<Complex, D, D>, noise: f64) 
 
 /// Makes eigenvalues real if rounding explains their imaginary parts. `noise` is the error of an entry of a matrix with the given norm.
 ///
-/// By perturbation theory an eigenvalue at a distance `d` from the next one changes by about `noise * norm / d`, and two coincident ones separate by
-/// about `sqrt(noise * norm)`. An eigenvalue that is well separated from all others therefore keeps an imaginary part just above the noise.
+/// By perturbation theory an eigenvalue at a distance `d` from the next eigenvalue changes by about `noise * norm / d`, and two coincident
+/// eigenvalues separate by about `sqrt(noise * norm)`. A well separated eigenvalue therefore keeps an imaginary part just above the noise.
 pub(crate) fn without_rounding(values: &mut [Complex], norm: f64, noise: f64) {
     const SAFETY: f64 = 32.0;
     let explained = |n: usize| {
@@ -109,8 +109,8 @@ pub(crate) fn without_rounding(values: &mut [Complex], norm: f64, noise: f64) {
     }
 }
 
-/// Eigenvalues of a real 3 x 3 matrix. The closed form serves well separated eigenvalues, rotations serve symmetric matrices. All others are computed
-/// from the blocks of the Schur form, so that the treatment of two rows applies.
+/// Eigenvalues of a real 3 x 3 matrix: in closed form if they are well separated, by rotations for symmetric matrices, and otherwise from the blocks
+/// of the Schur form, so that the treatment of two rows applies.
 fn of_three_real(matrix: &Matrix3<f64>, noise: f64) -> Option<[Complex; 3]> {
     let entries = array_of(|e| matrix[(e / 3, e % 3)]);
     let deviator = Deviator::of(&entries);

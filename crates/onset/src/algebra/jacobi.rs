@@ -2,11 +2,11 @@
 
 use crate::real::{Lanes, Real};
 
-/// Largest number of rows for which rotations cost less than a tridiagonal form.
+/// Largest number of rows for which rotations are cheaper than a tridiagonal form.
 pub(crate) const ROTATED_ROWS: usize = 12;
-/// Largest number of sweeps of rotations; nine reach rounding for twelve rows.
+/// Largest number of sweeps of rotations; nine sweeps reach rounding accuracy for twelve rows.
 const SWEEPS: usize = 20;
-/// Squared magnitude of an entry, over the square of the largest one, that is zero to rounding: `(f64::EPSILON / 10)^2`.
+/// Squared magnitude of an entry that is zero to rounding, relative to the square of the largest entry: `(f64::EPSILON / 10)^2`.
 const ZERO_SQUARE: f64 = 5e-34;
 
 /// Number, or numbers in lanes, with a selection that needs no branch.
@@ -67,8 +67,8 @@ fn turned<R: Real>([c, s]: [R; 2], e: Pair<R>, x: Pair<R>, y: Pair<R>) -> [Pair<
 
 /// Diagonalizes a Hermitian matrix: afterwards its diagonal holds the eigenvalues, in any order.
 ///
-/// The matrix is stored by rows, and only its upper triangle is used. `vectors`, if not empty, is an `n x n` matrix by rows whose columns are turned
-/// with the matrix: from the identity it becomes the matrix of the eigenvectors as columns.
+/// The matrix is stored by rows, and only its upper triangle is used. `vectors`, if not empty, is an `n x n` matrix by rows whose columns are rotated
+/// with the matrix: if it is the identity, it becomes the matrix of the eigenvectors as columns.
 #[inline(always)]
 pub(crate) fn diagonalize<R: Selected>(n: usize, a: &mut [Pair<R>], vectors: &mut [Pair<R>]) {
     let zero = R::constant(0.0);
@@ -143,7 +143,7 @@ mod tests {
     use crate::real::{LANES, Lanes, Real};
     use nalgebra::DMatrix;
 
-    /// Hermitian matrix; every third one is a unit matrix plus a matrix of rank one, with `n - 1` equal eigenvalues.
+    /// Random Hermitian matrix; every third matrix is a unit matrix plus a matrix of rank one, with `n - 1` equal eigenvalues.
     fn matrix(n: usize, seed: u64) -> DMatrix<Complex> {
         let mut state = seed;
         let mut number = || 2.0 * uniform(&mut state) - 1.0;

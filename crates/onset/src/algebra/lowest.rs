@@ -7,18 +7,18 @@ const BRENT_STEPS: usize = 60;
 
 /// Returns a local minimum of a function between two arguments, to `tolerance` in the argument.
 ///
-/// An argument between them must be given where the function is no higher than at the ends, with its value. The method combines parabolas through the
-/// lowest places with golden section (R. P. Brent, Algorithms for Minimization without Derivatives, 1973, ch. 5).
+/// The caller must give an argument between them at which the function is no higher than at the ends, with its value. The method combines parabolas
+/// through the lowest points with golden section (R. P. Brent, Algorithms for Minimization without Derivatives, 1973, ch. 5).
 ///
 /// # Errors
-/// The error of the function at a place. A function can also use it to end the search early with a result.
+/// The error of the function at a point. A function can also use it to end the search early with a result.
 pub(crate) fn lowest_between<E>(
     mut f: impl FnMut(f64) -> Result<f64, E>,
     [mut low, middle, mut high]: [f64; 3],
     value: f64,
     tolerance: f64,
 ) -> Result<(f64, f64), E> {
-    // Lowest place, second lowest place, and the previous second lowest.
+    // Lowest point, second lowest point, and the previous second lowest point.
     let (mut best, mut second, mut third) = ((middle, value), (middle, value), (middle, value));
     let (mut step, mut before): (f64, f64) = (0.0, high - low);
     for _ in 0..BRENT_STEPS {
@@ -65,7 +65,7 @@ pub(crate) fn lowest_between<E>(
     Ok(best)
 }
 
-/// Vertex of the parabola through three places; `None` if they do not define a parabola.
+/// Vertex of the parabola through three points; `None` if they do not define a parabola.
 fn vertex(a: (f64, f64), b: (f64, f64), c: (f64, f64)) -> Option<f64> {
     let (to_b, to_c) = (a.0 - b.0, a.0 - c.0);
     let (r, q) = (to_b * (a.1 - c.1), to_c * (a.1 - b.1));
@@ -99,7 +99,7 @@ mod tests {
         let (x, asked) = sought(|x| (x - 0.3).abs() + 0.2 * x, 0.5);
         assert!((x - 0.3).abs() < 1e-6, "{x}");
         assert!(asked < 60, "{asked}");
-        // Functions that are not smooth on one side, flat, or infinite beyond a place.
+        // Functions that are not smooth on one side, flat, or infinite beyond a point.
         let (x, _) = sought(|x| if x < 0.3 { 1.0 } else { (x - 0.3).sqrt() }, 0.5);
         assert!((x - 0.3).abs() < 1e-6, "{x}");
         let (x, _) = sought(|_| 1.0, 0.5);

@@ -2,15 +2,15 @@
 
 use super::Complex;
 
-/// Number of iterations for one eigenvalue after which the algorithm counts as not converging.
+/// Number of iterations for one eigenvalue after which the algorithm is considered not to converge.
 const ITERATIONS: usize = 60;
-/// Number of iterations after which a shift without relation to the matrix breaks a cycle.
+/// Number of iterations after which a shift that is unrelated to the matrix breaks a cycle.
 const CYCLE: usize = 10;
 
-/// Turns a matrix `A`, stored by columns, into the triangular factor of `A = Q T Q*`; false if the iteration does not converge.
+/// Transforms a matrix `A`, stored by columns, into the triangular factor of `A = Q T Q*`; returns false if the iteration does not converge.
 ///
-/// If `q` is not empty, the unitary factor is written there. Otherwise only the diagonal of `T` is meaningful: rows and columns of eigenvalues that are
-/// known take no further part. Every error is of the order of rounding times the largest entry.
+/// If `q` is not empty, the unitary factor is written there. Otherwise only the diagonal of `T` is meaningful: rows and columns of converged
+/// eigenvalues are no longer updated. Every error is of the order of rounding times the largest entry.
 pub(crate) fn schur(n: usize, a: &mut [Complex], q: &mut [Complex]) -> bool {
     let largest = a
         .iter()
@@ -74,7 +74,7 @@ fn to_hessenberg(n: usize, a: &mut [Complex], q: &mut [Complex]) {
     }
 }
 
-/// Rows `i`, `i + 1` become `c x + s y` and `-conj(s) x + c y`.
+/// Rotation of the rows `i`, `i + 1`, which become `c x + s y` and `-conj(s) x + c y`.
 #[derive(Clone, Copy)]
 struct Rotation {
     c: f64,

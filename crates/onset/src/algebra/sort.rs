@@ -1,7 +1,7 @@
 //! Single sort routine for items of all kinds.
 
-/// Sorts by increasing value; items with equal values keep their order. Only the values are sorted, so that the program contains one sort instead of
-/// one for every type of item.
+/// Sorts by increasing value; items with equal values keep their order. Only the values are sorted, so that the program contains a single sort for
+/// all types of items.
 pub(crate) fn sort_by_value<T>(items: &mut [T], value: impl Fn(&T) -> f64) {
     let mut order: Vec<(f64, usize)> = items.iter().map(value).zip(0..).collect();
     sort(&mut order);

@@ -3,7 +3,7 @@
 use crate::algebra::{Each, array_of};
 use crate::real::{Real, Side};
 
-/// Largest number of sweeps of rotations; six reach rounding.
+/// Largest number of sweeps of rotations; six sweeps reach rounding accuracy.
 const SWEEPS: usize = 12;
 
 /// Eigenvalues in increasing order, and in row `n` the unit eigenvector of the `n`-th eigenvalue.

@@ -89,9 +89,9 @@ impl TrigonometricPolynomial {
 
     /// Returns angles that include all real zeros, to rounding; they may include others.
     ///
-    /// With `z = exp(i t)` the polynomial becomes `z^-order` times an algebraic one of degree `2 order`, whose zeros on the unit circle are needed.
-    /// All its zeros are computed together (Aberth, Math. Comp. 27 (1973) 339) and the angle of each is returned, because a multiple zero is less
-    /// accurate, possibly off the circle, and must not be lost. Callers minimize over the angles, so a spurious one has no effect.
+    /// With `z = exp(i t)` the polynomial becomes `z^-order` times an algebraic polynomial of degree `2 order`, whose zeros on the unit circle are
+    /// needed. All its zeros are computed together (Aberth, Math. Comp. 27 (1973) 339) and the angle of each zero is returned, because a multiple
+    /// zero is less accurate, possibly off the circle, and must not be lost. Callers minimize over the angles, so a spurious angle has no effect.
     pub fn zero_candidates(&self) -> Vec<f64> {
         let scale = self.magnitude();
         let mut order = self.order();
@@ -163,7 +163,7 @@ mod tests {
     use super::TrigonometricPolynomial;
 
     #[test]
-    fn minimum_between_any_samples_is_found() {
+    fn a_minimum_between_samples_is_found() {
         // A narrow minimum: (1 - cos(t - 0.123456))^1 plus a slope, squared.
         let shifted =
             TrigonometricPolynomial::first_order(1.0, -(0.123456_f64).cos(), -(0.123456_f64).sin());

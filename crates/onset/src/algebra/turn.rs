@@ -1,8 +1,8 @@
 //! Sines and cosines of several numbers in parallel.
 
-/// The number `pi / 2` in two parts, the first so short that small multiples of it are exact.
+/// The number `pi / 2` in two parts; the first part is so short that small multiples of it are exact.
 const QUARTER: [f64; 2] = [1.570_796_326_734_125_6, 6.077_100_506_506_192e-11];
-/// Adding this to a much smaller number leaves the nearest integer in the last digits.
+/// Number whose addition to a much smaller number leaves the nearest integer in the last digits.
 const ROUND_TO_INTEGER: f64 = 6_755_399_441_055_744.0;
 /// Coefficients of `(sin x - x) / x^3` and `(cos x - 1 + x^2 / 2) / x^4` in powers of `x^2`, for `|x| < pi / 4` (approximations of FDLIBM).
 const SINE: [f64; 6] = [
@@ -22,7 +22,7 @@ const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
 ];
 
-/// Sines and cosines, accurate to the rounding error of one for arguments up to a few thousand.
+/// Sines and cosines, with absolute errors of the order of the rounding error of one for arguments up to a few thousand.
 ///
 /// There are no branches, so that it is vectorized when inlined.
 #[inline(always)]

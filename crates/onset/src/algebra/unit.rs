@@ -3,7 +3,7 @@
 /// Range of magnitudes that are not rescaled: their sixth powers neither over- nor underflow.
 const MODERATE: std::ops::Range<f64> = 1e-30..1e30;
 
-/// Unit for numbers of a given magnitude: one, unless they are very large or small, and then the power of four below them.
+/// Unit for numbers of a given magnitude: one, unless they are very large or small; otherwise the nearest smaller power of four.
 ///
 /// Division by it is exact, and so is division of square roots by its root. Results therefore agree to the last digit in all units.
 pub(crate) fn moderate_unit(size: f64) -> f64 {

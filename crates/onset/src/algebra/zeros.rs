@@ -12,7 +12,7 @@ thread_local! {
 
 /// Array of zeros whose memory is reused by the next array of the thread.
 ///
-/// The system reclaims large freed blocks and supplies them again page by page, which takes a third of the time in three-dimensional maps.
+/// The system reclaims large freed blocks and supplies them again page by page, which would take a third of the time of three-dimensional maps.
 #[derive(Debug, Default)]
 pub(crate) struct Zeros(Vec<f64>);
 

@@ -67,7 +67,7 @@ struct Waves<const D: usize> {
     stiffness: Stiffness<D>,
     density: f64,
     is_periodic: bool,
-    /// Map from the wave vectors of the waves to reference wave vectors.
+    /// Map from the wave vectors used by `waves` to reference wave vectors.
     to_reference: SMatrix<f64, D, D>,
 }
 

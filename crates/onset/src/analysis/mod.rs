@@ -1,8 +1,8 @@
 //! Analysis of a method and a material in any number of dimensions, without the dimension as a type parameter.
 //!
-//! The modules below are generic over a lattice of `D` dimensions. Here, and only here, `D` becomes a run-time number: [`analysis`] creates an
-//! [`Analysis`] from [`MethodChoices`] and a material. Its results have the types of the other modules for `D = 3`, where vectors of a line or a plane are
-//! padded with zeros. Reference wave vectors are passed as slices of [`Analysis::dimension`] components.
+//! The modules below are generic over a lattice of `D` dimensions. Only this module converts `D` to a run-time number: [`analysis`] creates an
+//! [`Analysis`] from [`MethodChoices`] and a material. Its results have the types of the other modules for `D = 3`, in which vectors of a line or a
+//! plane are padded with zeros. Reference wave vectors are passed as slices of [`Analysis::dimension`] components.
 
 mod body;
 mod in_space;
@@ -44,7 +44,7 @@ pub trait Analysis: Send + Sync {
     /// Number of neighbors of a particle; from [`Discretization::neighbors`](crate::scheme::Discretization::neighbors).
     fn neighbors(&self) -> f64;
 
-    /// Returns true if undeformed particles represent the deformed state.
+    /// Returns true if an undeformed lattice represents the deformed state.
     fn is_regular(&self) -> bool;
 
     /// Squared wave speed `c^2` that scales the measures. Length^2/time^2.
@@ -101,7 +101,7 @@ pub trait Analysis: Send + Sync {
     /// [`PathError`] if a state cannot be evaluated.
     fn scan(&self, path: &dyn DeformationPath) -> Result<PathScan, PathError>;
 
-    /// Returns the certificate of a state. Waves of a method without enclosed force constants are undecided.
+    /// Returns the certificate of a state. The waves of a method are undecided if its force constants have no interval enclosure.
     ///
     /// # Errors
     /// [`MethodError`] if the material, or a method with enclosed force constants, cannot be evaluated there.
@@ -165,7 +165,7 @@ pub trait Analysis: Send + Sync {
 
     /// Standard path through a zone: names and reference wave vectors of its corners. 1/length.
     ///
-    /// Without the name of a zone, it is the zone of the named lattice of the particles, regardless of the description of their cell.
+    /// Without the name of a zone, the zone of the particles' named lattice is used, for any choice of their cell.
     fn zone_path(&self, zone: Option<LatticeKind>) -> Vec<(&'static str, Vec<f64>)>;
 
     /// Returns true if forces depend on velocities.
@@ -197,7 +197,7 @@ pub trait Analysis: Send + Sync {
 
     /// Returns the largest stable time step of an integrator at a state, including damping. Time.
     ///
-    /// For a method that defines a time step, it is the limit of that step.
+    /// For a method that defines a time step, it is the largest stable value of this step.
     ///
     /// # Errors
     /// [`MethodError`] if material or method cannot be evaluated there.
@@ -302,7 +302,7 @@ pub trait PlaneWaves: Send + Sync {
     /// All frequencies `omega`, including damping; 1/time.
     fn frequencies(&self, k: &[f64]) -> Vec<Complex>;
 
-    /// Wave vector of the searched zone with equal waves: `k` itself if `D(k)` is periodic, otherwise its equivalent in the first zone; 1/length.
+    /// Equivalent wave vector of the searched zone: `k` itself if `D(k)` is periodic, otherwise its equivalent in the first zone; 1/length.
     fn folded(&self, k: &[f64]) -> Vec<f64>;
 
     /// Largest factor that keeps a multiple of the wave vector within the searched zone; infinite for zero.
@@ -343,14 +343,14 @@ pub struct PatchParticle {
 pub struct FiniteBodyStep {
     /// Largest stable time step of central differences; time.
     pub time_step: f64,
-    /// Reason why the step is stable.
+    /// Reason why the step is known to be stable.
     pub ground: FiniteBodyGround,
 }
 
 /// Reason why a time step is stable for finite bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FiniteBodyGround {
-    /// Proved for any body: the step of a single element or material point is a lower bound, attained by a body of one element or point.
+    /// Proved for any body: the critical step of a single element or material point is a lower bound, attained by a body of one element or point.
     Parts,
     /// Proved for any body: the interactions in a body are a subset of the interactions of the lattice, which are positive semidefinite.
     Lattice,
@@ -358,7 +358,7 @@ pub enum FiniteBodyGround {
     Blocks,
 }
 
-/// Calls a function that is generic in the dimension.
+/// Calls a function that is generic in the dimension, for a dimension known at run time.
 macro_rules! in_dimension {
     ($dimension:expr, $function:ident($($argument:expr),*)) => {
         match $dimension {
@@ -439,8 +439,8 @@ pub fn reduced_cell(method: &MethodChoices) -> Option<ReducedCell> {
     in_dimension!(method.dimension(), of(method))
 }
 
-/// Returns the mode of a free body in a homogeneous state that limits the time step of a scheme most; `None` for methods whose particles have no
-/// forces at arbitrary positions. Particles with `held` do not move.
+/// Returns the mode of a free body in a homogeneous state that limits the time step of a scheme; `None` for methods whose particles have no forces at
+/// arbitrary positions. Particles marked in `held` do not move.
 ///
 /// # Errors
 /// [`BodyError`] if the method or the material cannot be evaluated for these particles.

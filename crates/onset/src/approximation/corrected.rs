@@ -4,11 +4,10 @@
 //!
 //! `psi_K = C^T h_K`, `h_K = g_K - n_K sum_L g_L`, `C = (sum_K x_K (x) h_K)^-1`, `g_K = grad W(x_K - x)`,
 //!
-//! which is `C^T sum_K (f_K - f_0) g_K`: a difference to the value `f_0 = sum_K n_K f_K` of the field at the point itself.
-//! `sum_K psi_K = 0` and `sum_K x_K (x) psi_K = 1` for any `n_K` that add up to one. The two corrections differ in `n_K`.
-//! Krongauz and Belytschko use Shepard's function, so that `h_K` is its derivative times `sum W`. Randles and Libersky use one at the particle that
-//! coincides with the point and zero at all others.
-//! If the point is not a particle, its value is interpolated, and both corrections are identical. Values are Shepard's in both.
+//! which is `C^T sum_K (f_K - f_0) g_K`: the gradient of differences to the value `f_0 = sum_K n_K f_K` of the field at the point. `sum_K psi_K = 0`
+//! and `sum_K x_K (x) psi_K = 1` for any `n_K` that add up to one. The two corrections differ in `n_K`. Krongauz and Belytschko use Shepard's
+//! functions, so that `h_K` is their derivative times `sum W`. Randles and Libersky use one for the particle at the point and zero for all others. If
+//! the point is not a particle, its value is interpolated, and both corrections are identical. Both use Shepard's functions for the values.
 //!
 //! The derivatives below are derivatives of these formulas: `psi_K,jt` is not symmetric.
 
@@ -38,7 +37,7 @@ struct Correction<'a, const D: usize> {
     sum: f64,
     /// Whether `n_K` are Shepard's functions, which move with the particles.
     is_interpolated: bool,
-    /// Shares `n_K` of the value at the point.
+    /// Weights `n_K` of the value at the point.
     shares: Vec<f64>,
     /// Sum of the weight gradients, `sum_L g_L`.
     total: SVector<f64, D>,
@@ -145,7 +144,7 @@ impl<const D: usize> Correction<'_, D> {
     }
 
     /// Change of `psi_I,j = h_I,m C_mj` when particles move. The change of `C` gives one product with `h_I` for each dimension; the change of `h_I`
-    /// gives one product with `n_I` and the term of the particle's weight.
+    /// gives one product with `n_I` and the term from the weight of the particle.
     fn motion(&self) -> Motion<D> {
         let mut motion = Motion::with_capacity(D + 1, self.weights.len());
         let mean: SVector<f64, D> = self

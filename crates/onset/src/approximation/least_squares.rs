@@ -17,7 +17,7 @@ pub(super) struct Coefficients<const D: usize, const B: usize> {
     alpha1: [SVector<f64, B>; D],
     /// Second derivatives `D_j D_t alpha` with respect to the evaluation point.
     alpha2: [[SVector<f64, B>; D]; D],
-    /// `sum_K (p (x) a)_,j`: minus the derivative of `M` with respect to the evaluation point.
+    /// Sum `sum_K (p (x) a)_,j`: the negative derivative of `M` with respect to the evaluation point.
     moment1: [SMatrix<f64, B, B>; D],
 }
 

@@ -4,8 +4,8 @@
 //! `M alpha = e_0` with the moment matrix `M = sum_K W p (x) p`. The basis `p = (1)` gives Shepard's function (34).
 //! All monomials up to a degree give moving least squares, which is the reproducing kernel method of this order. Raw weights have a constant `alpha`.
 //!
-//! Corrected derivatives are gradients that are not the derivatives of any functions:
-//! `grad f(x) = C^T sum_K (f_K - f_0) grad W_K`, with the matrix `C` that makes the gradient exact for linear fields.
+//! Corrected derivatives are gradients that are not derivatives of any functions: `grad f(x) = C^T sum_K (f_K - f_0) grad W_K`, with the matrix `C`
+//! that makes the gradient exact for linear fields.
 
 mod basis;
 mod corrected;
@@ -28,7 +28,7 @@ use thiserror::Error;
     serde(rename_all = "kebab-case")
 )]
 pub enum Approximation {
-    /// The weight itself, times the ratio of the particle volume to the integral of the weight.
+    /// The kernel itself, times the ratio of the particle volume to the integral of the kernel.
     Raw,
     /// Normalized weights, equation (34): a partition of unity, not linearly complete.
     Shepard,

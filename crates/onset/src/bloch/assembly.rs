@@ -141,7 +141,7 @@ pub(super) fn moment_matrix<const D: usize>(
     of_gradients(method, f, &unit, method.particle_mass())
 }
 
-/// Matrix `sum_q V_q conj(B_J) T_iJkL B_L + M_jl conj(B_J,j) T_iJkL B_L,l` over a divisor, with a given tangent in place of the material.
+/// Matrix `sum_q V_q conj(B_J) T_iJkL B_L + M_jl conj(B_J,j) T_iJkL B_L,l`, divided by a divisor, with a given tangent in place of the material.
 fn of_gradients<const D: usize>(
     method: &Method<D>,
     f: &DeformationGradient,
@@ -176,7 +176,7 @@ fn reach<const D: usize>(configuration: &Configuration<D>) -> i32 {
     configuration.points.iter().map(range).max().unwrap_or(0)
 }
 
-/// Tangent `T_iJkL` within the dimensions of a lattice, at `[i][J][k][L]`.
+/// Components `T_iJkL` of a tangent within the dimensions of a lattice, at `[i][J][k][L]`.
 pub(crate) type Tangent<const D: usize> = [[[[f64; D]; D]; D]; D];
 
 fn tangent_from<const D: usize>(
@@ -286,8 +286,8 @@ fn contracted<const D: usize>(
     contracted
 }
 
-/// Adds the force constants of a point of a Lagrangian kernel, `V conj(B_J) T_iJkL B_L` over a divisor. With strains expanded over the cell of the
-/// point, also `M_jl conj(B_J,j) T_iJkL B_L,l`.
+/// Adds the force constants of a point of a Lagrangian kernel, `V conj(B_J) T_iJkL B_L`, divided by a divisor. With strains expanded over the cell of
+/// the point, also `M_jl conj(B_J,j) T_iJkL B_L,l`.
 fn add_lagrangian<const D: usize>(
     constants: &mut ForceConstants<D>,
     point: &ConfiguredPoint<D>,
@@ -314,7 +314,8 @@ fn add_lagrangian<const D: usize>(
 /// Adds the force constants of a point of an Eulerian kernel.
 ///
 /// They are the gradient stiffness and `sigma_ij d(phi_I,j)(x_q)`, because the kernel moves with the particles and the quadrature point. In the
-/// continuum the second part cancels against parts of the first; here it cancels only up to the quadrature error, which is the tensile instability.
+/// continuum the second part cancels parts of the first; in the discretization it cancels them only up to the quadrature error, which is the tensile
+/// instability.
 fn add_eulerian<const D: usize>(
     constants: &mut ForceConstants<D>,
     point: &ConfiguredPoint<D>,
@@ -483,7 +484,7 @@ impl<const D: usize> Pairs<D> {
     }
 }
 
-/// Vectorized summation for the instruction set of the machine. A closure would not be inlined there.
+/// Vectorized summation for the instruction set of the machine. It is a struct because a closure would not be inlined.
 struct Summing<'a, const D: usize> {
     pairs: &'a Pairs<D>,
     places: &'a [usize],

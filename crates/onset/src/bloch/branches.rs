@@ -8,7 +8,7 @@ use crate::algebra::{Complex, Each, array_of};
 use nalgebra::{SMatrix, SVector};
 use std::ops::{Add, Div, Mul, Sub};
 
-/// Relative tolerance of a double eigenvalue: product of its distances from the two others, over the square of the largest entry.
+/// Relative tolerance of a double eigenvalue: product of its distances from the two others, divided by the square of the largest entry.
 const DOUBLE_EIGENVALUE_TOLERANCE: f64 = 1e-9;
 
 /// Real or complex numbers.

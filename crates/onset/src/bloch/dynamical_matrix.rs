@@ -118,11 +118,11 @@ pub(super) type Block<const D: usize> = [[f64; D]; D];
 pub(super) struct ForceConstants<const D: usize> {
     /// Basis for the coordinates of the blocks.
     basis: Reduced<D>,
-    /// Largest lattice coordinate in that basis, in magnitude.
+    /// Largest lattice coordinate in this basis, in magnitude.
     reach: i32,
     /// Index steps in the array of blocks for the vectors of the given basis.
     steps: [i64; D],
-    /// Dense blocks for lattice vectors with coordinates from `-reach` to `reach` in that basis.
+    /// Dense blocks for lattice vectors with coordinates from `-reach` to `reach` in this basis.
     blocks: Vec<Block<D>>,
     /// Blocks at other vectors (plane-wave stress points), by rounded lattice coordinates.
     loose: BTreeMap<Vec<i64>, (SVector<f64, D>, SMatrix<f64, D, D>)>,
@@ -130,7 +130,7 @@ pub(super) struct ForceConstants<const D: usize> {
 
 /// Largest sum of force constants that vanishes except for rounding, relative to the sum of their magnitudes.
 const VANISHING_SUM_RATIO: f64 = 1e-10;
-/// Largest part of the second derivatives of `D(k)` that the effective range neglects. A heuristic value; it sets the density of grids.
+/// Largest fraction of the second derivatives of `D(k)` that the effective range neglects. A heuristic value; it determines the density of grids.
 pub(super) const NEGLECTED_CURVATURE: f64 = 0.02;
 /// Largest difference of force constants that are symmetric images, as a multiple of the rounding error of the matrix.
 const IMAGE_ROUNDING_FACTOR: f64 = 64.0;
@@ -210,7 +210,8 @@ impl<const D: usize> ForceConstants<D> {
 
     /// Builds the matrix, with `R` and `-R` taken together.
     ///
-    /// With `is_inverted`, only one point of each pair that the inversion exchanges was added, with the weight of both; then the odd parts cancel.
+    /// With `is_inverted`, only one point of each pair that the inversion exchanges was added, with the weight of both points; then the odd parts
+    /// cancel.
     pub(super) fn finish(
         mut self,
         lattice: &BravaisLattice<D>,
@@ -260,7 +261,7 @@ impl<const D: usize> ForceConstants<D> {
         sum.finish(sites, *lattice.vectors())
     }
 
-    /// Next cell in the order of the blocks, with the last coordinate fastest.
+    /// Next cell in the order of the blocks, with the last coordinate varying fastest.
     fn advance(&self, cell: &mut [i32; D]) {
         for coordinate in cell.iter_mut().rev() {
             if *coordinate < self.reach {
@@ -271,7 +272,7 @@ impl<const D: usize> ForceConstants<D> {
         }
     }
 
-    /// Converts a lattice vector from the short basis to the given one.
+    /// Converts a lattice vector from the short basis to the given basis.
     fn given(&self, cell: &[i32; D]) -> [i32; D] {
         if self.basis.is_given() {
             return *cell;
@@ -396,7 +397,7 @@ fn rounded<const D: usize>(fractional: &SVector<f64, D>) -> Vec<i64> {
 impl<const D: usize> DynamicalMatrix<D> {
     /// `D(k)` at a reference wave vector.
     ///
-    /// Evaluated as `D(0) + sum (cos - 1) even + i sin odd`, so that long waves keep their relative accuracy.
+    /// It is evaluated as `D(0) + sum (cos - 1) even + i sin odd`, so that long waves keep their relative accuracy.
     pub fn at(&self, k: &SVector<f64, D>) -> SMatrix<Complex, D, D> {
         let (mut real, mut imaginary) = (self.rigid, SMatrix::<f64, D, D>::zeros());
         let phases = HalfPhases::new(self, k);
@@ -661,8 +662,8 @@ impl<const D: usize> DynamicalMatrix<D> {
     /// Largest lattice coordinate that matters to second derivatives with respect to the wave vector: it determines how fast `D(k)` varies over the
     /// zone.
     ///
-    /// Larger coordinates contribute only a small part of the second derivatives. Kernels end so smoothly that the largest coordinate overestimates
-    /// the variation.
+    /// Larger coordinates contribute only a small part of the second derivatives. Kernels decay so smoothly at the rim that the largest coordinate
+    /// overestimates the variation.
     pub(super) fn effective_reach(&self) -> usize {
         let mut by_reach = vec![0.0; self.reach + 1];
         for term in &self.terms {
@@ -682,7 +683,7 @@ impl<const D: usize> DynamicalMatrix<D> {
     }
 }
 
-/// Vectorized summation for the instruction set of the machine. A closure would not be inlined there.
+/// Vectorized summation for the instruction set of the machine. It is a struct because a closure would not be inlined.
 struct RealSums<'a, const ORDER: usize, const D: usize>(
     &'a DynamicalMatrix<D>,
     &'a SVector<f64, D>,

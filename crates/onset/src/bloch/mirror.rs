@@ -1,4 +1,4 @@
-//! The matrix `D(k)` of force constants with a mirror line: half of the sums at half of the wave vectors.
+//! The matrix `D(k)` for force constants with a mirror line: half of the sums at half of the wave vectors.
 //!
 //! The reflection maps `Phi(R)` to itself except for the signs of `Phi_12` and `Phi_21`, as for an isotropic body stretched along mirror lines of the
 //! lattice. Then `D_11` and `D_22` are sums of `cos i u cos j v`, and `D_12` and `D_21` are sums of `sin i u sin j v`, in the phases `u`, `v` along
@@ -22,7 +22,7 @@ pub(super) struct MirrorSums {
     pub(super) mirror: Mirror,
     /// Largest `i` and `j`.
     pub(super) reach: [usize; 2],
-    /// Largest `i` for each `j`, because the forces end at a circle.
+    /// Largest `i` for each `j`; it varies because the range of the forces is a circle.
     ends: Vec<usize>,
     /// Factors of `cos i u cos j v` in `D_11`, `D_22` and of `sin i u sin j v` in `D_12`, `D_21`, at `[j][i]` in the order of the entries: plain,
     /// multiplied by `i`, and by `i^2`.
@@ -124,7 +124,7 @@ impl MirrorSums {
         })
     }
 
-    /// Factors at one `j`, by `i`.
+    /// Factors for one `j`, indexed by `i`.
     #[inline(always)]
     fn row(&self, j: usize) -> &[[[f64; 4]; 3]] {
         let width = self.reach[0] + 1;
@@ -248,7 +248,7 @@ fn weighted<S: Simd>(x: Pack<S>, n: usize) -> [Pack<S>; 3] {
     [x, first, n * first]
 }
 
-/// Integers in equal steps. The iterators of the standard library are not always inlined.
+/// Integers in equal steps; used because the iterators of the standard library are not always inlined.
 struct Indices {
     next: usize,
     step: usize,

@@ -1,9 +1,10 @@
 //! Pockets of complex `omega^2` between the points of a grid.
 //!
 //! Where two real branches of a matrix that is not Hermitian cross, their coupling can make `omega^2` complex in a region that is smaller than a grid
-//! step. Each grid point yields a linear model of every pair of branches, in the eigenvectors at that point. The model predicts where the growth rate
-//! is largest within reach. Each prediction is refined a few times at the predicted position. All results are samples: a pocket without a predicting
-//! grid point can be missed. Constants without a stated derivation are heuristic; the tests `hunt` compare random states with a dense search.
+//! step. Each grid point yields a linear model of every pair of branches, in the eigenvectors at that point. The model predicts the position of the
+//! largest growth rate within its range. Each prediction is refined a few times at the predicted position. All results are samples: a pocket that no
+//! grid point predicts can be missed. Constants without a stated derivation are heuristic; the tests `hunt` compare random states with a dense
+//! search.
 
 use super::system::MatrixExpansion;
 use super::{Expansion, growth_rate};
@@ -16,7 +17,7 @@ use std::ops::Index;
 
 /// Range of a model around its point, in steps: slightly more than half of the distance of two points.
 const MODEL_RANGE_STEPS: f64 = 0.6;
-/// Number of places along each axis at which the crossing of two branches is sampled.
+/// Number of positions along each axis at which the crossing of two branches is sampled.
 const PLACES_PER_AXIS: usize = 7;
 /// Number of refinements of a predicted pocket.
 const REFINEMENTS: usize = 3;
@@ -32,7 +33,7 @@ pub(super) const HALVED_STEP_POINTS: usize = 256;
 const IMAGE_GROWTH_TOLERANCE: f64 = 1e-9;
 /// Distance, in steps, of wave vectors within one pocket.
 const POCKET_SEPARATION_STEPS: f64 = 0.25;
-/// Largest product of the norms of the left and right eigenvectors. Beyond it the vectors are nearly dependent and the model is useless.
+/// Largest product of the norms of the left and right eigenvectors. Beyond it the vectors are nearly dependent and the model is inaccurate.
 const EIGENVECTOR_CONDITION_LIMIT: f64 = 1e6;
 /// Smallest difference of real eigenvalues, relative to the largest entry, for which adjugates give accurate eigenvectors.
 const EIGENVALUE_SEPARATION: f64 = 1e-5;
@@ -95,7 +96,7 @@ struct Pair<S, const D: usize> {
     couplings: [[S; D]; 2],
 }
 
-/// Linear function of a place.
+/// Value of a linear function at a position.
 fn along<S: Scalar, const D: usize>(slope: &[S; D], u: &[f64; D]) -> S {
     let mut sum = S::zero();
     for a in 0..D {
@@ -138,7 +139,7 @@ impl<S: Scalar, const D: usize> Pair<S, D> {
         growth_of([first, second], product)
     }
 
-    /// Largest growth rate within reach, and its place, sampled on the line or surface of the crossing.
+    /// Largest growth rate within range, and its position, sampled on the line or surface of the crossing.
     fn fastest(&self) -> (f64, [f64; D]) {
         let mut fastest = (0.0, [0.0; D]);
         let mut look = |growth: f64, u: [f64; D]| {
@@ -155,7 +156,7 @@ impl<S: Scalar, const D: usize> Pair<S, D> {
             let height = crossing.height.at(&u);
             u[crossing.axis] = height.clamp(-MODEL_RANGE_STEPS, MODEL_RANGE_STEPS);
             if height == u[crossing.axis] {
-                // Most places: two real branches that repel each other.
+                // At most wave vectors two real branches repel each other.
                 if !is_real || crossing.product(&u).real() < 0.0 {
                     look(crossing.growth(&u), u);
                 }
@@ -174,7 +175,7 @@ impl<S: Scalar, const D: usize> Pair<S, D> {
             }
             let mut u = places.each(place);
             look_at(u);
-            // Along a line through the places, the product of the couplings is quadratic and can be negative only between two of them.
+            // Along a line through the positions, the product of the couplings is quadratic and can be negative only between two of them.
             for a in others().filter(|a| places[*a] == 0) {
                 u[a] = 0.0;
                 if let Some(x) = crossing.lowest_along(a, &u) {
@@ -187,7 +188,7 @@ impl<S: Scalar, const D: usize> Pair<S, D> {
         fastest
     }
 
-    /// Line or surface where the uncoupled branches cross, if it comes within reach.
+    /// Line or surface of the crossings of the uncoupled branches, if it passes within range.
     fn crossing(&self) -> Option<Crossing<S, D>> {
         let distance = (self.values[0] - self.values[1]).real();
         let closing: [f64; D] = array_of(|a| (self.slopes[0][a] - self.slopes[1][a]).real());
@@ -226,7 +227,7 @@ impl<S: Scalar, const D: usize> Pair<S, D> {
     }
 }
 
-/// Affine function of a place.
+/// Affine function of a position.
 #[derive(Clone, Copy)]
 struct Affine<S, const D: usize> {
     origin: S,
@@ -244,11 +245,11 @@ impl<S: Scalar, const D: usize> Affine<S, D> {
     }
 }
 
-/// Two branches on their crossing, as functions of the place along all axes except one.
+/// Two branches on their crossing, as functions of the position along all axes except one.
 struct Crossing<S, const D: usize> {
     /// Axis along which the branches approach each other fastest.
     axis: usize,
-    /// Place of the crossing along this axis.
+    /// Coordinate of the crossing along this axis.
     height: Affine<f64, D>,
     values: [Affine<S, D>; 2],
     couplings: [Affine<S, D>; 2],
@@ -271,7 +272,7 @@ impl<S: Scalar, const D: usize> Crossing<S, D> {
         growth_of([first, second], self.product(u))
     }
 
-    /// Place along an axis, within reach, where the product of the couplings is smallest, if it is convex. `u` must be zero along this axis.
+    /// Coordinate along an axis, within range, at which the product of the couplings is smallest, if it is convex. `u` must be zero along this axis.
     fn lowest_along(&self, axis: usize, u: &[f64; D]) -> Option<f64> {
         let [b, c] = [0, 1].each(|n| self.couplings[n].at(u));
         let [b_slope, c_slope] = [0, 1].each(|n| self.couplings[n].slopes[axis]);
@@ -285,9 +286,9 @@ impl<S: Scalar, const D: usize> Crossing<S, D> {
 
 /// A search for pockets.
 pub(super) struct Pockets<'a, const D: usize> {
-    /// Expansion of `D(k)` up to an order; `None` where the wave vector is not searched.
+    /// Expansion of `D(k)` up to an order; `None` if the wave vector is not searched.
     pub(super) around: &'a (dyn Fn(&SVector<f64, D>, Order) -> Option<Around<D>> + Sync),
-    /// True if the matrix is so large that each wave vector is worth a core.
+    /// True if the matrix is so large that each wave vector occupies one core.
     pub(super) is_large: bool,
     /// Grid steps, as columns.
     pub(super) steps: SMatrix<f64, D, D>,
@@ -580,8 +581,8 @@ where
         }
     }
 
-    /// Returns true if one of two branches can grow faster than `rival` within reach. Mixed derivatives and other branches are allowed for by
-    /// doubling the known changes.
+    /// Returns true if one of two branches can grow faster than `rival` within range. Doubling the known changes allows for mixed derivatives and
+    /// other branches.
     fn can_beat(&self, rival: f64, (i, j): (usize, usize)) -> bool {
         let values = self.values.as_ref();
         let is_real = |i: usize, j: usize| {
@@ -624,9 +625,9 @@ where
         }
     }
 
-    /// Ratio of second-order to first-order changes of the difference of two branches within reach, including the repulsion by other branches.
+    /// Ratio of second-order to first-order changes of the difference of two branches within range, including the repulsion by other branches.
     ///
-    /// Zero if the branches cannot meet, or if the ratio is small.
+    /// The ratio is zero if the branches cannot meet, or if it is small.
     fn unresolved(&self, second: &[M; D], (i, j): (usize, usize), others: f64) -> f64 {
         let change = |matrix: &M| {
             let coupling = (matrix[(i, j)] * matrix[(j, i)]).modulus().sqrt();
@@ -650,7 +651,7 @@ where
         }
     }
 
-    /// Shift of a branch by all other branches within reach, to second order.
+    /// Shift of a branch by all other branches within range, to second order.
     fn repulsion(&self, own: usize) -> f64 {
         let others = (0..self.values.as_ref().len()).filter(|m| *m != own);
         others.map(|m| self.push(own, m)).sum()
@@ -689,8 +690,8 @@ mod tests {
         }
     }
 
-    /// The predicted growth rate on the crossing agrees with the pair at that place. No place of a finer grid within reach grows much faster if the
-    /// crossing determines the growth.
+    /// The predicted growth rate on the crossing agrees with the pair at that position. If the crossing determines the growth, no point of a finer
+    /// grid within range grows much faster.
     #[test]
     fn the_predicted_growth_at_a_crossing_agrees_with_the_pair_of_branches() {
         let (mut foreseen, mut told) = (0, 0);

@@ -15,7 +15,7 @@ use crate::continuum::{ACOUSTIC_ROUNDING, Stiffness};
 use crate::lattice::Equivalence;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
-/// Rounding error of measures, relative to them, and of squared frequencies, relative to the largest.
+/// Relative rounding error of measures, and rounding error of squared frequencies relative to the largest.
 pub(super) const MEASURE_ROUNDING: f64 = 1e-9;
 /// Accuracy of wave vectors and measures found by a search, relative to a reciprocal vector and to the measure.
 const SEARCH_ACCURACY: f64 = 1e-6;
@@ -23,7 +23,7 @@ const SEARCH_ACCURACY: f64 = 1e-6;
 const LIMIT_WAVE_FRACTION: f64 = 0.02;
 /// Largest number of degrees of freedom of a cell for which symmetric images are computed; larger cells have no symmetry.
 const IMAGED_CELL_SIZE: usize = 48;
-/// Smallest part of a unit vector in the space of equal modes that determines a polarization.
+/// Smallest component of a unit vector in the space of equal modes that determines a polarization.
 const POLARIZATION_SHARE: f64 = 1e-3;
 
 /// Waves of a state, as functions of the wave vector.
@@ -35,7 +35,7 @@ pub(crate) struct StateWave<'a, const D: usize> {
     pub(crate) size: usize,
     /// Map from reference wave vectors to wave vectors of the deformed lattice.
     pub(crate) to_spatial: SMatrix<f64, D, D>,
-    /// Shortest wave of the line or surface of zero-energy modes through a wave vector.
+    /// Shortest wave on the line or surface of zero-energy modes through a wave vector.
     pub(crate) shortest: &'a dyn Fn(&SVector<f64, D>) -> SVector<f64, D>,
 }
 
@@ -237,7 +237,7 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// Representative of equally soft long waves: directions along short lattice vectors come first.
+    /// Representative of equally soft long waves; directions along short lattice vectors are preferred.
     fn representative_of_long(&self, waves: &StateWave<'_, D>, mode: Mode<D>) -> Mode<D> {
         if D == 1 || !mode.scaled.is_finite() {
             return mode;
@@ -284,7 +284,7 @@ fn is_before<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>, rounding:
 
 /// Polarization of the mode with the given eigenvalue, of the particle with the largest amplitude.
 ///
-/// In an eigenspace, the mode with the largest share along the wave is taken. `largest` is the largest eigenvalue.
+/// In an eigenspace, the mode with the largest component along the wave is used. `largest` is the largest eigenvalue.
 fn polarized<const D: usize>(
     matrix: &DMatrix<Complex>,
     value: Complex,

@@ -1,7 +1,7 @@
 //! Lattice coordinates in which the forces have the same range in all directions.
 //!
 //! With kernels in current coordinates, the neighbors in a strongly sheared state lie at long and oblique reference vectors. Over the reference zone
-//! the spectrum then varies fast in one direction and slowly in another, and a uniform grid resolves it badly. This module maps space so that the
+//! the spectrum then varies fast in one direction and slowly in another, and a uniform grid resolves it poorly. This module maps space so that the
 //! second moment of the force constants is isotropic, and chooses a short basis there. The search runs in these coordinates, and its results are
 //! mapped back.
 
@@ -13,9 +13,9 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 /// Largest accepted ratio of the longest basis vector to the longest vector of the reduced basis. Below it the given basis is kept. A heuristic
 /// value.
 const LONGEST_VECTOR_RATIO: f64 = 3.0;
-/// Maximum number of basis reductions. Each one removes most of the obliqueness that double precision resolves.
+/// Maximum number of basis reductions. Each reduction removes most of the obliqueness that double precision resolves.
 const MAXIMUM_REDUCTIONS: usize = 8;
-/// Rounding of the extents of the forces: ratio of the smallest to the largest eigenvalue of their second moment.
+/// Smallest ratio of the smallest to the largest eigenvalue of the second moment of the forces that is not a rounding error.
 const FLAT_EXTENT_RATIO: f64 = 1e-12;
 
 /// Linear map `x' = map x` with `|det map| = 1` to isotropic coordinates, and the change of basis.
@@ -71,7 +71,7 @@ impl<const D: usize> ShortRange<D> {
         lattice.in_coordinates(&self.map, &self.change)
     }
 
-    /// Maps the result of a search in these coordinates back to the given ones. `folded` moves a wave vector to the reported zone.
+    /// Maps the result of a search in these coordinates back to the given coordinates. `folded` moves a wave vector to the reported zone.
     pub(super) fn carried_back(
         &self,
         found: &SpectrumSummary<D>,

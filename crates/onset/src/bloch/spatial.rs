@@ -23,9 +23,9 @@ pub(super) struct SpatialSpectrum {
     pub(super) discriminant: f64,
     /// Squared imaginary part of the complex pair; zero if all eigenvalues are real.
     pub(super) imaginary_squared: f64,
-    /// Real part of the complex pair.
+    /// Real part of the complex pair of eigenvalues.
     pub(super) pair: f64,
-    /// Squared norm of the antisymmetric part, which no imaginary part exceeds (Bendixson).
+    /// Squared norm of the antisymmetric part, an upper bound of all imaginary parts (Bendixson).
     pub(super) asymmetry: f64,
 }
 
@@ -170,8 +170,8 @@ impl Rows {
 impl<const D: usize> DynamicalMatrix<D> {
     /// Spectra of a real and periodic matrix in three dimensions on a grid.
     ///
-    /// They are computed at the points with a first index up to `n / 2` that symmetries do not map to earlier ones, and at some others. The remaining
-    /// spectra follow from these and from `D(-k) = D(k)`.
+    /// The spectra are computed at the points with a first index up to `n / 2` that are not symmetric images of earlier points, and at some others.
+    /// The remaining spectra follow from these and from `D(-k) = D(k)`.
     pub(super) fn spatial_spectra(&self, grid: &WaveGrid<D>, wedge: &Wedge, found: Found<'_>) {
         let rows = &Rows::new(self.terms(), self.rigid_translation());
         Arch::new().dispatch(OnGrid {
@@ -186,7 +186,7 @@ impl<const D: usize> DynamicalMatrix<D> {
 /// Callback that receives the spectrum of a point.
 type Found<'a> = &'a mut dyn FnMut(usize, SpatialSpectrum);
 
-/// Vectorized evaluation for the instruction set of the machine. A closure would not be inlined there.
+/// Vectorized evaluation for the instruction set of the machine. It is a struct because a closure would not be inlined.
 struct OnGrid<'a, const D: usize> {
     rows: &'a Rows,
     grid: &'a WaveGrid<D>,
@@ -216,7 +216,7 @@ mod tests {
     use crate::lattice::{LatticeKind, Reduced, WaveGrids};
     use nalgebra::{Matrix3, Vector3};
 
-    /// Bonds of a simple cubic lattice, and a term that costs a translation energy, with their common symmetry.
+    /// Bonds of a simple cubic lattice, and a term that assigns energy to translations, with their common symmetry.
     #[test]
     fn shared_spectra_of_symmetric_waves_agree_with_the_spectrum_of_each_wave() {
         let lattice = LatticeKind::SimpleCubic

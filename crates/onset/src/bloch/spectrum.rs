@@ -60,7 +60,7 @@ pub enum Stability {
     Divergence,
 }
 
-/// Stability of a state, reduced to the quantities that a verdict needs.
+/// Stability of a state, reduced to the quantities that determine a verdict.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Judgment<const D: usize> {
     pub(crate) stability: Stability,

@@ -5,16 +5,16 @@ use crate::algebra::Complex;
 use crate::lattice::Particle;
 use nalgebra::SVector;
 
-/// Values of `omega^2` below this multiple of their rounding count as zero.
+/// Values of `omega^2` count as zero below this multiple of its rounding error.
 pub(crate) const ZERO_FREQUENCY_NOISE_FACTOR: f64 = 64.0;
-/// Amplification factors below this count as zero. A solution that vanishes within a step has no rate.
+/// Smallest amplification factor that does not count as zero. A solution that vanishes within a step has no rate.
 const SMALLEST_FACTOR: f64 = 1e-12;
-/// Growth relative to the frequency that exceeds the rounding of `ln(z)`.
+/// Growth rate relative to the frequency that exceeds the rounding error of `ln(z)`.
 const GROWTH_TOLERANCE: f64 = 1e-10;
-/// Largest `|omega^2 dt^2|` with the general formula: beyond it the larger factor equals `-omega^2 dt^2` to all digits, and squares may overflow.
+/// Largest `|omega^2 dt^2|` for the general formula: beyond it the larger factor equals `-omega^2 dt^2` to all digits, and squares may overflow.
 const LARGEST_STEP_SQUARE: f64 = 1e40;
 
-/// Velocities that points take back from the grid in a step.
+/// Velocities that points receive from the grid in a step.
 ///
 /// `L = 1 - T` is the fraction of the velocities of a wave that is lost in the transfer to the points and back, and `s` the velocity of a wave on the
 /// grid before the forces.
@@ -42,9 +42,9 @@ pub enum VelocityFilter {
 struct Filtered {
     /// Fraction `1 - T - R` of the velocity that a step removes.
     damped: f64,
-    /// Fraction `R` of its velocity that a point keeps.
+    /// Fraction `R` of its previous velocity that a point keeps.
     own: f64,
-    /// Inverse mass of the nodes over the inverse lumped mass.
+    /// Ratio of the inverse mass of the nodes to the inverse lumped mass.
     mobility: f64,
 }
 
@@ -133,7 +133,7 @@ impl<const D: usize> TransferredWaves<D> {
     /// Creates the waves of a grid with one node per cell.
     ///
     /// The arguments are the equations of motion of nodes that keep their velocities, the transfer `T` between nodes as multiples of the identity,
-    /// and the velocities that points take back.
+    /// and the velocities that points receive from the grid.
     pub fn new(system: WaveSystem<D>, kept: &BlochSum<D>, filter: VelocityFilter) -> Self {
         let position = |node: &Particle<D>| system.crystal().position(node);
         let term = |(site, to, block): (usize, &Particle<D>, &nalgebra::SMatrix<f64, D, D>)| {
@@ -270,8 +270,8 @@ impl<const D: usize> TransferredWaves<D> {
 
     /// Largest stable step for the waves with one wave vector, `sqrt(2 (1 + T + R) / (q (1 + R))) / omega` of the fastest wave. Time.
     ///
-    /// Waves that grow for any step do not count. For a complex `omega^2`, which grows unless the filter damps it, the real part counts. Infinite if
-    /// nothing oscillates.
+    /// Waves that grow for any step are ignored. For a complex `omega^2`, which grows unless the filter damps it, the real part is used. The result
+    /// is infinite if nothing oscillates.
     pub fn critical_time_step_at(&self, k: &SVector<f64, D>) -> f64 {
         let filtered = self.filter(k);
         let squares = self.omega_squared(k).into_iter().map(|z| z.re);
@@ -286,7 +286,7 @@ impl<const D: usize> TransferredWaves<D> {
 
     /// Largest stable step: the minimum over the zone. Time.
     ///
-    /// At an unstable state only the waves that do not grow for every step count. Infinite if nothing oscillates.
+    /// In an unstable state only the waves that do not grow for every step are considered. The result is infinite if nothing oscillates.
     pub fn critical_time_step(&self) -> f64 {
         let at = |k: &SVector<f64, D>| self.critical_time_step_at(k);
         self.search().least_of(&self.system, &at).0

@@ -14,14 +14,14 @@ const HALF_PERIOD: f64 = 25736.0 / 8192.0;
 const FIRST_BOXES: f64 = 4.0;
 /// Number of boxes before candidate waves are requested: about the cost of a floating-point search.
 const CANDIDATE_DELAY_BOXES: usize = 2_000;
-/// Widest zone, in half periods, of a lattice whose dynamical matrix is not periodic.
+/// Largest width, in half periods, of the zone of a lattice whose dynamical matrix is not periodic.
 const LARGEST_ZONE: f64 = 16.0;
 
 /// Zone, tolerances and budget of a cover. Measures compare `D` with `L = sum_i (1 - cos theta_i)`.
 pub(super) struct Question<'a> {
     /// Half planes `m.theta <= offset` that bound the zone; empty if `D` is periodic.
     pub(super) zone: &'a [([f64; 2], f64)],
-    /// Largest phase in the zone.
+    /// Largest magnitude of a phase in the zone.
     pub(super) farthest: f64,
     /// Largest squared growth rate that does not count as instability, in units of `D`.
     pub(super) growth_squared: f64,
@@ -38,7 +38,7 @@ pub(super) enum Finding {
     Bounded(f64),
     /// A growing wave, confirmed in interval arithmetic.
     Grows(GrowingWave),
-    /// Undecided boxes remain. `measure` is the smallest sampled one, and `is_growth` is true if only the growth of oscillations is undecided.
+    /// Undecided boxes remain. `measure` is the smallest sampled measure, and `is_growth` is true if only the growth of oscillations is undecided.
     Open { measure: f64, is_growth: bool },
 }
 
@@ -66,7 +66,7 @@ enum Attempt {
 
 /// Covers the zone by boxes and returns the result.
 ///
-/// If many boxes remain, the waves that `candidates` returns are examined before the cover continues.
+/// If many boxes remain, the waves that `candidates` returns are examined before the subdivision continues.
 pub(super) fn cover(
     waves: &Waves,
     question: &Question,
@@ -373,7 +373,7 @@ impl Cover<'_> {
     }
 }
 
-/// Returns true if a box lies in the square of the long waves.
+/// Returns true if a box lies in the square of long waves.
 fn is_within(region: &Region, inner: f64) -> bool {
     match *region {
         Region::Phases { center, half } => center.iter().all(|x| x.abs() + half <= inner),

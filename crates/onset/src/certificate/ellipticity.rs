@@ -32,7 +32,7 @@ impl Acoustic {
             array_of(|e| {
                 let (i, k) = (e / 2, e % 2);
                 if D == 1 {
-                    // In one dimension the single entry fills both places of the diagonal.
+                    // In one dimension the single entry is stored in both entries of the diagonal.
                     let is_entry = m == 0 && i == k;
                     return if is_entry {
                         tangent[0][0][0][0]

@@ -5,7 +5,7 @@ use super::waves::{Entries, Waves};
 use crate::algebra::{Each, array_of};
 use crate::real::{Interval, Real};
 
-/// Moments of a sum of cosines that all its expansions use.
+/// Moments of a sum of cosines that all expansions use.
 pub(super) struct Expansion<'a> {
     pub(super) waves: &'a Waves,
     /// Vectors `n` of the terms.
@@ -79,7 +79,7 @@ impl<'a> Expansion<'a> {
             && self.waves.long_error.is_finite()
     }
 
-    /// Bound of the remainder beyond fourth order for `|theta|_max = r`: `r^6` times this number, or `r^4` times it in units of `r^2`.
+    /// Bound of the remainder beyond fourth order for `|theta|_max = r`: `r^6` times this number, or `r^4` times this number in units of `r^2`.
     pub(super) fn sixth(&self) -> f64 {
         self.sizes[6] / 720.0
     }
@@ -281,7 +281,7 @@ mod tests {
     use crate::real::Interval;
     use nalgebra::Vector2;
 
-    /// Methods in which every value of every choice occurs at least once.
+    /// Methods in which every option of every choice occurs at least once.
     fn methods() -> Vec<Method<2>> {
         use Linearization::{Exact, ExactPlaneWave, FrozenNormalization, Paper, PaperInterpolated};
         let linearizations = [

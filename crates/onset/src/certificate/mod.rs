@@ -105,7 +105,7 @@ pub enum Reason {
     WithinTolerance,
     /// The measure is positive, proved or sampled, but oscillations may grow slightly faster than [`GROWTH`].
     Growth,
-    /// The number of boxes was exhausted although the measure is beyond the tolerance.
+    /// The limit on the number of boxes was reached although the measure is beyond the tolerance.
     Budget,
     /// The quadrature points have no inversion symmetry, which the proof requires.
     NoInversionCenter,
@@ -187,7 +187,7 @@ impl<const D: usize> Witness<D> {
 }
 
 impl<const D: usize> Certainty<D> {
-    /// Name of the result in files and legends.
+    /// Name of the result, as used in files and legends.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Stable { .. } => "proved-stable",
@@ -246,8 +246,8 @@ impl<const D: usize> Certainty<D> {
 
 /// Proves stability or instability of a material and a discretization at a homogeneous state.
 ///
-/// All states receive equal effort. For an undecided state the reason distinguishes measures within `tolerance` of zero. For many states of one
-/// discretization, [`Certifier`] is faster.
+/// All states are treated with the same effort. For an undecided state the reason distinguishes measures within `tolerance` of zero. For many states
+/// of one discretization, [`Certifier`] is faster.
 ///
 /// ```
 /// use onset::certificate::{Certainty, certify};
@@ -280,7 +280,7 @@ pub fn certify<const D: usize>(
     Certifier::new(discretization, material, tolerance)?.certify(f)
 }
 
-/// Certifier of states of one discretization and one material. Proofs that do not depend on the state are made once.
+/// Certifier of states of one discretization and one material. Proofs that do not depend on the state are computed once.
 pub struct Certifier<'a, const D: usize> {
     density: f64,
     /// Method whose force constants are enclosed; `None` if no enclosure exists, so that nothing about the waves is proved.
@@ -297,7 +297,7 @@ pub struct Certifier<'a, const D: usize> {
 
 /// State-independent proofs of a method and a material.
 ///
-/// They take most of the time of [`Certifier::new`]. They can be stored where a certifier cannot, because it borrows.
+/// These proofs take most of the time of [`Certifier::new`]. They can be stored where a certifier cannot, because it borrows.
 #[derive(Clone, Copy, Debug)]
 pub struct Foundation<const D: usize> {
     speed_squared: f64,
@@ -314,7 +314,7 @@ enum Gradient<const D: usize> {
 }
 
 impl<'a, const D: usize> Certifier<'a, D> {
-    /// Creates a certifier and makes the proofs that do not depend on the state.
+    /// Creates a certifier and computes the proofs that do not depend on the state.
     ///
     /// # Errors
     /// [`MethodError`] if the material in the reference state or a Lagrangian method cannot be evaluated.
@@ -364,7 +364,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
         }
     }
 
-    /// Sets the fraction of the true minimum, up to 0.95, to prove as a lower bound. Fractions near one take more work.
+    /// Sets the fraction of the true minimum, up to 0.95, to be proved as a lower bound. Fractions near one require more work.
     pub fn with_share(mut self, share: f64) -> Self {
         self.share = share.clamp(0.01, 0.95);
         self
@@ -402,7 +402,7 @@ impl<'a, const D: usize> Certifier<'a, D> {
         })
     }
 
-    /// Certificate for a three-dimensional lattice: ellipticity is proved for the material, and nothing for the waves.
+    /// Certificate for a three-dimensional lattice: ellipticity is proved for the material, but nothing is proved about the waves.
     fn in_three_dimensions(&self, f: &DeformationGradient) -> Result<Certificate<D>, MethodError> {
         let proof = certify_3d(self.material, f, self.tolerance)?.certainty;
         Ok(Certificate {

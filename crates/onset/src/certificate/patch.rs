@@ -85,8 +85,8 @@ impl Patch {
         self.value - self.rest + apart.max(self.vertex()) - PATCH_ROUNDING * self.magnitude()
     }
 
-    /// Minimum of the quadratic part over the whole plane. Where two branches cross in a cone, the discriminant has a minimum that touches zero, and
-    /// only this estimate shows that it is not negative.
+    /// Minimum of the quadratic part over the whole plane. Where two branches cross in a cone, the discriminant has zero as its minimum, and only
+    /// this estimate proves that it is not negative.
     fn vertex(&self) -> f64 {
         let ([a, b, c], [p, q]) = (self.curvature, self.slope);
         let determinant = 4.0 * a * c - b * b;

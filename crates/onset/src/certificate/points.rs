@@ -1,6 +1,6 @@
 //! Interval enclosures of quadrature points, neighbors and shape functions.
 //!
-//! The definitions of [`crate::method`] and [`crate::approximation`] are implemented independently here, so that a proof does not rely on the
+//! The definitions of [`crate::method`] and [`crate::approximation`] are implemented here independently, so that a proof does not rely on the
 //! floating-point code.
 
 use super::Reason;
@@ -14,7 +14,7 @@ use crate::real::{Interval, Real};
 const PLACE_ULPS: u32 = 4;
 /// Error of Voronoi volumes, in units in the last place.
 const VOLUME_ULPS: u32 = 64;
-/// Places whose lattice coordinates differ by less than this are equal.
+/// Largest difference of lattice coordinates of positions that count as equal.
 const PLACE_TOLERANCE: f64 = 2e-16;
 
 /// Distance from the edge of the support, in support radii, within which [`Kernel::weight`](crate::kernel::Kernel::weight) ignores a neighbor.
@@ -198,7 +198,7 @@ fn enclosed<const D: usize>(
 }
 
 /// Weight of a particle, or `None` if it is certainly outside the support. In doubtful cases the intervals include zero, so they contain the weight
-/// on both sides of the edge even if the kernel does not end smoothly.
+/// on both sides of the edge even if the kernel is not smooth there.
 fn term<const D: usize>(
     method: &Method<D>,
     layout: &Layout<D>,
@@ -407,7 +407,7 @@ fn carried<const D: usize>(
     DeformationGradient::from_components(components)
 }
 
-/// Cells with lattice coordinates within `reach` of a place; `None` if there are too many.
+/// Cells with lattice coordinates within `reach` of a position; `None` if there are too many.
 fn cells<const D: usize>(place: &[Interval; D], reach: &[f64; D]) -> Option<Vec<[i32; D]>> {
     let boxes: f64 = reach.iter().map(|r| 2.0 * r + 3.0).product();
     if boxes.is_nan() || boxes > 1e4 * MAXIMUM_NEIGHBORS as f64 {
@@ -451,7 +451,7 @@ fn image<const D: usize>(m: &Square<D>, v: &[Interval; D]) -> [Interval; D] {
     array_of(|i| sum((0..D).map(|j| m[i][j] * v[j])))
 }
 
-/// Determinant in one and two dimensions; unbounded in others.
+/// Determinant in one and two dimensions; an unbounded interval in other dimensions.
 fn determinant<const D: usize>(m: &Square<D>) -> Interval {
     match D {
         1 => m[0][0],
@@ -460,7 +460,7 @@ fn determinant<const D: usize>(m: &Square<D>) -> Interval {
     }
 }
 
-/// Inverse in one and two dimensions; unbounded in others.
+/// Inverse in one and two dimensions; unbounded intervals in other dimensions.
 fn inverse<const D: usize>(m: &Square<D>) -> Square<D> {
     let determinant = determinant(m);
     array_of(|i| {

@@ -23,7 +23,7 @@ pub(super) struct Waves {
     pub(super) error: f64,
     /// Bound of `sum |delta C_n| |n|^2 / 2`, `|n| = |n_1| + |n_2|`.
     pub(super) long_error: f64,
-    /// Matrix `D(0)` if it does not vanish by the partition of unity or by symmetry.
+    /// Matrix `D(0)`, unless it vanishes by the partition of unity or by symmetry.
     pub(super) rigid: Option<[Interval; 4]>,
     /// Whether `D` is symmetric, like the second derivative of an energy.
     pub(super) is_symmetric: bool,
@@ -46,7 +46,7 @@ struct Stiffness<const D: usize> {
     stress: [[Interval; D]; D],
 }
 
-/// One channel of the pair interaction: the block between particles `I` and `K` is `sum_c left_c(I) right_c(K)`, entry by entry.
+/// Channel of the pair interaction: the block between particles `I` and `K` is `sum_c left_c(I) right_c(K)`, entry by entry.
 type Channel = [[Interval; 4]; 2];
 
 /// Dynamical matrix of a method and a material.
@@ -139,7 +139,7 @@ fn entries<const D: usize>(entry: impl Fn(usize, usize) -> Interval) -> [Interva
     }
 }
 
-/// Channels of a neighbor: first as the particle that receives the force, then as the particle that moves.
+/// Channels of a neighbor: as the particle that experiences the force, and as the particle that moves.
 fn channels<const D: usize>(
     point: &Point<D>,
     neighbor: &Neighbor<D>,
@@ -224,7 +224,7 @@ impl Sums {
 struct Assembly {
     reach: i32,
     dimension: usize,
-    /// Number of neighbors of all points together.
+    /// Total number of neighbors of all points.
     neighbors: usize,
     /// Force constants `Phi(R)` at lattice vectors.
     blocks: Vec<Entries>,

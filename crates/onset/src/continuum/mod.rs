@@ -1,8 +1,8 @@
 //! Stability of the continuum: the acoustic tensor and strong ellipticity.
 //!
 //! A homogeneous state is strongly elliptic if every acoustic tensor `Q_ik(N) = A_iJkL N_J N_L` is positive definite (equation (28)). In one and two
-//! dimensions the smallest eigenvalue over *all* directions is computed algebraically. In three dimensions it is searched for, and a lower bound
-//! gives the certainty of the result. The sign of that eigenvalue, if it exceeds rounding, is its [`Ellipticity`].
+//! dimensions the smallest eigenvalue over *all* directions is computed algebraically. In three dimensions it is found by a search, and a lower bound
+//! shows how far it can be from the minimum. The sign of that eigenvalue, if it exceeds rounding, is its [`Ellipticity`].
 
 mod planar;
 pub(crate) mod spherical;
@@ -21,10 +21,10 @@ use nalgebra::{SMatrix, SVector};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stiffness<const D: usize>(
     [[SMatrix<f64, D, D>; D]; D],
-    /// Largest component as given, which sets the rounding error: terms that cancel in acoustic tensors, for example from a pressure, contribute to
-    /// it.
+    /// Largest component before the separation, which determines the rounding error: terms that cancel in acoustic tensors, for example from a
+    /// pressure, contribute to it.
     f64,
-    /// A part `k m_iJ m_kL` that is larger than all others by far: the stiffness against changes of volume, with `m = cof F`.
+    /// Volumetric part `k m_iJ m_kL` with `m = cof F`, separated if it is much larger than all other parts.
     Option<(f64, SMatrix<f64, D, D>)>,
 );
 
@@ -68,8 +68,8 @@ const STIFF_RATIO: f64 = 1e8;
 /// Reduced stiffness ratio of the volumetric part in that search.
 const REDUCED_STIFFNESS_RATIO: f64 = 1e6;
 
-/// Imaginary parts of acoustic eigenvalues below this fraction of the largest component are rounding, because the error of a double eigenvalue is the
-/// square root of the error of the stiffness.
+/// Largest imaginary part of an acoustic eigenvalue that is a rounding error, as a fraction of the largest component; the error of a double
+/// eigenvalue is the square root of the error of the stiffness.
 const COMPLEX: f64 = 1.2e-7;
 
 /// Sign of the smallest acoustic eigenvalue of a state.
@@ -156,7 +156,7 @@ impl<const D: usize> AcousticMinimum<D> {
         flutter.map_or(self.direction, |flutter| flutter.direction)
     }
 
-    /// Real part of the eigenvalue, set to zero if it is below rounding ([`AcousticMinimum::ellipticity`]). Units of the stiffness.
+    /// Real part of the eigenvalue, or zero if it is below rounding ([`AcousticMinimum::ellipticity`]). Units of the stiffness.
     pub fn significant(&self) -> f64 {
         match self.ellipticity() {
             Ellipticity::Undecided if !self.eigenvalue.re.is_nan() => 0.0,
@@ -206,7 +206,7 @@ impl<const D: usize> Stiffness<D> {
         Self::from_tangent(&response.tangent).with_volume(&response.deformation)
     }
 
-    /// Separates the volumetric part if it exceeds all others by the factor [`STIFF_RATIO`].
+    /// Separates the volumetric part if it exceeds all other parts by the factor [`STIFF_RATIO`].
     fn with_volume(self, f: &DeformationGradient) -> Self {
         if D < 2 {
             return self;
@@ -236,7 +236,7 @@ impl<const D: usize> Stiffness<D> {
         Self(blocks, self.1, None)
     }
 
-    /// Stiffness of a material at a state, computed from the part of its tangent that the dimensions need.
+    /// Stiffness of a material at a state, computed only from the required part of its tangent.
     ///
     /// # Errors
     /// [`MaterialError`] if the tangent over- or underflows.
@@ -310,8 +310,8 @@ impl<const D: usize> Stiffness<D> {
         Self(self.0.each(|row| row.each(symmetric)), self.1, self.2)
     }
 
-    /// Complex acoustic eigenvalue with the largest imaginary part over all directions; `None` if none exceeds rounding, as always with major
-    /// symmetry.
+    /// Complex acoustic eigenvalue with the largest imaginary part over all directions; `None` if none exceeds rounding, which is always the case
+    /// with major symmetry.
     ///
     /// It is computed algebraically in two dimensions. In three dimensions the discriminant is minimized from several directions, so a narrow range
     /// of directions can be missed.
@@ -379,7 +379,7 @@ impl<const D: usize> Stiffness<D> {
         Self(blocks, self.1 / scale, volume)
     }
 
-    /// Like [`Stiffness::minimum`] by a descent from the lowest of many directions, without a bound. Several times faster in two and three
+    /// Like [`Stiffness::minimum`], but by a descent from the lowest of many directions, without a bound. Several times faster in two and three
     /// dimensions, for uses that do not need certainty.
     pub(crate) fn minimum_by_descent(&self) -> AcousticMinimum<D> {
         let scale = self.magnitude();

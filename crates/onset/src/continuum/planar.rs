@@ -219,7 +219,7 @@ pub(super) fn fluttering_direction<const D: usize>(stiffness: &Stiffness<D>) -> 
 const RAYS: usize = 64;
 /// Largest distance of a stationary direction from a start of Newton's method, as a fraction of the distance of two starts.
 const STATIONARY: f64 = 1e-6;
-/// Shortest step that is halved, an angle. Shorter steps fail by rounding.
+/// Shortest step that is halved further, an angle. Shorter steps fail because of rounding.
 const SHORTEST_STEP: f64 = 1e-5;
 /// Largest number of Newton steps to the minimum.
 const NEWTON_STEPS: usize = 16;
@@ -255,10 +255,10 @@ pub(super) fn descended_direction<const D: usize>(stiffness: &Stiffness<D>) -> S
     direction(best.0)
 }
 
-/// Sines and cosines of these angles.
+/// Sines and cosines of the doubled angles that are tried as starts.
 static RAY_TABLE: std::sync::OnceLock<[(f64, f64); RAYS]> = std::sync::OnceLock::new();
 
-/// Newton's method on the eigenvalue `h - sqrt(p)`, while it decreases.
+/// Applies Newton's method to the eigenvalue `h - sqrt(p)` while it decreases.
 fn turned(entries: &[[f64; 3]; 4], start: f64) -> (f64, f64) {
     // An entry `e0 + e1 cos t + e2 sin t` and its derivatives.
     let at = |t: f64| {
@@ -333,8 +333,8 @@ pub(crate) fn direction<const D: usize>(t: f64) -> SVector<f64, D> {
     })
 }
 
-/// Newton's method on the derivative of `h - sqrt(d)`, accepted only while the eigenvalue decreases. It recovers the accuracy lost at (nearly)
-/// multiple zeros.
+/// Applies Newton's method to the derivative of `h - sqrt(d)`; a step is accepted only if the eigenvalue decreases. It recovers the accuracy lost at
+/// (nearly) multiple zeros.
 fn polished(start: f64, h: &TrigonometricPolynomial, d: &TrigonometricPolynomial) -> f64 {
     let (h1, d1) = (h.derivative(), d.derivative());
     let (h2, d2) = (h1.derivative(), d1.derivative());

@@ -17,7 +17,7 @@ pub struct SafeBox {
     pub low_end: BoxEnd,
     /// Limit that keeps `high` from being larger.
     pub high_end: BoxEnd,
-    /// State on the surface of the box that limits it; `None` if only the range does.
+    /// State on the surface of the box that limits it; `None` if only the range limits it.
     pub critical: Option<Critical>,
 }
 
@@ -50,18 +50,18 @@ pub enum BoxEnd {
 const EDGE_POINTS: usize = 11;
 /// States evaluated along a ray.
 const STATES_PER_RAY: usize = 32;
-/// Edge points and states per ray for laws that are not isotropic: all faces are searched, and a state costs more.
+/// Edge points and states per ray for laws that are not isotropic, for which all faces are searched and a state is more expensive.
 const EDGE_POINTS_ANISOTROPIC: usize = 7;
 const STATES_PER_RAY_ANISOTROPIC: usize = 20;
 /// Number of the shortest rays that are improved.
 const IMPROVED_RAYS: usize = 3;
-/// Rays longer than the shortest one by this factor are not followed.
+/// Largest ratio of the length of a ray to the shortest length at which the ray is followed.
 const FOLLOWED_LENGTH_RATIO: f64 = 1.2;
-/// Rays are turned until their step is below this, in units of the box.
+/// Smallest step of the rotation of rays, in units of the box.
 const SMALLEST_TURN: f64 = 1e-11;
 /// Width of the bracket of a loss of ellipticity along a ray, in units of the box.
 const RESOLUTION: f64 = 1e-14;
-/// Rays extend beyond the range by this factor, because a loss between two rays can be nearer than the losses on them.
+/// Length of the rays relative to the range. Rays extend beyond it, because a loss between two rays can be nearer than the losses on them.
 const RAY_END: f64 = 1.25;
 /// Points along an edge of the coarse and the fine grid that check the inside of a box.
 const CHECK_GRIDS: [usize; 2] = [21, 41];
@@ -72,24 +72,25 @@ const SHRINKS: usize = 16;
 const LOWEST: usize = 8;
 /// Largest number of descents from a grid.
 const STARTS: usize = 24;
-/// Descents stop at a local minimum whose value exceeds this many times the largest rise to its neighbors.
+/// Descents stop at a local minimum whose value exceeds this multiple of the largest rise to its neighbors.
 const STOP_RISE_RATIO: f64 = 8.0;
 /// Descents within a box stop at this step, in units of the box.
 const SMALLEST_STEP: f64 = 1e-7;
-/// Number of skews tried for the widest box; the best one is then refined to the angle below.
+/// Number of skews tried for the widest box; the best skew is then refined to the angle below.
 const SKEWS: usize = 17;
 const SKEW_ANGLE_TOLERANCE: f64 = 1e-6;
-/// A stretch within this relative distance of an end of a box counts as lying at the end.
+/// Largest relative distance from an end of a box at which a stretch counts as lying at the end.
 const AT_END: f64 = 1e-7;
 
 /// Returns the largest box `[h^-k, h]^3` of principal stretches within a range in which a law is strongly elliptic.
 ///
-/// The exponent `k = skew` is 1 for a box that is symmetric in the logarithms. The result is `None` if the law is not elliptic in the reference configuration.
+/// The exponent `k = skew` is 1 for a box that is symmetric in the logarithms. The result is `None` if the law is not elliptic in the reference
+/// configuration.
 ///
-/// The principal axes are the coordinate axes, which is not a restriction for an isotropic law ([`is_isotropic`]). The box results from a dense search
-/// with local improvement and is not proved. Rays lead from the reference configuration through grid points on the surface of the box to the first state at which
-/// ellipticity is lost, and the shortest rays are turned until they are locally shortest. The inside of the box is then searched: the measure is
-/// minimized from the low points of two grids, and the box is shrunk where the measure is not positive.
+/// The principal axes are the coordinate axes, which is not a restriction for an isotropic law ([`is_isotropic`]). The box results from a dense
+/// search with local improvement and is not proved. Rays from the reference configuration through grid points on the surface of the box are followed
+/// to the first loss of ellipticity, and the shortest rays are rotated until they are locally shortest. The inside of the box is then searched: the
+/// measure is minimized from the low points of two grids, and the box is shrunk where the measure is not positive.
 ///
 /// ```
 /// use onset::material::BlatzKo;
@@ -371,7 +372,7 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// Turns a ray on its face of the box until it is locally shortest.
+    /// Rotates a ray on its face of the box until it is locally shortest.
     fn improved(
         &self,
         shape: &Shape,
@@ -425,13 +426,13 @@ impl<'a> Field<'a> {
     }
 }
 
-/// Value of a measure, minus infinity if the law is not defined. A value that is zero to rounding is positive: with a stiffness against changes of volume
-/// that is huge at large strain, rounding alone would take the sign of the softest shear.
+/// Value of a measure; minus infinity if the law is not defined. A value that is zero to rounding counts as positive: if the stiffness against
+/// changes of volume is huge at large strain, the sign of the softest shear would be determined by rounding alone.
 fn value_of(measure: Option<Measure>) -> f64 {
     measure.map_or(f64::NEG_INFINITY, |measure| measure.value + measure.zero)
 }
 
-/// Last place along a ray, in units of the box and at most `limit`, before ellipticity is lost.
+/// Last point along a ray, in units of the box and at most `limit`, before ellipticity is lost.
 fn loss(ray: &mut impl FnMut(f64) -> f64, along: usize, limit: f64) -> Option<f64> {
     let mut before = (0.0, f64::INFINITY);
     for n in 1..=along {
@@ -455,7 +456,7 @@ fn loss(ray: &mut impl FnMut(f64) -> f64, along: usize, limit: f64) -> Option<f6
 struct Walk<const N: usize> {
     value: f64,
     place: [f64; N],
-    /// The last two places.
+    /// The last two points.
     before: [[f64; N]; 2],
 }
 
@@ -468,7 +469,7 @@ impl<const N: usize> Walk<N> {
         }
     }
 
-    /// Takes a step down and extrapolates the last two steps while the value is `lower`. A narrow valley is not parallel to any of the trial
+    /// Performs a step down and extrapolates the last two steps while the value is `lower`. A narrow valley is not parallel to any of the trial
     /// directions, only to a combination of two of them.
     fn go(
         &mut self,
@@ -492,7 +493,7 @@ impl<const N: usize> Walk<N> {
     }
 }
 
-/// Place after a step, clamped to the unit cube.
+/// Point after a step, clamped to the unit cube.
 fn moved<const N: usize>(place: &[f64; N], step: [f64; N]) -> [f64; N] {
     array_of(|i| (place[i] + step[i]).clamp(0.0, 1.0))
 }
@@ -502,7 +503,7 @@ fn moved<const N: usize>(place: &[f64; N], step: [f64; N]) -> [f64; N] {
 struct Point {
     /// Index of the stretch that is at an end.
     axis: usize,
-    /// Whether that stretch is at the upper end.
+    /// Whether this stretch is at the upper end.
     upper: bool,
     /// Positions of the two other stretches between the lower end (0) and the upper end (1).
     within: [f64; 2],
@@ -538,7 +539,7 @@ impl Shape {
         points
     }
 
-    /// Logarithmic stretches at a place of the unit cube, where 0 is the lower end and 1 the upper end of the scaled box.
+    /// Logarithmic stretches at a point of the unit cube, where 0 is the lower end and 1 the upper end of the scaled box.
     fn inside(&self, place: [f64; 3], part: f64) -> [f64; 3] {
         place.each(|t| part * (t * self.high - (1.0 - t) * self.low))
     }
@@ -592,7 +593,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// Evaluates the grid. For an isotropic law only one of each set of permuted places is evaluated.
+    /// Evaluates the grid. For an isotropic law only one of each set of permuted points is evaluated.
     fn new(count: usize, isotropic: bool, value: impl Fn([f64; 3]) -> f64) -> Self {
         let mut grid = Self {
             count,
@@ -628,7 +629,7 @@ impl Grid {
         indices.each(|index| index as f64 / (self.count - 1) as f64)
     }
 
-    /// Places with a value no higher than their neighbors' values, and the lowest of all places; sorted by value.
+    /// Points with values no higher than the values of their neighbors, and the lowest of all points, sorted by value.
     fn low_points(&self) -> Vec<[f64; 3]> {
         let mut order: Vec<usize> = (0..self.values.len())
             .filter(|n| !self.isotropic || self.indices(*n).is_sorted_by(|a, b| a >= b))

@@ -27,11 +27,12 @@ pub enum Change {
 pub struct Event {
     /// Whether the violation of the criterion begins or ends.
     pub change: Change,
-    /// Stretch `lambda` of the change; 1 if the criterion is violated from the first deformation on.
+    /// Stretch `lambda` of the change; 1 if the criterion is violated from the beginning of the deformation.
     pub stretch: f64,
     /// Half the width of the bracket of `ln lambda`, or the shift that rounding of the measure or of the free stretches can cause, if that is larger.
     pub tolerance: f64,
-    /// Whether the criterion may be lost nearer to the reference configuration: the loss is proved at `stretch`, the criterion is not proved to hold before.
+    /// Whether the criterion may be lost nearer to the reference configuration: the loss is proved at `stretch`, but the criterion is not proved to
+    /// hold before it.
     pub is_upper_bound: bool,
     /// Perturbation on the side where the criterion fails.
     pub witness: Witness,
@@ -78,11 +79,11 @@ impl Track {
 
 /// Width of the bracket of a change, in `ln lambda`.
 const RESOLUTION: f64 = 1e-14;
-/// Changes within this distance of the reference configuration, in `ln lambda`, count as changes at this configuration.
+/// Largest distance from the reference configuration, in `ln lambda`, of changes that count as changes at this configuration.
 const AT_REFERENCE: f64 = 1e-9;
 /// Finite-difference step of the slope of a measure, in `ln lambda`.
 const SLOPE_STEP: f64 = 1e-5;
-/// Distance behind a kink, in `ln lambda`, at which the law behind it is judged.
+/// Distance beyond a kink, in `ln lambda`, at which the law beyond the kink is evaluated.
 const BEHIND_KINK: f64 = 1e-10;
 /// Tolerance of a local minimum, relative to the interval.
 const DIP: f64 = 2e-11;
@@ -195,7 +196,7 @@ pub fn follow(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Op
     })
 }
 
-/// Adds the concave kinks of the energy at which a criterion of increments fails and holds on both sides: the stress drops there.
+/// Adds the concave kinks of the energy at which a criterion on increments fails although it holds on both sides, because the stress drops there.
 fn lose_at_concave_kinks(
     path: &LoadingPath<'_>,
     criterion: Criterion,
@@ -229,7 +230,7 @@ fn lose_at_concave_kinks(
             .map(|_| event(false, low, high, witness));
         events.extend(lost.into_iter().chain(regained));
     }
-    // The order of events at one place is kept.
+    // The order of events at the same position is kept.
     sort_by_value(events, |event| event.place().abs());
 }
 
@@ -280,12 +281,12 @@ fn event(lost: bool, before: f64, behind: f64, witness: Witness) -> Event {
 
 /// Number of states of a path between two searches for finite jumps.
 const STRIDE: usize = 8;
-/// Additional searches for finite jumps, at these fractions of the way before the loss of ellipticity.
+/// Fractions of the way to the loss of ellipticity at which finite jumps are also searched for.
 const BEFORE_LOSS: [f64; 4] = [0.02, 5e-3, 1e-3, 1e-5];
-/// Additional searches before a drop of the stress, in units of the distance at which the gain of a jump across it vanishes for a law that is linear on
-/// both sides. Halfway such a jump usually gains.
+/// Additional searches before a drop of the stress, in units of the distance at which the energy gain of a jump across it vanishes for a law that is
+/// linear on both sides. Halfway to the drop such a jump usually lowers the energy.
 const BEFORE_DROP: [f64; 3] = [0.9, 0.5, 0.1];
-/// Amplitudes at which descents across a drop of the stress start, relative to the best one where the gain vanishes.
+/// Amplitudes at which descents across a drop of the stress start, relative to the best amplitude at the distance at which the gain vanishes.
 const ACROSS_DROP: [f64; 3] = [1.0, 0.5, 0.2];
 /// Largest number of changes to another family of jumps once no jump of the current family lowers the energy.
 const FAMILIES: usize = 6;
@@ -294,15 +295,15 @@ const OUTWARD: i32 = 22;
 
 /// Follows rank-one convexity along one side of a path. The limit found is an upper bound ([`Event::is_upper_bound`]).
 ///
-/// Finite jumps are searched for at every eighth state up to the `elliptic` limit, where infinitesimal jumps lower the energy, closely before that limit,
-/// and on both sides of jumps and kinks of the law ([`kinks`](super::kinks())). Where the stress drops with the stretch, jumps across the drop lower
-/// the energy before it; the search begins with jumps that are best for a law that is linear on both sides of the drop. Behind a step up of the energy,
-/// jumps back lower the energy. The first jump found is followed back to its break-even point, where the search is repeated for other families. Nothing is
-/// searched beyond the limit.
+/// Finite jumps are searched for at every eighth state up to the `elliptic` limit, where infinitesimal jumps lower the energy, closely before that
+/// limit, and on both sides of jumps and kinks of the law ([`kinks`](super::kinks())). Before a drop of the stress along the loading, jumps across
+/// the drop lower the energy; the search begins with the best jumps for a law that is linear on both sides of the drop. Beyond an upward step of the
+/// energy, backward jumps lower the energy. The first jump found is followed back to its break-even point, where the search is repeated for other
+/// families. No search takes place beyond the limit.
 ///
 /// Other jumps may lower the energy nearer to the reference configuration, so the limit is an upper bound of the distance up to which the law is
-/// rank-one convex. Its tolerance refers to the jump reported. Interval arithmetic proves that this jump lowers the energy at the limit if the law provides enclosures
-/// ([`JumpSearch::proves`]). If the best jump leads to the edge of the reach, its largest stretch, the limit depends on the reach.
+/// rank-one convex. Its tolerance refers to the reported jump. Interval arithmetic proves that this jump lowers the energy at the limit if the law
+/// provides enclosures ([`JumpSearch::proves`]). If the best jump reaches the largest admitted stretch, the limit depends on this stretch.
 pub fn follow_jumps(path: &LoadingPath<'_>, elliptic: &Track, reach: f64, tension: bool) -> Track {
     let mut search = JumpSearch::new(path.material(), reach);
     if path.is_incompressible() {
@@ -367,10 +368,11 @@ struct Jumps<'p, 'a> {
     drops: Vec<Drop>,
 }
 
-/// Drop of the stress at a concave kink, with the jump across it that gains most where the law is linear on both sides.
+/// Drop of the stress at a concave kink, with the jump across it that lowers the energy most if the law is linear on both sides.
 ///
-/// At a distance `d` before the drop the jump `a (x) N` gains `-[P] : (a (x) N) - a . Q(N) a / 2 - c d`, where `c d` is the work of the drop over the
-/// distance. The best amplitude is `a = -Q(N)^-1 [P] N`, and the gain vanishes at the distance at which `c d` equals half of `-[P] : (a (x) N)`.
+/// At a distance `d` before the drop the jump `a (x) N` lowers the energy by `-[P] : (a (x) N) - a . Q(N) a / 2 - c d`, where `c d` is the work of
+/// the drop over the distance. The best amplitude is `a = -Q(N)^-1 [P] N`, and the gain vanishes at the distance at which `c d` equals half of `-[P]
+/// : (a (x) N)`.
 struct Drop {
     /// Parameter of the kink.
     place: f64,
@@ -467,7 +469,8 @@ impl Jumps<'_, '_> {
         found.filter(Jump::gains)
     }
 
-    /// Follows a jump that lowers the energy back to the state at which it no longer does. The `places` lie nearer to the reference configuration.
+    /// Follows a jump that lowers the energy back to the state at which it no longer lowers the energy. The states at `places` are nearer to the
+    /// reference configuration.
     fn break_even(&self, places: &[f64], (mut behind, mut jump): (f64, Jump)) -> Track {
         let mut before = 0.0;
         for _ in 0..FAMILIES {

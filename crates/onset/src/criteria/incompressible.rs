@@ -67,8 +67,8 @@ impl Loading {
     }
 }
 
-/// Larger ratios of bulk to shear modulus count as infinite. Results differ by no more than the inverse ratio, while rounding of the volume change
-/// costs the pressure of a compressible law more digits.
+/// Smallest ratio of bulk to shear modulus that counts as infinite. Results differ by no more than the inverse ratio, while rounding of the volume
+/// change would cost the pressure of a compressible law more digits.
 const STIFF: f64 = 1e8;
 
 /// Bulk modulus of a law in the reference configuration, if it counts as infinite.
@@ -87,7 +87,7 @@ pub(super) fn bulk_modulus_above(material: &dyn Hyperelastic, ratio: f64) -> Opt
     (shear > ACOUSTIC_ROUNDING * bulk && bulk > ratio * shear).then_some(bulk)
 }
 
-/// Adds the volume change that carries the pressure of a law with a finite bulk modulus, relative to the stress `other` of the same shape.
+/// Adds the volume change that corresponds to the pressure of a law with a finite bulk modulus, relative to the stress `other` of the same shape.
 pub(super) fn swollen(
     material: &dyn Hyperelastic,
     response: Response,
@@ -147,7 +147,7 @@ pub(super) fn pressurized(response: Response, free_face: usize) -> Response {
     }
 }
 
-/// Orthonormal basis of the tensors in a span that are orthogonal to `normal`, one fewer than `tensors`.
+/// Orthonormal basis of the tensors in a span that are orthogonal to `normal`; it has one tensor fewer than `tensors`.
 pub(super) fn orthogonal_to(tensors: &[Matrix3<f64>], normal: &Matrix3<f64>) -> Vec<Matrix3<f64>> {
     let mut mirror: Vec<f64> = tensors.iter().map(|tensor| tensor.dot(normal)).collect();
     let length = mirror.iter().map(|x| x * x).sum::<f64>().sqrt();

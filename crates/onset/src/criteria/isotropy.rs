@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 /// Largest difference, relative to their magnitude, of stresses that count as equal after a rotation of the reference configuration.
 const TOLERANCE: f64 = 1e-9;
 
-/// Relative rounding of a deformation gradient that is multiplied by a rotation, and of the invariants computed from it.
+/// Relative rounding error of a deformation gradient that is multiplied by a rotation, and of the invariants computed from it.
 const ROTATION_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Returns true if a law is isotropic: `P(F Q) = P(F) Q` to rounding.
@@ -104,8 +104,8 @@ fn respond(material: &dyn Hyperelastic, f: &Matrix3<f64>) -> Result<Response, Ma
     material.response(&DeformationGradient::from_components(components))
 }
 
-/// Smallest ratio of bulk to shear modulus of a nearly incompressible law: its stress may vary too much with the volume for a comparison of work and
-/// energy.
+/// Smallest ratio of bulk to shear modulus of a nearly incompressible law, whose stress may vary too much with the volume for a comparison of work
+/// and energy.
 const STIFF: f64 = 30.0;
 
 /// Relative tolerance for the symmetry of a tangent. Tangents of laws that are integrated in time, or of user subroutines, are less accurate than
@@ -186,7 +186,7 @@ impl PrincipalTangent {
         (value((i, j)), witness)
     }
 
-    /// Smallest value of the form that decides strong ellipticity, with its wave.
+    /// Smallest value of the strong ellipticity form, with its wave.
     ///
     /// With `x_i = g_i N_i` the form is `sum W_ij x_i x_j + sum_{i != j} (A_ijij g_i^2 N_j^2 + A_ijji x_i x_j)`, and
     /// `g_i^2 N_j^2 + g_j^2 N_i^2 >= 2 |x_i x_j|` holds with equality for `|g_i| = |N_i|`. The form is therefore positive for all waves if and only
@@ -217,11 +217,11 @@ impl PrincipalTangent {
         lowest
     }
 
-    /// Smallest value of this form over volume-preserving waves, with its wave.
+    /// Smallest value of the strong ellipticity form over volume-preserving waves, with its wave.
     ///
-    /// These waves satisfy `g . F^-T N = sum x_i / lambda_i = 0`. Shears with `g` and `N` along different axes do. For the other waves the splitting
-    /// of [`PrincipalTangent::softest_wave`] leaves the signs for which the sum can vanish. On the simplex this is a segment, where the form is a
-    /// quadratic function of one variable. These are the conditions of Zee and Sternberg, Arch. Ration. Mech. Anal. 83 (1983) 53.
+    /// These waves satisfy `g . F^-T N = sum x_i / lambda_i = 0`. Shears with `g` and `N` along different axes satisfy it. For the other waves the
+    /// splitting of [`PrincipalTangent::softest_wave`] leaves the signs for which the sum can vanish. On the simplex this is a segment, where the
+    /// form is a quadratic function of one variable. These are the conditions of Zee and Sternberg, Arch. Ration. Mech. Anal. 83 (1983) 53.
     pub(super) fn softest_isochoric_wave(&self, stretches: &Vector3<f64>) -> (f64, Witness) {
         let mut lowest = self.softest_shear();
         for odd in 0..3 {
@@ -235,7 +235,8 @@ impl PrincipalTangent {
         lowest
     }
 
-    /// Smallest value of this form over volume-preserving waves in the plane of the two principal axes other than the third coordinate axis.
+    /// Smallest value of the strong ellipticity form over volume-preserving waves in the plane of the two principal axes other than the third
+    /// coordinate axis.
     pub(super) fn softest_isochoric_wave_in_plane(
         &self,
         stretches: &Vector3<f64>,
@@ -296,7 +297,7 @@ impl PrincipalTangent {
     }
 
     /// Smallest measure of [`Criterion::Surface`](super::Criterion::Surface) over waves along principal axes at faces normal to the coordinate axes
-    /// `faces`. Faces whose normal is not a principal axis do not count; `None` if no face remains.
+    /// `faces`. Faces whose normal is not a principal axis are ignored; `None` if no face remains.
     pub(super) fn softest_surface_wave(
         &self,
         stretches: &Vector3<f64>,

@@ -19,14 +19,14 @@ pub struct Jump {
     pub excess: f64,
     /// Rounding error of the excess.
     pub rounding: f64,
-    /// Whether the jump leads to the largest stretch of the reach, so that a larger reach would permit a lower excess.
+    /// Whether the jump reaches the largest admitted stretch, so that a larger limit would permit a lower excess.
     pub at_edge: bool,
     /// Whether the jump leads to nearly zero volume. The law has a finite energy there, and the lowest jump of its valley is a limit.
     pub collapses: bool,
 }
 
 impl Jump {
-    /// Returns true if the jump lowers the energy beyond rounding.
+    /// Returns true if the jump lowers the energy by more than rounding.
     pub fn gains(&self) -> bool {
         self.excess < -self.rounding
     }
@@ -46,13 +46,13 @@ impl Jump {
 /// Search for finite jumps that lower the energy, which disproves rank-one convexity.
 ///
 /// The normals and polarizations of the starts lie along the thirteen axes of a cube in the principal frame. Their amplitudes are multiples of the
-/// stretch along the polarization, with both signs. The lowest start of each pair of axes is followed downhill (quasi-Newton, `BFGS`) in amplitude
-/// and normal together.
+/// stretch along the polarization, with both signs. A quasi-Newton descent (`BFGS`) in amplitude and normal together follows the lowest start of each
+/// pair of axes.
 ///
-/// Jumps lead only to states with principal stretches up to the reach, since many laws lack growth at enormous strains. A descent that meets the
-/// reach continues along it, among jumps whose largest stretch equals the reach. Such jumps along the same axes are starts too, because the lowest of
-/// them are oblique. In compression jumps are bounded only by the energy, since `J` cannot fall below zero, where laws without growth toward `J = 0`
-/// have their lowest jumps. For nearly incompressible laws volume-preserving jumps are searched for too, and followed downhill among all jumps.
+/// Jumps lead only to states with principal stretches up to the reach, since many laws lack growth at enormous strains. A descent that meets this
+/// limit continues along it, among jumps whose largest stretch equals the reach. Such jumps along the same axes are also starts, because the lowest
+/// of them are oblique. In compression jumps are limited only by the energy, since `J` cannot fall below zero, where laws without growth toward `J =
+/// 0` have their lowest jumps. For nearly incompressible laws volume-preserving jumps are also searched for, and followed downhill among all jumps.
 ///
 /// A jump that lowers the energy disproves rank-one convexity, to rounding or, if [`JumpSearch::proves`] returns true, in exact arithmetic. A search
 /// without result proves nothing.
@@ -75,15 +75,15 @@ pub struct JumpSearch<'a> {
     reach: f64,
     incompressible: bool,
     isotropic: bool,
-    /// Whether volume-preserving jumps are searched for where a descent in all variables finds no gain.
+    /// Whether volume-preserving jumps are searched for if a descent in all variables finds no jump that lowers the energy.
     is_stiff: bool,
 }
 
-/// Smallest ratio of bulk to shear modulus of a nearly incompressible law: the valleys of its energy may be too narrow for a descent in all variables, and
-/// volume-preserving jumps are searched for too.
+/// Smallest ratio of bulk to shear modulus of a nearly incompressible law. The valleys of its energy may be too narrow for a descent in all
+/// variables, and volume-preserving jumps are also searched for.
 const STIFF: f64 = 3e3;
 
-/// Smaller amplitudes, relative to the stretch, count as infinitesimal: their excess equals the excess of a wave.
+/// Largest amplitude of an infinitesimal jump, relative to the stretch: the excess of the jump equals the excess of a wave.
 const INFINITESIMAL_AMPLITUDE: f64 = 1e-3;
 /// Number of halvings of the longest trial jump.
 const HALVINGS: i32 = 22;
@@ -97,13 +97,13 @@ const AXES_ROTATION: [f64; 3] = [0.11, -0.17, 0.13];
 const DESCENT_ITERATIONS: usize = 80;
 /// Smallest relative decrease of a positive excess for which a descent continues.
 const DESCENT_DECREASE: f64 = 1e-4;
-/// Largest number of times that a descent continues along the reach and leaves it.
+/// Largest number of times that a descent meets the reach, continues along it and leaves it.
 const ROUNDS: usize = 3;
 /// Fraction of a jump to the reach at which a shorter jump is tried.
 const INWARD_FRACTION: f64 = 0.99;
 /// Smallest ratio of the volumes after and before a jump.
 const SMALLEST_VOLUME_RATIO: f64 = 1e-7;
-/// Smaller ratios of the volumes after and before a jump count as collapse.
+/// Largest ratio of the volumes after and before a jump that counts as collapse.
 const COLLAPSE_VOLUME_RATIO: f64 = 1e-3;
 /// Axes of a cube: normals of its faces, its edges and its corners.
 pub(super) const AXES: [[f64; 3]; 13] = [
@@ -148,7 +148,7 @@ impl<'a> JumpSearch<'a> {
         })
     }
 
-    /// Declares the law isotropic: only one of several jumps that are mirror images in the principal axes is tried.
+    /// Declares the law isotropic: of several jumps that are mirror images in the principal axes only one is tried.
     pub fn isotropic(mut self) -> Self {
         self.isotropic = true;
         self
@@ -209,7 +209,7 @@ impl<'a> JumpSearch<'a> {
         self.or_preserving_volume(state, own, |search| search.lowest_beside(state, wave))
     }
 
-    /// Searches among volume-preserving jumps too, if the law is nearly incompressible and a given jump gains nothing.
+    /// Extends the search to volume-preserving jumps if the law is nearly incompressible and the given jump does not lower the energy.
     fn or_preserving_volume(
         &self,
         state: &Response,
@@ -278,7 +278,7 @@ impl<'a> JumpSearch<'a> {
         self.pairs().into_iter().filter_map(lowest).collect()
     }
 
-    /// Returns starts that lead to the reach: for every normal of [`JumpSearch::starts`] the lowest few polarizations. All axes are turned slightly,
+    /// Returns starts that lead to the reach: for every normal of [`JumpSearch::starts`] the lowest few polarizations. All axes are rotated slightly,
     /// since the excess is stationary along axes of symmetry.
     fn starts_at_edge(&self, state: &Response) -> Vec<Vector6<f64>> {
         let (left, right) = principal_axes(&state.deformation);
@@ -383,9 +383,9 @@ impl<'a> JumpSearch<'a> {
             .then_some((excess, stress - state.first_piola))
     }
 
-    /// Amplitude of a jump, computed from its free vector so that the volume after the jump is positive, or unchanged for incompressible response.
+    /// Amplitude of a jump, computed from its free vector such that the volume after the jump is positive, or unchanged for incompressible response.
     ///
-    /// The jump `b (x) N` changes `J` to `J x`, `x = 1 + b . cof F N / J`, and is changed along `cof F N` so that the volume is `J` times
+    /// The jump `b (x) N` changes `J` to `J x`, `x = 1 + b . cof F N / J`. It is modified along `cof F N` such that the volume is `J` times
     /// [`volume_after`] of `x`, or 1.
     fn admitted(&self, state: &Response, b: Vector3<f64>, n: &Vector3<f64>) -> Vector3<f64> {
         let normal = cofactor(&state.deformation.matrix()) * n;
@@ -610,7 +610,7 @@ fn parts(variables: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
     )
 }
 
-/// Minimizes a function by a quasi-Newton method (`BFGS`). Returns `None` if the function is not defined at the start or as soon as `is_over` holds.
+/// Minimizes a function by a quasi-Newton method (`BFGS`). Returns `None` if the function is not defined at the start, or as soon as `is_over` holds.
 fn downhill(
     start: Vector6<f64>,
     function: impl Fn(&Vector6<f64>) -> Option<(f64, Vector6<f64>)>,
@@ -685,12 +685,12 @@ fn shorter(
     None
 }
 
-/// Stretch `|F^T g|` along `g`: a principal stretch if `g` is a principal axis.
+/// Stretch `|F^T g|` along `g`, which is a principal stretch if `g` is a principal axis.
 fn stretch_along(f: Matrix3<f64>, g: &Vector3<f64>) -> f64 {
     (f.transpose() * g).norm()
 }
 
-/// Ratio of the volumes after and before a jump, as a function of a free number, with its derivative: the number itself from 1/2 on, below it an
+/// Ratio of the volumes after and before a jump, as a function of a free number, with its derivative: the number itself above 1/2, and below 1/2 an
 /// exponential that tends to [`SMALLEST_VOLUME_RATIO`].
 fn volume_after(x: f64) -> (f64, f64) {
     if x >= 0.5 {
@@ -711,7 +711,7 @@ fn free_volume(volume: f64) -> f64 {
     0.5 + span * part.ln()
 }
 
-/// Largest eigenvalue of `F^T F`: a root of its characteristic polynomial in trigonometric form.
+/// Largest eigenvalue of `F^T F`, a root of its characteristic polynomial in trigonometric form.
 fn largest_square(f: &Matrix3<f64>) -> f64 {
     let c = f.transpose() * f;
     let mean = c.trace() / 3.0;

@@ -1,4 +1,4 @@
-//! Places along a loading where a law is not smooth: steps of the energy, jumps and kinks of the stress.
+//! Stretches along a loading at which a law is not smooth: steps of the energy, jumps and kinks of the stress.
 
 use super::{LoadingPath, PathEnd, PathState};
 use crate::algebra::{Each, sort_by_value};
@@ -57,8 +57,8 @@ impl Kink {
 
 /// Smallest reported jumps of energy, stress and tangent, relative to the tangent.
 const REPORTED_JUMPS: [f64; 3] = [1e-9, 1e-7, 1e-6];
-/// Smoothness test for short intervals: for a smooth quantity the deviation from linearity on half an interval is less than this fraction of that on
-/// the whole.
+/// Smoothness test for short intervals: for a smooth quantity the deviation from linearity on half an interval is less than this fraction of the
+/// deviation on the whole interval.
 const SMOOTH_BEND_RATIO: f64 = 0.6;
 /// Smoothness test for short intervals that end in a fold, where a smooth quantity varies as the root of the distance, so that the deviation falls to 0.71 of
 /// itself only.
@@ -70,7 +70,7 @@ const WIDTH: f64 = 1e-12;
 /// Step beyond the end of a path, in `ln lambda`.
 const STEP_BEYOND_END: f64 = 1e-6;
 
-/// Returns the places along a loading where a law is not smooth, nearest to the reference configuration first.
+/// Returns the kinks along a loading, at which a law is not smooth, nearest to the reference configuration first.
 ///
 /// Energy, stress `P` and tangent `dP/dF` are examined. Intervals with locally largest third differences are bisected: the half with the larger
 /// deviation from linearity is kept. For a smooth quantity this deviation falls to a quarter with each bisection, while it remains constant at a
@@ -227,7 +227,7 @@ fn once(state: impl Fn(f64) -> Option<PathState>) -> impl FnMut(f64) -> Option<P
     }
 }
 
-/// Distance of a quantity at an intermediate state from the linear interpolation between its neighbors.
+/// Difference between a quantity at an intermediate state and the linear interpolation between its neighbors.
 fn bend(ends: &[PathState; 2], middle: &PathState, order: usize) -> f64 {
     let [low, high] = ends.each_ref().map(|end| end.parameter);
     let part = (middle.parameter - low) / (high - low);

@@ -58,8 +58,8 @@ pub enum Lateral {
 /// | `simple-shear` | | `(1, 1, 1)` | `(1, 1, *)` | `(1, *, *)` |
 /// | `hydrostatic` | `(l, l, l)` | | | |
 ///
-/// Stars are solved for: the diagonal components of `F` for which the normal tractions `P_22`, `P_33` vanish. Off-diagonal components stay zero, so
-/// for laws with fibers that are not along the axes the faces carry shear.
+/// Stars mark components that are solved for: the diagonal components of `F` for which the normal tractions `P_22`, `P_33` vanish. Off-diagonal
+/// components remain zero, so for laws with fibers that are not along the axes the faces carry shear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Loading {
     /// Mode of loading: which stretch is imposed.
@@ -227,14 +227,15 @@ impl Loading {
         self.free().contains(&axis)
     }
 
-    /// Free directions that are left to be solved for: a sheet in plane stress computes its third stretch itself.
+    /// Free directions that remain to be solved for; the law of a sheet in plane stress computes the third stretch itself.
     fn free_of(self, material: &dyn Hyperelastic) -> &'static [usize] {
         let free = self.free();
         let own = free.partition_point(|axis| *axis < material.dimension());
         &free[..own]
     }
 
-    /// Returns true if the states depend on stretches that are solved for; of incompressible response only a sheared cell with two free faces does.
+    /// Returns true if the states depend on stretches that are solved for. For incompressible response this is only the case for a sheared cell with
+    /// two free faces.
     fn solves_for_states(self, material: &dyn Hyperelastic, volume: Volume) -> bool {
         match volume {
             Volume::Changes => !self.free_of(material).is_empty(),
@@ -333,11 +334,12 @@ pub struct PathState {
     pub parameter: f64,
     /// Energy, stress and tangent, with the deformation gradient.
     pub response: Response,
-    /// Rate `dF` along the loading toward larger `s`, free directions included, by the arc length of `s` and the logarithms of the free stretches.
+    /// Rate `dF` along the loading toward larger `s`, including free directions, with respect to the arc length in `s` and the logarithms of the free
+    /// stretches.
     pub rate: Matrix3<f64>,
     /// Logarithms of the free stretches, in the order of the axes.
     lateral: Vector2<f64>,
-    /// Unit tangent of the branch, away from the reference configuration, in the space of the logarithms of the free stretches and `s`.
+    /// Unit tangent of the branch, pointing away from the reference configuration, in the space of the logarithms of the free stretches and `s`.
     tangent: Vector3<f64>,
     /// Derivatives of the tractions, if they cost more than a response: neighboring states are then solved for with them.
     slopes: Option<Slopes>,
@@ -354,7 +356,8 @@ impl PathState {
         self.tangent.z.abs()
     }
 
-    /// Returns true if the chord to another state lies along the branch at both ends: no other branch and no fold between them.
+    /// Returns true if the chord to another state is nearly parallel to the branch at both ends, so that neither another branch nor a fold lies
+    /// between them.
     fn leads_to(&self, other: &Self) -> bool {
         let chord = other.place() - self.place();
         let along = |tangent: &Vector3<f64>| chord.dot(tangent) >= ALONG * chord.norm();
@@ -374,7 +377,7 @@ pub enum PathEnd {
         /// Error of the law beyond the stretch.
         source: MaterialError,
     },
-    /// The branch of states with free faces that starts at the reference configuration turns back at a limit point: the tangent of the free faces is singular
+    /// The branch of states with free faces that starts at the reference configuration has a limit point: the tangent of the free faces is singular
     /// there, and no equilibrium exists nearby beyond it.
     Fold {
         /// Stretch of the limit point, which is the last state.
@@ -420,28 +423,28 @@ pub struct LoadingPath<'a> {
     pub tension_end: PathEnd,
     /// Reason why the path ends in compression.
     pub compression_end: PathEnd,
-    /// Places where the law is not smooth, computed on first use.
+    /// Kinks of the law along the loading, computed on first use.
     pub(super) kinks: OnceLock<Vec<Kink>>,
 }
 
 /// Number of steps from the reference configuration to an end of the range.
 const PATH_STEPS: usize = 192;
-/// Number of trial steps along one side of a path before it is abandoned. A law with very large powers of its stretches permits only the shortest
+/// Number of trial steps along one side of a path before it is abandoned. A law with very large powers of its stretches permits only very short
 /// steps.
 const TRIALS: usize = 16 * PATH_STEPS;
-/// Number of halvings of a step before the path counts as ended.
+/// Number of halvings of a step after which the path counts as ended.
 const HALVINGS: i32 = 44;
 /// Cosine of the largest angle between the branch at a state and the chord to the next state.
 const ALONG: f64 = 0.9;
-/// Shorter steps may turn by any angle, as at a kink of the stress.
+/// Step length; in shorter steps the branch may turn by any angle, as at a kink of the stress.
 const KINKED: f64 = 1e-7;
 /// Longest step along a branch that does not reach the next parameter of the path.
 const LONGEST: f64 = 0.05;
-/// Distance from a fold, in `ln lambda`, where rounding moves the free stretches by an equal distance.
+/// Distance from a fold, in `ln lambda`, within which the rounding error of the free stretches equals the distance.
 const AT_FOLD: f64 = 1e-13;
 /// Distance, in `ln lambda`, from the end of the domain of a law within which no states are kept.
 const BEFORE_END: f64 = 1e-6;
-/// Distance before a jump of the law at which a state is computed instead of at the jump, in steps of the path.
+/// Distance before a jump of the law at which a state is computed, since none can be computed at the jump itself; in steps of the path.
 const BESIDE_JUMP: f64 = 1e-9;
 /// Largest number of Newton iterations for the free stretches.
 const ITERATIONS: usize = 40;
@@ -502,9 +505,9 @@ impl<'a> LoadingPath<'a> {
         Self::with(material, isotropic, loading, range, volume)
     }
 
-    /// Follows a loading of the incompressible response of an isotropic law: `J = 1`, and the pressure makes the free face traction-free.
+    /// Follows a loading of the incompressible response of an isotropic law: `J = 1`, with the pressure for which the free face is traction-free.
     ///
-    /// The volumetric part of the law does not count. The loading must be one of [`Loading::INCOMPRESSIBLE`].
+    /// The volumetric part of the law has no effect. The loading must be one of [`Loading::INCOMPRESSIBLE`].
     ///
     /// ```
     /// use onset::criteria::{Criterion, Loading, LoadingPath, Range, follow};
@@ -699,7 +702,7 @@ impl<'a> LoadingPath<'a> {
         self.at(s).map(|state| self.ask(&state))
     }
 
-    /// State of this path in the form in which criteria are evaluated.
+    /// Evaluates the state of this path at `s` in the form in which criteria are evaluated.
     pub fn ask(&self, state: &PathState) -> State {
         let asked =
             State::of_response(state.response.clone(), self.isotropic).with_rate(state.rate);
@@ -715,7 +718,7 @@ impl<'a> LoadingPath<'a> {
 
     /// Deformation gradients of other states with free faces at a parameter.
     ///
-    /// They are searched for from a grid of free stretches, so an empty result is not a proof of uniqueness.
+    /// They are found by a search from a grid of free stretches, so an empty result is not a proof of uniqueness.
     pub fn other_states(&self, s: f64) -> Vec<DeformationGradient> {
         if self.is_incompressible() {
             return Vec::new();
@@ -822,7 +825,7 @@ impl DeformationPath for LoadingSection<'_, '_> {
 
 /// Follows the branch from the reference configuration to `end`. Returns its states and the reason why it ends.
 ///
-/// A step leads to the next parameter of the path. Where the branch bends away from its tangent, shorter steps are taken along the tangent. They
+/// A step leads to the next parameter of the path. Where the branch curves away from its tangent, shorter steps are taken along the tangent. They
 /// reach a fold and detect that the branch turns back there.
 fn branch(
     material: &dyn Hyperelastic,
@@ -1293,7 +1296,7 @@ const LEADS_ON: f64 = 0.3;
 /// Finite-difference step in logarithmic stretch. Rounding of the stress and curvature of a flow stress are both less than 1e-3 of the difference,
 /// which Newton's method and the guess of the next state tolerate.
 const DIFFERENCE: f64 = 1e-6;
-/// Tractions below this fraction of the terms that cancel in them are rounding.
+/// Largest traction that is a rounding error, as a fraction of the terms that cancel in it.
 const BALANCED: f64 = 1e-12;
 
 impl Linear {

@@ -3,7 +3,8 @@
 //! "Stable" has many meanings. A wave, a dead load, a testing machine and a program that fits laws to tests impose different conditions, and a law
 //! can satisfy one and violate another at the same state. A [`Criterion`] names the condition. Its [`Measure`] at a [`State`] is positive where the
 //! condition holds, and includes the perturbation that minimizes it. A [`Loading`] leads to states, with traction-free faces solved for, and
-//! [`follow`] finds where along it a criterion is violated. [`safe_box`] is the largest box of principal stretches in which a law is strongly elliptic.
+//! [`follow`] finds where along it a criterion is violated. [`safe_box`] is the largest box of principal stretches in which a law is strongly
+//! elliptic.
 //!
 //! With `P = dW/dF`, `A = dP/dF`, Kirchhoff stress `tau = P F^T`, the polar decomposition `F = R U`, and principal stretches `lambda_i`:
 //!
@@ -74,10 +75,10 @@ pub enum Criterion {
     /// Source: Hadamard, Leçons sur la propagation des ondes (1903). Truesdell and Noll, The non-linear field theories of mechanics (1965), section
     /// 44. When it is lost, a wave speed vanishes, and shear bands and other bands of arbitrary thickness can form.
     ///
-    /// For isotropic laws the decision is exact. In principal axes, with `W_ij` the second derivatives of the energy with respect to the stretches, the form is
-    /// nonnegative if and only if the shear stiffnesses `A_ijij` are nonnegative and the matrices with `W_ii` on the diagonal and
-    /// `e_i e_j (W_ij + A_ijji) + A_ijij` off the diagonal are copositive for all signs `e` (Simpson and Spector, Arch. Ration. Mech. Anal. 84 (1983)
-    /// 55). The measure is the smallest value attained in these conditions, a value of the form at unit vectors. For other laws it is the smallest
+    /// For isotropic laws the decision is exact. In principal axes, with `W_ij` the second derivatives of the energy with respect to the stretches,
+    /// the form is nonnegative if and only if the shear stiffnesses `A_ijij` are nonnegative and the matrices with `W_ii` on the diagonal and `e_i
+    /// e_j (W_ij + A_ijji) + A_ijij` off the diagonal are copositive for all signs `e` (Simpson and Spector, Arch. Ration. Mech. Anal. 84 (1983) 55).
+    /// The measure is the smallest value attained in these conditions, a value of the form at unit vectors. For other laws it is the smallest
     /// eigenvalue of all acoustic tensors. Units of stress.
     StrongEllipticity,
     /// Strong ellipticity restricted to waves in the plane of the first two axes, as in a simulation in plane strain.
@@ -90,8 +91,8 @@ pub enum Criterion {
     /// Source: Ball, Arch. Ration. Mech. Anal. 63 (1977) 337; Morrey (1952). The measure is the smallest
     /// `2 (W(F + a (x) N) - W(F) - P : a (x) N) / |a|^2` found by a [`JumpSearch`]. Units of stress. A negative value is a proof to rounding (or in
     /// interval arithmetic: [`JumpSearch::proves`]). A positive value means that the search found no such jump, so a limit along a loading is an
-    /// upper bound: other jumps may lower the energy nearer to the reference configuration. The limit is never later than the loss of ellipticity, and it is earlier if
-    /// the third derivative of the energy along the critical wave does not vanish.
+    /// upper bound: other jumps may lower the energy nearer to the reference configuration. The limit is never later than the loss of ellipticity,
+    /// and it is earlier if the third derivative of the energy along the critical wave does not vanish.
     RankOneConvexity,
     /// Baker-Ericksen inequalities: the larger principal stress acts along the larger principal stretch,
     /// `(sigma_i - sigma_j)(lambda_i - lambda_j) > 0`.
@@ -122,17 +123,18 @@ pub enum Criterion {
     Drucker,
     /// Drucker stability as Abaqus and other fitting codes check it: with principal axes held, `dtau_i dln(lambda_i) > 0`.
     ///
-    /// The matrix `dtau_i / dln(lambda_j)` is positive definite. For incompressible response (`D = 0`) increments satisfy `sum dln(lambda_i) = 0`,
-    /// and the 2 x 2 matrix left after elimination of the third strain counts: no pressure does work on such increments, so neither the pressure nor
-    /// the volumetric part of the law matters. Source: Abaqus Analysis Guide, Hyperelastic behavior of rubberlike materials, "Material stability"
-    /// (checked there for stretches 0.1 to 10). The measure is the smallest eigenvalue for logarithmic strain of unit length. Units of stress.
+    /// The matrix `dtau_i / dln(lambda_j)` is positive definite. For incompressible response (`D = 0`) increments satisfy `sum dln(lambda_i) = 0`.
+    /// The 2 x 2 matrix after elimination of the third strain must then be positive definite. No pressure does work on such increments, so neither
+    /// the pressure nor the volumetric part of the law matters. Source: Abaqus Analysis Guide, Hyperelastic behavior of rubberlike materials,
+    /// "Material stability" (checked there for stretches 0.1 to 10). The measure is the smallest eigenvalue for logarithmic strain of unit length.
+    /// Units of stress.
     DruckerAbaqus,
     /// True stress grows with true strain (TSTS-M++): `sigma° : D > 0` for all rates of deformation `D`, with the Jaumann rate of Cauchy stress.
     ///
-    /// The condition is `(tau° : D - (tau : D) tr D) / J > 0`. For isotropic laws the derivative of the Cauchy stress with respect to the logarithmic strain is
-    /// positive definite. Source: Jog and Patil, Arch. Appl. Mech. 83 (2013) 661; Wollner, Holzapfel and Neff, arXiv 2509.08597 (2025), who show that
-    /// neither this condition nor polyconvexity implies the other. At constant volume it equals Drucker's inequality. The measure is the smallest
-    /// eigenvalue on symmetric `D`. Units of stress.
+    /// The condition is `(tau° : D - (tau : D) tr D) / J > 0`. For isotropic laws the derivative of the Cauchy stress with respect to the logarithmic
+    /// strain is positive definite. Source: Jog and Patil, Arch. Appl. Mech. 83 (2013) 661; Wollner, Holzapfel and Neff, arXiv 2509.08597 (2025), who
+    /// show that neither this condition nor polyconvexity implies the other. At constant volume it equals Drucker's inequality. The measure is the
+    /// smallest eigenvalue on symmetric `D`. Units of stress.
     TrueStressMonotonicity,
     /// Ordered forces: the larger principal force acts along the larger principal stretch, `(T_i - T_j)(lambda_i - lambda_j) > 0`,
     /// `T_i = dW/dlambda_i` (Biot stress).
@@ -162,11 +164,12 @@ pub enum Criterion {
 pub struct Measure {
     /// Smallest value found; units of stress.
     pub value: f64,
-    /// Values above `-neutral` count as held. Nonzero only for criteria that are neutral on whole sets of states.
+    /// Values above `-neutral` count as satisfied. Nonzero only for criteria that are neutral on whole sets of states.
     pub neutral: f64,
-    /// Values up to this are zero to rounding and do not count as positive, as for [`AcousticMinimum::rounding`](crate::continuum::AcousticMinimum).
+    /// Largest value that is zero to rounding and does not count as positive, as for
+    /// [`AcousticMinimum::rounding`](crate::continuum::AcousticMinimum).
     pub zero: f64,
-    /// Along a loading, the sign of values smaller than this in magnitude can be rounding.
+    /// Rounding may determine the sign of a value along a loading if its magnitude is smaller.
     pub rounding: f64,
     /// Perturbation with the smallest value.
     pub witness: Witness,
@@ -226,11 +229,12 @@ pub enum Witness {
         amplitude: [f64; 3],
         /// Unit normal `N` in the reference configuration.
         direction: [f64; 3],
-        /// Whether the jump leads to the largest stretch of the search. The limit then depends on this stretch and is approximate.
+        /// Whether the jump reaches the largest stretch of the search. The limit then depends on this stretch and is approximate.
         at_edge: bool,
         /// Whether the jump leads to nearly zero volume, where the law has a finite energy.
         collapses: bool,
-        /// Whether interval arithmetic proves that the jump lowers the energy. If false, it does to rounding, or the law provides no enclosures.
+        /// Whether interval arithmetic proves that the jump lowers the energy. If false, the jump lowers it to rounding, or the law provides no
+        /// enclosures.
         verified: bool,
     },
 }
@@ -350,8 +354,8 @@ impl Criterion {
 
     /// Returns the measure at a state; `None` if the criterion is not defined there.
     ///
-    /// Baker-Ericksen and ordered forces need an isotropic law, the load maximum needs a state with a loading, and the surface criterion needs
-    /// incompressible response. Rank-one convexity is always `None`, since its search ([`JumpSearch`]) needs the law.
+    /// Baker-Ericksen and ordered forces require an isotropic law, the load maximum requires a state with a loading, and the surface criterion
+    /// requires incompressible response. Rank-one convexity is always `None`, since its search ([`JumpSearch`]) requires the law.
     ///
     /// ```
     /// use onset::kinematics::DeformationGradient;
@@ -387,8 +391,8 @@ impl Criterion {
         }
     }
 
-    /// Returns the perturbation across a concave kink of the energy that violates a criterion of increments; `None` for conditions on the stress alone,
-    /// and if no admitted increment leads across the kink. `jump` is the jump of `P` along a loading through the state.
+    /// Returns the perturbation across a concave kink of the energy that violates a criterion on increments; `None` for conditions on the stress
+    /// alone, and if no admitted increment leads across the kink. `jump` is the jump of `P` along a loading through the state.
     fn across(self, state: &State, jump: &Matrix3<f64>) -> Option<Witness> {
         match self {
             Self::StrongEllipticity | Self::PlaneEllipticity => {
@@ -415,15 +419,15 @@ impl Criterion {
     }
 }
 
-/// Smallest part of a jump of the stress along admitted increments that counts, relative to the jump.
+/// Smallest component of a jump of the stress along admitted increments that is considered, relative to the jump.
 const ACROSS: f64 = 1e-6;
-/// Largest number of steps uphill to the best jump across a drop of the stress.
+/// Largest number of ascent steps to the best jump across a drop of the stress.
 const UPHILL: usize = 60;
 
 /// Rounding error of a form that is zero, relative to the largest component of the tangent.
 const NEUTRAL: f64 = 3e-14;
-/// Rounding error relative to the largest component of the tangent for equal stretches. Between axes of different stretch it grows with their ratio,
-/// because the small stiffness is computed from numbers of the size of the large one.
+/// Rounding error relative to the largest component of the tangent, for equal stretches. Between axes of different stretch it grows with their ratio,
+/// because the small stiffness is computed from numbers of the size of the large stiffness.
 const FORM_ROUNDING: f64 = 1e-13;
 
 /// Largest ratio of the principal stretches that leaves the sign of a measure along a loading reliable: beyond it the tangent in principal axes has
@@ -435,7 +439,7 @@ fn ratio_of_stretches(response: &Response) -> f64 {
     largest / smallest
 }
 
-/// State at which criteria are evaluated: the response of a law, its principal axes, and the loading that led there.
+/// State at which criteria are evaluated: the response of a law, its principal axes, and the loading that led to it.
 #[derive(Clone, Debug)]
 pub struct State {
     response: Response,
@@ -622,8 +626,8 @@ impl State {
         largest_along(&rates, &tau).map(|rate| Witness::StrainRate { rate: rows(&rate) })
     }
 
-    /// Gain, normal `N` and amplitude `a` of the jump `a (x) N` that lowers the energy most where the stress jumps by `jump` and the law is linear on
-    /// both sides: the maximum of `-[P] : (a (x) N) - a . Q(N) a / 2`. `None` if no admitted jump gains.
+    /// Energy gain, normal `N` and amplitude `a` of the jump `a (x) N` that lowers the energy most if the stress jumps by `jump` and the law is
+    /// linear on both sides: the maximum of `-[P] : (a (x) N) - a . Q(N) a / 2`. `None` if no admitted jump lowers the energy.
     fn best_jump_across(
         &self,
         jump: &Matrix3<f64>,

@@ -1,4 +1,4 @@
-//! Known results on polyconvexity. They concern laws, not states.
+//! Known results on polyconvexity, which concern laws and not states.
 
 /// Status of the polyconvexity of a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

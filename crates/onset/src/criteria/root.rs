@@ -2,10 +2,10 @@
 
 use crate::algebra::lowest_between;
 
-/// Brackets a zero of a function between two places with different signs, to neighboring numbers or `resolution`.
+/// Brackets a zero of a function between two arguments with different signs, to neighboring numbers or `resolution`.
 ///
-/// Regula falsi with the Illinois rule is used, and bisection where it converges slowly. Places where the function is `None` are not possible states
-/// and count as the side of `high`.
+/// The Illinois variant of regula falsi is used, with bisection where it converges slowly. Arguments for which the function is `None` are not
+/// admissible states and are assigned to the side of `high`.
 pub(super) fn bracket_zero(
     value: &mut impl FnMut(f64) -> Option<f64>,
     (mut low, mut at_low): (f64, f64),
@@ -26,7 +26,7 @@ pub(super) fn bracket_zero(
         } else if inside {
             secant
         } else {
-            // The secant meets an end of the bracket: step half the resolution away from it, so that the bracket closes.
+            // The secant reaches an end of the bracket: step half the resolution away from it, so that the bracket closes.
             let end = if (secant - low).abs() <= guard {
                 low
             } else {
@@ -55,9 +55,9 @@ pub(super) fn bracket_zero(
     (low, high)
 }
 
-/// Returns a place between two others where a function is not positive: minimizes from a given middle place and value, to `tolerance`.
+/// Returns an argument between two others at which a function is not positive, by minimizing from a given middle argument and value, to `tolerance`.
 ///
-/// The result is `None` if the function is not defined at a place that is evaluated.
+/// The result is `None` if the function is not defined at an argument that is evaluated.
 pub(super) fn dip(
     value: &mut impl FnMut(f64) -> Option<f64>,
     around: [f64; 3],

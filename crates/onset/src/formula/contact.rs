@@ -1,4 +1,4 @@
-//! Smoothness of a formula where the two sides of a branch meet, judged by its form alone.
+//! Smoothness of a formula where the two sides of a branch meet, derived from its form alone.
 
 use super::graph::{Function, Graph, Id, Node};
 
@@ -17,7 +17,7 @@ struct Contact {
 /// Returns true if value and first derivatives of a result certainly agree on both sides of a test where the test is zero.
 ///
 /// If a node that vanishes to order `m` multiplies a node whose sides agree to order `n`, the sides of the product agree to order `m + n`: `<x>^2` is
-/// smooth although `<x>` is not. Smoothness that this rule does not detect counts as missing.
+/// smooth although `<x>` is not. Smoothness that this rule does not detect is assumed to be missing.
 pub(super) fn is_smooth_across(graph: &Graph, needed: &[bool], test: Id, result: Id) -> bool {
     if is_piecewise_constant(graph, test) {
         // The test changes only where another test does.
@@ -95,7 +95,7 @@ fn across(graph: &Graph, contacts: &[Contact], test: Id, id: Id) -> Contact {
     contact
 }
 
-/// Returns true if a node takes discrete values and jumps between them where tests change, like a condition used as a number.
+/// Returns true if a node has discrete values and jumps between them where tests change, like a condition used as a number.
 fn is_piecewise_constant(graph: &Graph, id: Id) -> bool {
     let mut known = Vec::with_capacity(id + 1);
     for node in &graph.nodes()[..=id] {

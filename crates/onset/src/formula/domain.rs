@@ -1,9 +1,9 @@
 //! Domain of a formula: the states with an energy, and the states with a stress.
 //!
 //! The operations are evaluated with intervals, so that rounding is included. At the boundary of its domain a function has no derivative and counts
-//! as undefined. An undefined part invalidates everything computed from it, except a branch that is not taken. If the sign of a test is uncertain,
-//! the formula is evaluated on both sides. If the values certainly differ, the energy has a jump; if the first derivatives differ, it has a kink. A
-//! part that is undefined on one of the sides has no derivative there.
+//! as undefined. An undefined part invalidates everything computed from it, unless it is in a branch that is not taken. If the sign of a test is
+//! uncertain, the formula is evaluated on both sides. If the values certainly differ, the energy has a jump; if the first derivatives differ, it has
+//! a kink. A part that is undefined on one of the sides has no derivative there.
 
 use super::Trouble;
 use super::graph::Leaf;
@@ -14,7 +14,7 @@ use std::ops::{Add, Div, Mul, Neg, Range, Sub};
 /// Largest number of uncertain tests for which all combinations of sides are tried. Beyond it the tests are varied one at a time.
 const MAX_COMBINED_TESTS: usize = 6;
 
-/// Returns the reason why a formula has no stress at a state, with its place in the text.
+/// Returns the reason why a formula has no stress at a state, with its position in the text.
 ///
 /// `value` gives bounds of the leaves, and `jet` these bounds with derivatives with respect to the deformation gradient.
 pub(super) fn trouble(
@@ -98,14 +98,14 @@ impl Observer<Guarded> for Examiner<'_> {
     }
 }
 
-/// Bounds of a number, with the defects of the operations behind it.
+/// Bounds of a number, with the defects of the operations from which it was computed.
 #[derive(Clone, Copy, Debug)]
 struct Guarded {
     bounds: Interval,
     fault: Option<Fault>,
 }
 
-/// The more serious of two defects: undefined before not smooth.
+/// The more serious of two defects: undefined is more serious than not smooth.
 fn graver(a: Option<Fault>, b: Option<Fault>) -> Option<Fault> {
     match (a, b) {
         (Some(a), Some(b)) if b.is_undefined && !a.is_undefined => Some(b),

@@ -4,7 +4,7 @@ use super::words;
 use crate::material::Place;
 use thiserror::Error;
 
-/// Error of a formula that is not valid: the problem, its place, and a hint.
+/// Error of an invalid formula: the problem, its position, and a hint.
 ///
 /// ```
 /// use onset::formula::Formula;
@@ -16,7 +16,7 @@ use thiserror::Error;
 pub struct FormulaError {
     /// Problem with the formula.
     pub problem: Problem,
-    /// Place of the problem; `None` for a parameter that the formula does not mention.
+    /// Position of the problem; `None` for a parameter that the formula does not contain.
     pub place: Option<Place>,
 }
 
@@ -104,7 +104,7 @@ pub enum Problem {
     NotAFunction {
         /// Name in the text.
         name: String,
-        /// Meaning of the name.
+        /// Description of the meaning of the name.
         what: &'static str,
     },
     /// A function has no arguments.
@@ -134,7 +134,7 @@ pub enum Problem {
     /// Comparisons are chained, as in `a < b < c`.
     #[error("a comparison of a comparison")]
     ChainedComparison,
-    /// The name of a helper is already in use.
+    /// A helper has a name that is already in use.
     #[error("`{name}` is already {what}")]
     Taken {
         /// Name of the helper.
@@ -142,7 +142,7 @@ pub enum Problem {
         /// Existing meaning of the name.
         what: &'static str,
     },
-    /// A name is neither known nor given a value.
+    /// A name is neither known nor assigned a value.
     #[error("`{name}` has no value")]
     UnknownName {
         /// Name in the text.

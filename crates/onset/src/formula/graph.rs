@@ -112,9 +112,9 @@ pub(super) struct Graph {
     /// Range of the text where each node first appears.
     ranges: Vec<Range<usize>>,
     known: HashMap<Node, Id>,
-    /// Known signs of the nodes, judged by their form alone.
+    /// Known signs of the nodes, derived from their form alone.
     signs: Vec<Sign>,
-    /// Whether each node is defined at every admissible state, judged by its form alone.
+    /// Whether each node is defined at every admissible state, derived from its form alone.
     total: Vec<bool>,
     /// Range of the text of the nodes to be added next.
     pub(super) range: Range<usize>,
@@ -213,12 +213,12 @@ impl Graph {
         has_domain && node.operands().all(|id| self.total[id])
     }
 
-    /// Returns true if a node is defined at every admissible state, judged by its form alone.
+    /// Returns true if a node is defined at every admissible state, according to its form alone.
     pub(super) fn is_total(&self, id: Id) -> bool {
         self.total[id]
     }
 
-    /// Restricts a value to the domain of another node. A part that cancels from the value still restricts its domain.
+    /// Restricts a value to the domain of another node. A part that cancels in the value still restricts its domain.
     fn demanding(&mut self, needed: Id, value: Id) -> Id {
         if self.total[needed] {
             return value;
@@ -479,8 +479,7 @@ impl Graph {
         (graph, place[result])
     }
 
-    /// Splits the result into a sum of two parts: the terms that need a leaf of the given kind, and the remaining terms. A part without terms is
-    /// `None`.
+    /// Splits the result into a sum of two parts: the terms that need a leaf of the given kind, and all other terms. A part without terms is `None`.
     pub(super) fn split(
         &mut self,
         result: Id,

@@ -1,4 +1,4 @@
-//! Splits a formula into numbers, names and signs.
+//! Splits a formula into numbers, names and symbols.
 
 use super::Place;
 use super::error::{FormulaError, Problem};
@@ -9,7 +9,7 @@ use std::ops::Range;
 pub(super) enum Token<'a> {
     Number(f64),
     Name(&'a str),
-    /// An operator, a parenthesis, a comma, a semicolon or an equals sign.
+    /// Operator, parenthesis, comma, semicolon or equals sign.
     Sign(&'static str),
     End,
 }
@@ -24,7 +24,7 @@ impl Token<'_> {
     }
 }
 
-/// Signs, sorted so that a longer sign precedes its prefixes.
+/// Symbols, sorted so that a longer symbol precedes its prefixes.
 const SIGNS: [&str; 18] = [
     "**", "<=", ">=", "==", "!=", "&&", "||", "+", "-", "*", "/", "^", "(", ")", ",", ";", "<", ">",
 ];

@@ -162,7 +162,7 @@ impl Formula {
         self.law(graph, result)
     }
 
-    /// Separates the terms in principal stretches from the others.
+    /// Separates the terms in principal stretches from all other terms.
     fn law(&self, mut graph: Graph, result: Id) -> Result<FormulaLaw, FormulaError> {
         let is_stretch = |leaf: Leaf| matches!(leaf, Leaf::Stretch(_));
         if !graph.leaves_of(result).any(is_stretch) {

@@ -7,7 +7,7 @@ use super::parser;
 use super::tape::Tape;
 use crate::real::Real;
 
-/// Formula with a single variable. Apart from it, only functions and helpers have a meaning.
+/// Formula with a single variable. Only this variable, functions and helpers may occur in it.
 ///
 /// ```
 /// use onset::formula::FunctionOfOne;

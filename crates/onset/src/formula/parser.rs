@@ -34,7 +34,7 @@ const POWER: u8 = 8;
 pub(super) struct Parsed {
     pub(super) graph: Graph,
     pub(super) result: Id,
-    /// Parameters with the place of their first use, by their index in the graph.
+    /// Parameters with the position of their first use, by their index in the graph.
     pub(super) parameters: Vec<(String, Range<usize>)>,
     /// Variables of the formula.
     pub(super) variables: Vec<&'static str>,
@@ -85,9 +85,9 @@ pub(super) fn parse(text: &str, dimension: usize) -> Result<Parsed, FormulaError
 #[derive(Clone, Copy)]
 enum Value {
     Number(Id),
-    /// Condition that holds where the node is negative; with `false`, where it is not.
+    /// Condition that holds where the node is negative; with `false`, where it is not negative.
     Comparison(Id, bool),
-    /// Condition that holds where the node is one; elsewhere the node is zero.
+    /// Condition that holds where the node is one; the node is zero elsewhere.
     Indicator(Id),
 }
 
@@ -120,7 +120,7 @@ impl<'a> Parser<'a> {
         self.next = (self.next + 1).min(self.tokens.len() - 1);
     }
 
-    /// Consumes a sign if it is next.
+    /// Consumes a symbol if it is the next token.
     fn takes(&mut self, sign: &str) -> bool {
         let is_next = matches!(self.token(), Token::Sign(next) if next == sign);
         if is_next {
@@ -148,7 +148,9 @@ impl<'a> Parser<'a> {
                 Some("name a part with let name = ...; compare with <, <=, > or >=")
             }
             Token::Sign("&&") => Some("write and"),
-            Token::Sign("||") => Some("write or; abs(...) for an absolute value"),
+            Token::Sign("||") => {
+                Some("write `or` for alternatives, abs(...) for an absolute value")
+            }
             Token::Sign(",") => {
                 Some("arguments belong in the parentheses of a function; decimals use a point")
             }
@@ -389,7 +391,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Selects one number where a condition holds, another elsewhere.
+    /// Selects one number where a condition holds, and another elsewhere.
     fn choice(&mut self, condition: Value, holds: Id, fails: Id) -> Id {
         match condition {
             Value::Comparison(test, true) => self.graph.select(test, holds, fails),

@@ -24,7 +24,7 @@ const ORDERS: [[usize; 3]; 5] = [[0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2,
 const SYMMETRY_TOLERANCE: f64 = 1e-9;
 
 impl StretchTape {
-    /// Compiles the terms of a graph that need stretches. Returns a problem and its place if they are not admissible.
+    /// Compiles the terms of a graph that need stretches. Returns a problem and its position if they are not admissible.
     pub(super) fn new(graph: &Graph, result: Id) -> Result<Self, (Range<usize>, Problem)> {
         let needed = graph.needed_by(result);
         for (id, node) in graph.nodes().iter().enumerate() {

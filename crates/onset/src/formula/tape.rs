@@ -61,14 +61,14 @@ pub(super) struct Branch {
 
 /// Observer of the evaluation of a tape.
 pub(super) trait Observer<R> {
-    /// Side that a step takes; `None` for both sides if it is uncertain.
+    /// Side selected by a step; `None` for both sides if it is uncertain.
     fn side(&mut self, step: usize, test: &R) -> Option<Side>;
 
     /// Called with the result of a step, which it may change.
     fn seen(&mut self, _step: usize, _result: &mut R) {}
 }
 
-/// Observer that takes the side given by the sign of the number and ignores results.
+/// Observer that selects the side given by the sign of the number and ignores results.
 struct Plain;
 
 impl<R: Real> Observer<R> for Plain {
@@ -138,7 +138,7 @@ impl Tape {
         self.is_total && self.branches.iter().all(|branch| branch.is_smooth)
     }
 
-    /// Evaluates the result for given leaves. Registers are on the stack unless they are many.
+    /// Evaluates the result for given leaves. Registers are on the stack if there are few of them.
     pub(super) fn evaluate<R: Real>(&self, value: impl Fn(Leaf) -> R) -> R {
         self.observed(value, &mut Plain)
     }

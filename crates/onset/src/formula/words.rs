@@ -239,7 +239,7 @@ pub(super) fn instead_of(character: char) -> &'static str {
         '\u{2265}' => "write >=",
         '[' | ']' | '{' | '}' => "group with round parentheses",
         '?' => "write if(condition, value, otherwise)",
-        '|' => "write abs(...) for an absolute value, or for alternatives",
+        '|' => "write abs(...) for an absolute value, `or` for alternatives",
         '&' => "write and",
         '!' => "write not; numbers are compared with <, <=, > and >=",
         '"' | '\'' => "a formula has no quotation marks",
@@ -287,7 +287,7 @@ pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> O
         .map(|(_, candidate)| candidate)
 }
 
-/// Edit distance of two words: letters changed, added, removed or exchanged with a neighbor.
+/// Edit distance of two words: number of letters changed, added, removed or exchanged with a neighbor.
 fn edits(a: &[char], b: &[char]) -> usize {
     let mut table = vec![vec![0; b.len() + 1]; a.len() + 1];
     for i in 0..=a.len() {

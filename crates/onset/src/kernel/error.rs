@@ -20,7 +20,7 @@ pub enum KernelError {
         "the kernel is not finite at q = {q}\n  hint: the formula must be defined for 0 <= q <= 1, q = |x| / R0"
     )]
     NotFinite {
-        /// Distance at which it is not finite, over the support radius.
+        /// Distance at which it is not finite, in units of the support radius.
         q: f64,
     },
     /// The profile is not positive at the origin.
@@ -43,7 +43,7 @@ pub enum KernelError {
         "the kernel or its slope jumps at q = {q}\n  hint: join the parts with equal value and slope"
     )]
     Jump {
-        /// Distance of the jump, over the support radius.
+        /// Distance of the jump, in units of the support radius.
         q: f64,
     },
     /// The integral over space is not positive.
@@ -60,7 +60,7 @@ fn names() -> String {
     super::Kernel::ALL.map(super::Kernel::name).join(", ")
 }
 
-/// Message for an invalid formula: the problem, its place, and a remedy.
+/// Message for an invalid formula: the problem, its position, and a remedy.
 fn read(error: &FormulaError) -> String {
     let place = match &error.place {
         Some(place) => format!("kernel, {place}: {}\n{}", error.problem, place.marked()),

@@ -1,9 +1,8 @@
 //! Polynomials times `exp(-s^2)`, with smooth truncation at `s = 3`.
 //!
-//! Such functions have infinite support. A plain cut causes a jump at the rim, where neighbors enter and leave.
-//! Here the Taylor polynomial of second order in `s^2` about the rim is subtracted, so that `W`, `W'` and `W''` vanish there, and the difference is
-//! divided by its value at the origin.
-//! The subtracted part is 0.6 % of the Gaussian at the origin and 3.6 % of Laguerre-Gauss.
+//! Such functions have infinite support. A plain truncation causes a jump at the rim, where neighbors enter and leave. Here the Taylor polynomial of
+//! second order in `s^2` about the rim is subtracted, so that `W`, `W'` and `W''` vanish there, and the difference is divided by its value at the
+//! origin. The subtracted part is 0.6 % of the Gaussian at the origin and 3.6 % of Laguerre-Gauss.
 
 use super::profile::Profile;
 use crate::algebra::Each;

@@ -10,11 +10,11 @@ use crate::real::{Interval, Jet, Real};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// Largest distance in support radii at which `W'/q` is computed from higher derivatives, because the quotient loses more digits.
+/// Largest distance in support radii at which `W'/q` is computed from higher derivatives, because the quotient would lose more digits.
 const QUOTIENT_DISTANCE: f64 = 1e-6;
 /// Rounding error of a zero at the rim and at the origin, relative to the value at the origin.
 const ZERO_TOLERANCE: f64 = 1e-10;
-/// Cells of the midpoint rule that encloses an integral.
+/// Number of cells of the midpoint rule that encloses an integral.
 const CELLS: u32 = 4096;
 
 /// Kernel given by a formula of `q = |x| / R0`. Formulas are cached, so that each text is compiled once.

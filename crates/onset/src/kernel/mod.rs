@@ -23,7 +23,7 @@ use crate::real::Real;
 use nalgebra::{SMatrix, SVector};
 use profile::switch;
 
-/// Distance over support radius at which a particle counts as on the rim, where the weight is zero. It does not count as a neighbor.
+/// Relative distance at which a particle counts as on the rim, where the weight is zero. Such a particle is not a neighbor.
 const RIM: f64 = 1.0 - 1e-12;
 
 /// Weight function `W(q)` of the distance in units of the support radius: one at the origin, zero for `q >= 1`.

@@ -7,7 +7,7 @@ use crate::real::Interval;
 use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
 
-/// Points of the Gauss-Legendre rule of a panel.
+/// Number of points of the Gauss-Legendre rule of a panel.
 const POINTS: usize = 20;
 
 /// Largest phase of a wave across one panel; radians.
@@ -37,7 +37,7 @@ static RULE: LazyLock<[(f64, f64); POINTS]> = LazyLock::new(|| {
 pub(super) struct Pieces(Vec<(f64, f64)>);
 
 impl Pieces {
-    /// Divides each piece into `panels` panels per unit of length, and into one panel at least.
+    /// Divides each piece into `panels` panels per unit of length, and into at least one panel.
     pub(super) fn new(breaks: &[f64], panels: usize) -> Self {
         let mut ends: Vec<f64> = breaks.to_vec();
         ends.push(1.0);
@@ -195,7 +195,7 @@ impl Kernel {
         smoothing_length * self.support_over_smoothing_length::<D>()
     }
 
-    /// Smoothing length `h` for a support radius by the convention of the papers and codes that use the kernel; length.
+    /// Smoothing length `h` for a support radius, in the convention of the papers and codes that use the kernel; length.
     ///
     /// It is `R0 / 3` for the quintic B-spline and for functions of `exp(-x^2 / h^2)`, `2/5 R0` for the quartic B-spline, and `R0 / 2` for all
     /// others.

@@ -38,7 +38,7 @@ impl<R: Real> Profile<R> {
         }
     }
 
-    /// Returns a profile that covers both of two profiles if `q` lies on both sides of a threshold.
+    /// Returns a profile that encloses both of two profiles if `q` lies on both sides of a threshold.
     #[inline(always)]
     pub(super) fn blended(q: R, threshold: f64, below: Self, above: Self) -> Self {
         let either = |a: R, b: R| q.blended(threshold, a, b);
@@ -50,7 +50,7 @@ impl<R: Real> Profile<R> {
     }
 }
 
-/// Evaluates one profile below a threshold of `q`, another at it and above. Both are evaluated only if an interval contains the threshold or if
+/// Evaluates one profile below a threshold of `q`, and another at and above it. Both are evaluated only if an interval contains the threshold or if
 /// several numbers lie on both sides.
 ///
 /// This is not a function of closures, because these would not be inlined.
@@ -79,7 +79,8 @@ macro_rules! switch {
 }
 pub(super) use switch;
 
-/// Distance between a particle and itself to rounding, in support radii. A cusped profile has the mean over all directions there, with zero gradient.
+/// Largest distance, in support radii, at which a particle coincides with the evaluation point to rounding. There a cusped profile has the mean over
+/// all directions, with zero gradient.
 pub(super) const SELF_DISTANCE: f64 = 1e-12;
 
 /// Profile with `W'(0) != 0`, for which `S = W'/q` is unbounded near the origin.

@@ -1,14 +1,14 @@
-//! Numbers of continuous derivatives of a kernel over space, and the places of the jumps.
+//! Numbers of continuous derivatives of a kernel over space, and the positions of the jumps.
 
 use super::Kernel;
 use crate::algebra::{Each, array_of};
 use crate::real::Jet;
 
-/// Number of continuous derivatives over space at the places where a radial profile can break. `None` means all derivatives, or for a formula
-/// at least four.
+/// Number of continuous derivatives over space at the positions where a radial profile can break. `None` means all derivatives, or for a formula at
+/// least four.
 ///
-/// Waves with Lagrangian kernels need one continuous derivative, the exact linearization of Eulerian kernels needs two. With fewer at the rim the
-/// dynamical matrix jumps where a neighbor enters or leaves.
+/// Waves with Lagrangian kernels need one continuous derivative; the exact linearization of Eulerian kernels needs two. With fewer continuous
+/// derivatives at the rim the dynamical matrix jumps when a neighbor enters or leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Smoothness {
     /// Number at the origin, where odd derivatives of the profile must vanish; `None` for all.
@@ -19,7 +19,7 @@ pub struct Smoothness {
     pub rim: Option<u32>,
 }
 
-/// Distance over which the derivatives on both sides of a place are compared; support radii.
+/// Distance over which the derivatives on both sides of a position are compared; support radii.
 const JUMP_DISTANCE: f64 = 1e-9;
 /// Smallest change over this distance that counts as a jump, relative to the size of the derivative.
 const JUMP: f64 = 1e-4;
@@ -27,7 +27,7 @@ const JUMP: f64 = 1e-4;
 const CELLS: u32 = 1024;
 
 impl Smoothness {
-    /// Smallest number of continuous derivatives at any place; `None` for all.
+    /// Smallest number of continuous derivatives at any position; `None` for all.
     pub fn least(self) -> Option<u32> {
         [self.origin, self.inside, self.rim]
             .into_iter()
@@ -68,10 +68,10 @@ pub(super) fn orders_at(profile: impl Fn(Jet<1, Jet<1>>) -> Jet<1, Jet<1>>, q: f
     ]
 }
 
-/// Returns the places within the support where a derivative up to the fourth jumps, with the lowest order of such a derivative.
+/// Returns the distances within the support at which a derivative up to the fourth jumps, with the lowest order of such a derivative.
 ///
 /// # Errors
-/// The place where the profile itself or its slope jumps.
+/// The distance at which the profile itself or its slope jumps.
 pub(super) fn jumps(
     profile: impl Fn(Jet<1, Jet<1>>) -> Jet<1, Jet<1>>,
 ) -> Result<Vec<(f64, u32)>, f64> {
@@ -99,7 +99,7 @@ pub(super) fn jumps(
     Ok(found)
 }
 
-/// Place within an interval where a function jumps, by bisection towards the larger change.
+/// Position within an interval at which a function jumps, by bisection toward the larger change.
 fn jump(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64, size: f64) -> Option<f64> {
     let (mut below, mut above) = (function(low), function(high));
     while high - low > JUMP_DISTANCE {

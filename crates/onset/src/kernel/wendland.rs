@@ -1,5 +1,5 @@
-//! Wendland's functions: polynomials of least degree with a positive Fourier transform in a given dimension. The functions for one dimension differ
-//! from the functions for two and three.
+//! Wendland's functions: polynomials of minimal degree with a positive Fourier transform in a given dimension. The functions for one dimension differ
+//! from those for two and three.
 
 use super::profile::Profile;
 use crate::real::Real;

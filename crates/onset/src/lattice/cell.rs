@@ -8,16 +8,16 @@ use nalgebra::SVector;
 pub(super) struct VoronoiCell<const D: usize> {
     /// Volume of the cell; length^D.
     pub(super) volume: f64,
-    /// Corners of the cell, in the plane counterclockwise. Corners where several faces or edges meet by symmetry can occur several times.
+    /// Corners of the cell, counterclockwise in the plane. Corners where several faces or edges meet by symmetry can occur several times.
     pub(super) corners: Vec<SVector<f64, D>>,
 }
 
-/// Relative lengths and sines of angles below this are rounding. Lengths are relative to a polygon's.
+/// Largest relative length or sine of an angle that is a rounding error; lengths are relative to the length of a polygon.
 const LENGTH_ROUNDING: f64 = 1e-9;
 /// Number of nearest neighbors used for the first estimate of a cell.
 const FIRST_NEIGHBORS: usize = 32;
 
-/// Cell of the origin among neighbors, which must be sorted by distance and extend beyond twice the farthest corner.
+/// Cell of the origin among neighbors, which must be sorted by distance and extend beyond twice the distance of the farthest corner.
 pub(super) fn cell_of_sorted<const D: usize>(neighbors: &[SVector<f64, D>]) -> VoronoiCell<D> {
     let mut count = FIRST_NEIGHBORS;
     loop {
@@ -149,7 +149,8 @@ fn across<const D: usize>(r: &SVector<f64, D>) -> [SVector<f64, D>; 2] {
     [first, second]
 }
 
-/// Corners where a polygon turns. Lines that coincide to rounding intersect at arbitrary points of an edge. Empty if the polygon has zero area.
+/// Corners at which a polygon changes direction. Lines that coincide to rounding intersect at arbitrary points of an edge. Empty if the polygon has
+/// zero area.
 fn turning(polygon: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let apart = |a: [f64; 2], b: [f64; 2]| [b[0] - a[0], b[1] - a[1]];
     let length = |a: [f64; 2]| a[0].hypot(a[1]);

@@ -110,8 +110,8 @@ impl<const D: usize> Crystal<D> {
 
     /// Creates the crystal of a kind on its Bravais lattice. `others`, in lattice coordinates, replace the standard particles of the cell.
     ///
-    /// The spacing is the distance of nearest neighbors. With `others` it is the spacing of the lattice which the particles form, or else scaled by the
-    /// volume per particle.
+    /// The spacing is the distance of nearest neighbors. With `others` it is the spacing of the lattice that the particles form, if they form one,
+    /// and otherwise a value scaled by the volume per particle.
     ///
     /// # Errors
     /// [`LatticeError`] under the conditions of [`Crystal::new`].
@@ -150,7 +150,7 @@ impl<const D: usize> Crystal<D> {
         }
     }
 
-    /// Replaces the particle spacing; the particles stay unchanged.
+    /// Replaces the particle spacing; the particles remain unchanged.
     #[must_use]
     pub fn with_spacing(self, spacing: f64) -> Self {
         Self { spacing, ..self }
@@ -174,10 +174,10 @@ impl<const D: usize> Crystal<D> {
     /// Particle spacing, the unit of horizons, wavelengths and time steps; length.
     ///
     /// It is the distance of nearest neighbors for a Bravais lattice, for a named lattice, and for particles that all have more nearest neighbors
-    /// than dimensions, independent of the cell that describes them. For other particles in the cell of a lattice it is this distance for a lattice
-    /// of equal shape: the distance of nearest neighbors times `n^(-1/D)` with `n` particles in the primitive cell. On square and cubic lattices this
-    /// is the `D`-th root of the volume of a particle. Displaced particles keep the spacing of their original layout, which differs from the distance
-    /// of their nearest neighbors.
+    /// than dimensions, for any choice of the cell. For other particles in the cell of a lattice it is the distance for a lattice of the same shape:
+    /// the distance of nearest neighbors times `n^(-1/D)` with `n` particles in the primitive cell. On square and cubic lattices this is the `D`-th
+    /// root of the volume of a particle. Displaced particles keep the spacing of their original layout, which differs from the distance of their
+    /// nearest neighbors.
     ///
     /// ```
     /// use onset::lattice::{LatticeKind, Crystal};
@@ -191,7 +191,7 @@ impl<const D: usize> Crystal<D> {
         self.spacing
     }
 
-    /// Place of a particle in lattice coordinates.
+    /// Position of a particle in lattice coordinates.
     pub fn place(&self, particle: &Particle<D>) -> Fractional<D> {
         self.sites[particle.site] + SVector::from(particle.cell.map(f64::from))
     }
@@ -311,7 +311,7 @@ impl<const D: usize> Crystal<D> {
         })
     }
 
-    /// The particles of one cell alone: [`within`](Self::within) returns only these.
+    /// Restricts the lattice to the particles of one cell: [`within`](Self::within) returns only these.
     pub(crate) fn isolated(self) -> Self {
         Self {
             is_block: true,
@@ -326,7 +326,8 @@ impl<const D: usize> Crystal<D> {
 
     /// Displaces every particle of a cell at random; the volumes are recomputed from the new Voronoi cells.
     ///
-    /// Each Cartesian component changes by a number between `-amplitude` and `amplitude` (a length). Equal seeds give equal numbers on every machine.
+    /// Each Cartesian component changes by a number between `-amplitude` and `amplitude` (a length). The same seed gives the same numbers on every
+    /// machine.
     ///
     /// # Errors
     /// [`LatticeError::CoincidentPoints`] if two particles coincide.

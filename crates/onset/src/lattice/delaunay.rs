@@ -3,12 +3,12 @@
 use super::voronoi::voronoi_cells;
 use super::{BravaisLattice, Fractional, LatticeError};
 
-/// Distance of lattice coordinates, from each other or from a simple fraction, that counts as zero.
+/// Largest difference of lattice coordinates, from each other or from a simple fraction, that counts as zero.
 const PLACE_TOLERANCE: f64 = 1e-9;
 /// Coordinates of symmetric centers are multiples of one divided by this number.
 const DIVISIONS: f64 = 48.0;
 
-/// Returns the centers of the Delaunay cells of a periodic set: the places with `D + 1` or more nearest points.
+/// Returns the centers of the Delaunay cells of a periodic set: the points with `D + 1` or more nearest points of the set.
 ///
 /// These are the holes of the set and the corners of its Voronoi cells. Cells with a common center, like the two triangles of a rectangle or the
 /// tetrahedra of a cube, count once. `places` and the result are in lattice coordinates from 0 to 1, one period each. The centers are sorted by their

@@ -32,7 +32,7 @@ pub enum LatticeKind {
     BodyCenteredCubic,
     /// Three dimensions: cubes with edges along the axes and an additional particle in the center of each face; a closest packing.
     FaceCenteredCubic,
-    /// Three dimensions: triangular layers, with every second layer at equal positions, two particles in a cell; the second closest packing.
+    /// Three dimensions: triangular layers, with every second layer at the same positions, two particles in a cell; the second closest packing.
     HexagonalClosePacked,
     /// Three dimensions: every particle at the center of four neighbors, two in a cell.
     Diamond,

@@ -116,7 +116,7 @@ pub(crate) struct MirrorWaves {
     /// Numbers of steps along `u` and `v` and their length.
     pub(crate) intervals: [usize; 2],
     pub(crate) steps: [f64; 2],
-    /// Columns of a line. The first column and those beyond the intervals overlap with symmetric images.
+    /// Columns of a line. The first column and the columns beyond the intervals overlap with symmetric images.
     pub(crate) width: usize,
     /// Tables of `cos i u`, `sin i u` at `[i][group of columns]`, `cos j v`, `sin j v` at `[j][line]`.
     pub(crate) along: [Vec<Group>; 2],
@@ -176,7 +176,7 @@ impl MirrorWaves {
         self.width / FILL
     }
 
-    /// Number of lines. The first and the last overlap with symmetric images.
+    /// Number of lines. The first and last lines overlap with symmetric images.
     pub(crate) fn lines(&self) -> usize {
         self.intervals[1] + 3
     }

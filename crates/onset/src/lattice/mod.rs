@@ -210,9 +210,9 @@ impl<const D: usize> BravaisLattice<D> {
 
     /// Lattice Laplacian `|k|_h^2 = sum_i 2 (1 - cos k.a_i) / |a_i|^2`, the finite-difference analog of `|k|^2`. 1/length^2.
     ///
-    /// It is finite over the zone and quadratic for long waves. The `a_i` are the shortest primitive vectors, so it depends on the lattice only, not
-    /// on the basis that describes it. Among equally short vectors, the vectors whose inclination to the diagonal `(1, 1, 1)` is closest to the
-    /// inclination of the axes are used.
+    /// It is finite over the zone and quadratic for long waves. The `a_i` are the shortest primitive vectors, so it depends only on the lattice, not
+    /// on the choice of its basis. Among equally short vectors, those are used whose inclination to the diagonal `(1, 1, 1)` is closest to the
+    /// inclination of the axes.
     ///
     /// ```
     /// use nalgebra::{Matrix2, Vector2};
@@ -261,14 +261,14 @@ impl<const D: usize> BravaisLattice<D> {
             .sum()
     }
 
-    /// Matrix `M` with `M^T G M = 1` for the long-wave metric `G`, accurate for nearly singular `G` too: `B^-T` of `G = B B^T`.
+    /// Matrix `M` with `M^T G M = 1` for the long-wave metric `G`, also accurate for nearly singular `G`: `B^-T` of `G = B B^T`.
     fn inverse_root_of_metric(&self) -> Option<SMatrix<f64, D, D>> {
         let Measure { vectors, weights } = &self.measure;
         let root = SMatrix::<f64, D, D>::from_fn(|i, j| vectors[(i, j)] * weights[j].sqrt());
         inverse_of(&root).map(|inverse| inverse.transpose())
     }
 
-    /// Returns true if the lattice Laplacian uses the given primitive vectors themselves.
+    /// Returns true if the lattice Laplacian uses the given primitive vectors.
     pub(crate) fn is_measured_by_own_vectors(&self) -> bool {
         self.measure.vectors == self.vectors
     }

@@ -1,8 +1,8 @@
-//! Numbering of the points of a grid over a cell of the reciprocal lattice, with equally many points along each reciprocal vector.
+//! Numbering of the points of a grid over a cell of the reciprocal lattice, with the same number of points along each reciprocal vector.
 
 use crate::algebra::Each;
 
-/// Coordinates of a grid point; the first is slowest.
+/// Coordinates of a grid point; the first coordinate varies slowest.
 pub(crate) fn coordinates<const D: usize>(number: usize, resolution: usize) -> [usize; D] {
     let mut rest = number;
     let mut coordinates = [0; D];

@@ -5,7 +5,7 @@ use crate::algebra::array_of;
 use crate::cancel::checkpoint;
 use nalgebra::{SMatrix, SVector};
 
-/// Distances below this fraction of the mean particle distance, and relative differences of volumes below it, are rounding.
+/// Largest distance, as a fraction of the mean particle distance, and largest relative difference of volumes that are rounding errors.
 const PLACE_TOLERANCE: f64 = 1e-9;
 
 /// Particles of a cell with the points that repeat with it, each with its volume.
@@ -60,7 +60,7 @@ impl<const D: usize> Cell<D> {
         Some(self.in_basis(self.vectors * basis, &inverse))
     }
 
-    /// Describes the particles and points in a basis of an equal or finer lattice, each once.
+    /// Describes the particles and points in a basis of the same or a finer lattice, without duplicates.
     fn in_basis(&self, vectors: SMatrix<f64, D, D>, to_basis: &SMatrix<f64, D, D>) -> Self {
         let cell = Self {
             vectors,
@@ -77,7 +77,7 @@ impl<const D: usize> Cell<D> {
                     |(other, _): &(Fractional<D>, f64)| cell.apart(&place, other) > rounding;
                 if known.iter().all(is_new) {
                     let folded = place.map(|x| x - (x + PLACE_TOLERANCE).floor());
-                    // A place close to the origin is set to the origin exactly.
+                    // A position close to the origin is set to the origin exactly.
                     let settled = folded.map(|x| if x.abs() < PLACE_TOLERANCE { 0.0 } else { x });
                     known.push((settled, *volume));
                 }
@@ -91,7 +91,7 @@ impl<const D: usize> Cell<D> {
         }
     }
 
-    /// Distance of two places, or of their nearest images; length.
+    /// Distance of two points, or of their nearest images; length.
     fn apart(&self, a: &Fractional<D>, b: &Fractional<D>) -> f64 {
         let apart = a - b;
         (self.vectors * (apart - apart.map(f64::round))).norm()
@@ -165,9 +165,9 @@ impl<const D: usize> Crystal<D> {
         Cell::new(self, Vec::new()).primitive()?.crystal()
     }
 
-    /// Spacing derived from the particles of a primitive cell alone; `None` if they have no natural spacing.
+    /// Spacing derived only from the particles of a primitive cell; `None` if they have no natural spacing.
     ///
-    /// It is the distance of nearest neighbors in a Bravais lattice, and if every particle has more nearest neighbors than dimensions, as in
+    /// It is the distance of nearest neighbors in a Bravais lattice, and also if every particle has more nearest neighbors than dimensions, as in
     /// honeycombs and closest packings.
     pub(super) fn natural_spacing(&self) -> Option<f64> {
         if self.sites().len() == 1 {
@@ -183,7 +183,7 @@ impl<const D: usize> Crystal<D> {
             .then_some(nearest)
     }
 
-    /// Distance of nearest neighbors in a lattice of equal shape with one particle per cell.
+    /// Distance of nearest neighbors in a lattice of the same shape with one particle per cell.
     pub(super) fn mean_spacing(&self) -> f64 {
         shortest(self.lattice()) * per_particle::<D>(self.sites().len())
     }

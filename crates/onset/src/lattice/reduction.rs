@@ -1,13 +1,13 @@
 //! Short primitive vectors, and the vectors of a lattice within a distance.
 //!
-//! Every lattice has infinitely many bases, and results must not depend on the basis that describes it. Enumeration therefore uses a short basis,
-//! where a box of lattice coordinates is only slightly larger than the enclosed ball.
+//! Every lattice has infinitely many bases, and results must not depend on the choice of the basis. Enumeration therefore uses a short basis, for
+//! which a box of lattice coordinates is only slightly larger than the enclosed ball.
 
 use super::{BravaisLattice, Fractional, LatticeError, LatticeKind, cells_between};
 use crate::algebra::{Each, array_of};
 use nalgebra::{Matrix1, Matrix2, Matrix3, SMatrix, SVector};
 
-/// Number of steps after which a basis counts as short enough. Each step shortens a vector, and few are needed.
+/// Number of steps after which a basis counts as short enough. Each step shortens a vector, and few steps are needed.
 const REDUCTION_STEPS: usize = 1000;
 /// Relative difference of lengths and angles that counts as rounding.
 const LENGTH_TOLERANCE: f64 = 1e-9;
@@ -59,11 +59,10 @@ impl<const D: usize> Reduced<D> {
         Ok(reduced)
     }
 
-    /// Reduced basis that is independent of the basis that describes the lattice.
+    /// Reduced basis that is independent of the basis in which the lattice is given.
     ///
-    /// Among equally short vectors the order is by the inclination to the diagonal `(1, 1, 1)`: vectors with an inclination closest to the
-    /// inclination of the axes come first. For named lattices these are the standard vectors. The given basis is returned if it differs only in order
-    /// and signs.
+    /// Among equally short vectors the order is by the inclination to the diagonal `(1, 1, 1)`: vectors inclined most nearly like the
+    /// axes come first. For named lattices these are the standard vectors. The given basis is returned if it differs only in order and signs.
     ///
     /// # Errors
     /// [`LatticeError`] under the conditions of [`Reduced::of`].
@@ -131,12 +130,12 @@ impl<const D: usize> Reduced<D> {
         })
     }
 
-    /// Returns true if it is the given basis.
+    /// Returns true if the reduced basis is the given basis.
     pub(crate) fn is_given(&self) -> bool {
         self.change == SMatrix::<f64, D, D>::identity()
     }
 
-    /// Subtracts a combination of the other vectors from one.
+    /// Subtracts a combination of the other vectors from one vector.
     fn subtract(&mut self, column: usize, factors: &SVector<f64, D>) {
         for n in (0..D).filter(|n| factors[*n] != 0.0) {
             let own = self.vectors.column(column) - self.vectors.column(n) * factors[n];
@@ -217,7 +216,7 @@ fn chosen<const D: usize>(reduced: &SMatrix<f64, D, D>) -> Option<SMatrix<f64, D
     (super::determinant(&basis).abs().round() == 1.0).then_some(basis)
 }
 
-/// Returns true for one vector of each opposite pair: the one with positive leading component.
+/// Returns true for one vector of each opposite pair, which is the vector with a positive leading component.
 fn is_forward<const D: usize>(vector: &SVector<f64, D>) -> bool {
     vector
         .iter()
@@ -303,12 +302,13 @@ impl<const D: usize> Ball<D> {
         self.volume
     }
 
-    /// Number of places that the enumeration examines. It is never far above [`Ball::mean_count`] if the ball is wider than the cell.
+    /// Number of lattice points that the enumeration examines. It is only slightly larger than [`Ball::mean_count`] if the ball is wider than the
+    /// cell.
     pub(crate) fn places(&self) -> f64 {
         self.reach.iter().map(|reach| 2.0 * reach + 1.0).product()
     }
 
-    /// Cells whose lattice points can lie within the radius of a place; the last coordinate is slowest.
+    /// Cells whose lattice points can lie within the radius of a position; the last coordinate varies slowest.
     pub(crate) fn cells(&self, place: &Fractional<D>) -> Vec<[i32; D]> {
         let own = self.basis.inverse * place;
         let low = array_of(|i| (own[i] - self.reach[i]).floor() as i32);
@@ -325,7 +325,7 @@ impl<const D: usize> Ball<D> {
     }
 }
 
-/// Distance within which every place has a lattice point: half the diagonal of the box with the edges of a reduced basis (Babai's nearest plane).
+/// Distance within which every position has a lattice point: half the diagonal of the box with the edges of a reduced basis (Babai's nearest plane).
 pub(super) fn covering_radius<const D: usize>(reduced: &SMatrix<f64, D, D>) -> f64 {
     0.5 * reduced.norm()
 }

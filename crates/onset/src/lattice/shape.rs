@@ -9,7 +9,7 @@ use nalgebra::SMatrix;
 const LENGTH_TOLERANCE: f64 = 1e-9;
 
 impl<const D: usize> BravaisLattice<D> {
-    /// Named lattice of equal shape, up to rotation and size, with the basis in which the points of its zone have their names.
+    /// Named lattice of the same shape, up to rotation and size, with the basis in which the points of its zone have their names.
     ///
     /// The given basis is returned if it has this shape, otherwise a basis of short vectors sorted by length.
     pub(crate) fn shape(&self) -> (LatticeKind, SMatrix<f64, D, D>) {

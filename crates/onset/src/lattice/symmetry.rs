@@ -35,7 +35,7 @@ impl<const D: usize> Symmetry<D> {
         lattice.holohedry().into_iter().map(of_map).collect()
     }
 
-    /// Image of a lattice vector.
+    /// Image of a lattice vector under the symmetry.
     pub(crate) fn of_cell(&self, cell: &[i32; D]) -> [i32; D] {
         self.of_cells
             .each(|row| row.iter().zip(cell).map(|(n, c)| n * c).sum())
@@ -46,7 +46,7 @@ impl<const D: usize> Symmetry<D> {
         array_of(|j| array_of(|i| f64::from(self.of_cells[i][j])))
     }
 
-    /// Image of lattice coordinates.
+    /// Image of lattice coordinates under the symmetry.
     pub(crate) fn of_place(&self, place: &Fractional<D>) -> Fractional<D> {
         SVector::from_fn(|i, _| {
             (0..D)
@@ -71,7 +71,7 @@ impl<const D: usize> Symmetry<D> {
 pub(crate) struct Wedge {
     /// First point of the orbit of each point.
     pub(crate) first: Vec<u32>,
-    /// Range along each line (all indices except the last) of the points that are first of their orbit.
+    /// Range along each line (all indices except the last) of the points that are the first of their orbit.
     pub(crate) lines: Vec<Range<usize>>,
 }
 
@@ -104,7 +104,7 @@ impl Wedge {
 
     /// Copies values from the first point of each orbit to all its points.
     ///
-    /// Points are processed in order. If rounding removes some symmetries of a group, the first point therefore has a value already.
+    /// Points are processed in order. Even if rounding removes some symmetries of a group, the first point therefore already has a value.
     pub(crate) fn spread(&self, values: &mut [f64]) {
         for (index, first) in self.first.iter().enumerate() {
             values[index] = values[*first as usize];
@@ -118,8 +118,8 @@ impl Wedge {
 }
 
 impl<const D: usize> BravaisLattice<D> {
-    /// Halves of the reciprocal vectors, each once. In these waves neighbors move in opposite directions, and operators that are symmetric about the
-    /// particles give zero. 1/length.
+    /// Halves of the reciprocal vectors, without duplicates. In these waves neighbors move in opposite directions, and operators that are symmetric
+    /// about the particles give zero. 1/length.
     pub(crate) fn alternating(&self) -> impl Iterator<Item = SVector<f64, D>> {
         let reciprocal = *self.reciprocal();
         (1..1_usize << D).map(move |bits| {
@@ -129,8 +129,8 @@ impl<const D: usize> BravaisLattice<D> {
 
     /// Holohedry of the lattice: all orthogonal maps `R` of lattice vectors to lattice vectors, the identity first.
     ///
-    /// They map the reciprocal lattice onto itself too, so `R k` is defined for wave vectors. Between Minkowski-reduced bases all coordinates are -1,
-    /// 0 or 1 in up to three dimensions, so the number of possible maps is finite.
+    /// These maps also map the reciprocal lattice onto itself, so `R k` is defined for wave vectors. Between Minkowski-reduced bases all coordinates
+    /// are -1, 0 or 1 in up to three dimensions, so the number of possible maps is finite.
     ///
     /// ```
     /// use onset::lattice::LatticeKind;
@@ -153,7 +153,7 @@ impl<const D: usize> BravaisLattice<D> {
     }
 }
 
-/// Wave vectors of a lattice that symmetries make equivalent, for the choice of the wave that is shown.
+/// Wave vectors of a lattice that are equivalent by symmetry, used to choose the wave that is reported.
 #[derive(Clone, Debug)]
 pub(crate) struct Equivalence<const D: usize> {
     pub(crate) zone: BrillouinZone<D>,
@@ -274,7 +274,7 @@ mod tests {
         is_group(&triclinic.unwrap(), 2);
     }
 
-    /// Points of an orbit have equally many steps along equivalent reciprocal vectors, and the group maps them to no other points.
+    /// Points of an orbit have the same number of steps along equivalent reciprocal vectors, and the group maps them to no other points.
     #[test]
     fn a_wedge_has_one_point_of_each_orbit() {
         let lattice = LatticeKind::FaceCenteredCubic.lattice::<3>(1.0).unwrap();

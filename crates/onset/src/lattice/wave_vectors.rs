@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Grid of wave vectors `k = sum_i (j_i / n) b_i`, `j_i = 0 .. n`, with the phases of lattice vectors and the lattice Laplacian.
 ///
-/// The first index is slowest. Indices beyond `n / 2` represent negative ones, so the vectors surround zero.
+/// The first index varies slowest. Indices beyond `n / 2` represent negative values, so that the vectors surround zero.
 #[derive(Debug)]
 pub struct WaveGrid<const D: usize> {
     resolution: usize,
@@ -26,7 +26,7 @@ pub struct WaveGrid<const D: usize> {
     site_phases: Mutex<SitePhases<D>>,
 }
 
-/// Reciprocal vectors subtracted by folding: few distinct ones for many points.
+/// Reciprocal vectors subtracted by folding; there are few distinct vectors for many points.
 #[derive(Debug)]
 struct Shifts<const D: usize> {
     distinct: Vec<SVector<f64, D>>,
@@ -95,7 +95,7 @@ impl<const D: usize> WaveGrid<D> {
         self.wave_vectors.len()
     }
 
-    /// Number of points with a first index up to `n / 2`. They come first, and all others are opposite to some of them.
+    /// Number of points with a first index up to `n / 2`. They come first, and every other point is opposite to one of them.
     pub(crate) fn half(&self) -> usize {
         half::<D>(self.resolution)
     }
@@ -248,7 +248,7 @@ fn fill_convex(line: &mut [u32], at: &mut impl FnMut(usize) -> u32) {
     }
 }
 
-/// Grid index along an axis as a fraction of the reciprocal vector; indices beyond the middle represent negative ones.
+/// Grid index along an axis as a fraction of the reciprocal vector; indices beyond the middle represent negative values.
 fn centered(j: usize, resolution: usize) -> f64 {
     let (j, n) = (j as f64, resolution as f64);
     (if 2.0 * j > n { j - n } else { j }) / n
@@ -429,7 +429,7 @@ mod tests {
         }
     }
 
-    /// Each point is not farther from zero than any equivalent point, in the metric of the zone, and is equivalent to the point of the plain grid.
+    /// Each point is equivalent to the point of the original grid. No equivalent point is closer to zero in the metric of the zone.
     #[test]
     fn folded_wave_vectors_are_equivalent_and_in_the_zone() {
         for (kind, stretch) in [

@@ -1,4 +1,4 @@
-//! First Brillouin zone: the wave vectors nearer to zero than to any reciprocal vector.
+//! First Brillouin zone: the wave vectors nearer to zero than to any other reciprocal lattice vector.
 
 use super::cell::{cell_among, face};
 use super::reduction::combinations;
@@ -67,7 +67,7 @@ impl<const D: usize> BrillouinZone<D> {
             .0
     }
 
-    /// Equivalent wave vectors that are as short as the one in the zone, including it.
+    /// Equivalent wave vectors that are as short as the wave vector in the zone, including it.
     pub(crate) fn as_short(&self, k: &SVector<f64, D>) -> Vec<SVector<f64, D>> {
         let on_face = |g: &&SVector<f64, D>| k.dot(g) >= (0.5 - 1e-6) * g.norm_squared();
         let others = self.reciprocal.iter().filter(on_face).map(|g| k - g);
@@ -83,7 +83,7 @@ impl<const D: usize> BrillouinZone<D> {
         array_of(|n| shift[n].round() as i32)
     }
 
-    /// Equivalent wave vector in the zone of a wave vector in units of the short basis, and the subtracted multiples of this basis.
+    /// Equivalent wave vector in the zone of a wave vector in units of the short basis, and the multiples of this basis that were subtracted.
     fn folded_with_shift(&self, cycles: &SVector<f64, D>) -> (SVector<f64, D>, SVector<f64, D>) {
         let mut shift = cycles.map(f64::round);
         let mut folded = self.short.vectors * (cycles - shift);

@@ -24,10 +24,10 @@ pub enum Admitted {
 /// No limit is a NaN.
 impl Eq for Admitted {}
 
-/// Largest magnitude of a number with a unit, and reciprocal of the smallest positive one: third powers of products of such numbers neither
-/// overflow nor underflow, and the SI values of atoms and of planets are within.
+/// Largest magnitude of a number with a unit, and reciprocal of the smallest positive number: third powers of products of such numbers neither
+/// overflow nor underflow, and the SI values for atoms and for planets are within these limits.
 const LARGEST_DIMENSIONAL_VALUE: f64 = 1e20;
-/// Largest magnitude of a number without unit, and reciprocal of the smallest positive one.
+/// Largest magnitude of a number without unit, and reciprocal of the smallest positive number.
 const LARGEST_DIMENSIONLESS_VALUE: f64 = 1e6;
 /// Degrees of a full turn.
 const TURN: f64 = 360.0;
@@ -59,7 +59,7 @@ impl Admitted {
         }
     }
 
-    /// The admitted numbers in a unit, in words: `a positive number from 1e-20 to 1e20`.
+    /// Description of the admitted numbers in a unit: `a positive number from 1e-20 to 1e20`.
     pub fn expected(self, unit: &str) -> String {
         let limits = self.limits(unit);
         let [low, high] = limits.map(|limit| written(limit, unit));
@@ -71,7 +71,7 @@ impl Admitted {
     }
 }
 
-/// Limit of a parameter in the form in which it is typed; angles in multiples of pi.
+/// Limit of a parameter in the form in which the user types it; angles in multiples of pi.
 fn written(limit: f64, unit: &str) -> String {
     match limit.abs() {
         _ if unit == "rad" => format!("{} pi", limit / std::f64::consts::PI),
@@ -91,7 +91,7 @@ pub struct Parameter {
     pub default: f64,
     /// Admissible values of the parameter.
     pub admitted: Admitted,
-    /// Meaning of the parameter in words.
+    /// Description of the parameter.
     pub meaning: &'static str,
 }
 
@@ -113,12 +113,12 @@ impl Parameter {
         }
     }
 
-    /// Returns true if the parameter can have a value.
+    /// Returns true if a value is admissible for the parameter.
     pub fn holds(&self, value: f64) -> bool {
         self.admitted.holds(value, self.unit)
     }
 
-    /// The values that the parameter can have, in words.
+    /// Description of the admissible values of the parameter.
     pub fn expected(&self) -> String {
         self.admitted.expected(self.unit)
     }
@@ -194,7 +194,7 @@ pub struct Law {
     pub symmetry: Symmetry,
     /// Reason for stress in the reference configuration; `None` if there is no stress.
     pub stressed_reference: Option<&'static str>,
-    /// Moduli at small strains, in words.
+    /// Description of the moduli at small strains.
     pub small_strains: &'static str,
     /// References of the law and of its default values.
     pub source: &'static str,

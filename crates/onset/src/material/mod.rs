@@ -39,7 +39,7 @@ pub enum MaterialError {
         name: &'static str,
         /// Value of the parameter.
         value: f64,
-        /// Admissible range in words.
+        /// Description of the admissible range.
         expected: String,
     },
     /// The law has no parameter of this name.
@@ -57,7 +57,7 @@ pub enum MaterialError {
         what: &'static str,
         /// Value of the quantity.
         value: f64,
-        /// Condition of the law on the quantity, with the number.
+        /// Condition of the law on the quantity, including the limit.
         expected: String,
     },
     /// An energy given as a formula is undefined at the state, or has no stress there.
@@ -66,7 +66,7 @@ pub enum MaterialError {
     /// A material outside the library cannot be created or evaluated.
     #[error("{message}")]
     External {
-        /// Reason and remedy in words.
+        /// Description of the reason and the remedy.
         message: String,
     },
     /// The material in the reference state has no waves, so results cannot be scaled by a wave speed.
@@ -143,7 +143,7 @@ impl MaterialError {
         )
     }
 
-    /// Returns true if energy or stress of a law given as a formula jump at the state, with a response on both sides.
+    /// Returns true if energy or stress of a law given as a formula jumps at the state, with a response on both sides.
     pub(crate) fn is_of_a_jump(&self) -> bool {
         matches!(self, Self::Formula(error) if error.trouble != Trouble::Undefined)
     }
@@ -188,7 +188,7 @@ pub trait StrainEnergy {
 
     /// Returns true if the stress is known to be continuous at all states of some intervals.
     ///
-    /// Otherwise bounds of derivatives on the two sides do not enclose anything in between.
+    /// Otherwise bounds of derivatives on the two sides do not enclose the derivatives in between.
     fn is_smooth(&self, _f: &DeformationGradient<Interval>) -> bool {
         true
     }
@@ -216,8 +216,8 @@ pub trait StrainEnergy {
 
     /// Energy and stress of several states, as for [`Hyperelastic::lane_stress`].
     ///
-    /// They are computed from derivatives with respect to the components of `F` unless a law overrides this with a faster method. Lanes may be wrong if the law
-    /// requests a single value that the lanes do not share.
+    /// They are computed from derivatives with respect to the components of `F` unless a law overrides this method with a faster method. Lanes may be
+    /// wrong if the law requests a single value that differs between the lanes.
     fn lane_stress(&self, states: &DeformationGradient<Lanes>, dimension: usize) -> LaneStress
     where
         Self: Sized,
@@ -261,7 +261,7 @@ pub trait Hyperelastic: Send + Sync {
 
     /// Responses along a ray `U = diag exp(t L)` of logarithms `L` of the stretches, as a function of `t`; `None` if the law is not defined.
     ///
-    /// A law that integrates the path to a state may continue from states that were evaluated before. The results then differ from
+    /// A law that integrates the path to a state may continue from previously evaluated states. The results then differ from
     /// [`Hyperelastic::response`] by the error of integration.
     fn along<'a>(&'a self, logarithms: [f64; 3]) -> Box<dyn FnMut(f64) -> Option<Response> + 'a> {
         Box::new(move |t| {
@@ -282,7 +282,7 @@ pub trait Hyperelastic: Send + Sync {
         self.response(f)
     }
 
-    /// Number of dimensions of the states that the law takes: 3, unless it computes the remaining components of `F` itself.
+    /// Number of dimensions of the states that determine the response: 3, unless the law computes the remaining components of `F` itself.
     ///
     /// [`PlaneStress`] is such a law. [`Response::deformation`] contains the computed components.
     fn dimension(&self) -> usize {
@@ -311,7 +311,7 @@ pub trait Hyperelastic: Send + Sync {
 
     /// Response of the material in the reference state, whose wave speeds scale the results.
     ///
-    /// If the law has a kink there and thus no tangent, the response of one side is returned.
+    /// If the law has a kink there and therefore no tangent, the response of one side is returned.
     ///
     /// # Errors
     /// [`MaterialError`] as for [`Hyperelastic::response`], kinks and jumps excepted.
@@ -355,8 +355,8 @@ pub trait Hyperelastic: Send + Sync {
 
     /// Returns true for laws in rate form, such as metals that flow.
     ///
-    /// Every state of such a law is reached along a path. The tangent is for loading that continues from the state, not the derivative of the stress
-    /// with respect to the state, and need not have major symmetry.
+    /// Every state of such a law is reached along a path. The tangent holds for loading that continues from the state; it is not the derivative of
+    /// the stress with respect to the state, and need not have major symmetry.
     fn is_path_dependent(&self) -> bool {
         false
     }
@@ -492,7 +492,7 @@ impl LaneStress {
         self.energy.0[lane].is_finite() && stress.all(|own| own.0[lane].is_finite())
     }
 
-    /// Copies the result of one state from another.
+    /// Copies the result of one state from another result.
     fn take(&mut self, lane: usize, other: &Self) {
         self.energy.0[lane] = other.energy.0[lane];
         let own = self.first_piola.as_flattened_mut().iter_mut();
@@ -768,7 +768,7 @@ fn finite(tangent: PlaneTangent, f: &DeformationGradient) -> Result<PlaneTangent
     Ok(tangent)
 }
 
-/// Packs up to [`LANES`] states; unused lanes repeat one of them.
+/// Packs up to [`LANES`] states; unused lanes repeat one of the states.
 fn side_by_side(states: &[DeformationGradient]) -> [[Lanes; 3]; 3] {
     let mut components = [[Lanes([0.0; LANES]); 3]; 3];
     for n in 0..LANES {

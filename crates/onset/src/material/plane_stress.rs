@@ -14,23 +14,24 @@ const ACROSS_BAR: &[usize] = &[1, 4, 2, 5, 8];
 
 /// Largest number of Newton steps at one state.
 const NEWTON_STEPS: usize = 20;
-/// Largest relative change of the stretch across by the first step. Farther from a root the iteration may converge to a different one.
+/// Largest relative change of the stretch across in the first step. Farther from a root the iteration may converge to a different root.
 const LARGEST_FIRST_STEP: f64 = 0.5;
 /// Contraction required of each further step, which shows that the iteration is close to its root.
 const CONTRACTION: f64 = 0.25;
-/// Relative size of a step that is rounding.
+/// Relative size of a step that is a rounding error.
 const STEP_ROUNDING: f64 = 1e-15;
-/// Relative steps smaller than this count as rounding if they do not contract.
+/// Largest relative step that counts as rounding if the steps do not contract.
 const CONTRACTION_FLOOR: f64 = 1e-7;
-/// Smallest step along the branch, as a fraction of the path from the reference configuration to a state. For a stretch of ten thousand it is a small strain.
+/// Smallest step along the branch, as a fraction of the path from the reference configuration to a state. For a stretch of ten thousand it is a small
+/// strain.
 const SMALLEST_STRIDE: f64 = 1.0 / (1u32 << 26) as f64;
-/// Stiffness across the sheet, relative to the largest stiffness, that is rounding.
+/// Stiffness across the sheet, relative to the largest stiffness, that is a rounding error.
 const STIFFNESS_ROUNDING: f64 = 1e-12;
 /// Cosine of the largest angle between the branch at a state and the chord to the next state.
 const BRANCH_ALIGNMENT_COSINE: f64 = 0.98;
 /// Cosine of this angle for a metal, whose branch turns where flow begins.
 const FLOW_ALIGNMENT_COSINE: f64 = 0.9;
-/// Relative changes of the state smaller than this may turn by any angle, as at a kink of the stress.
+/// Largest relative change of the state for which the branch may turn by any angle, as at a kink of the stress.
 const KINK_STEP: f64 = 1e-6;
 /// Relative step of finite differences of the tractions, for a law whose tangent is not the derivative of its stress.
 const DIFFERENCE_STEP: f64 = 1e-6;
@@ -51,14 +52,14 @@ const WIDENINGS: usize = 8;
 ///
 /// `Q` is the acoustic tensor of waves across the sheet, so the stationary point is a minimum if these waves have real speeds. For isotropic laws, or
 /// if the plane of the sheet is a plane of mirror symmetry, `F_13` and `F_23` are zero and one stretch is computed; otherwise all three components
-/// are. A bar has the second column too, up to a rotation about its axis. If several minima exist, the minimum that continues from the reference configuration
-/// along `R ((1 - t) 1 + t U)` is used, with the in-plane `F = R U`.
+/// are. A bar has the second column too, up to a rotation about its axis. If several minima exist, the minimum that continues from the reference
+/// configuration along `R ((1 - t) 1 + t U)` is used, with the in-plane `F = R U`.
 ///
 /// Components of a state beyond its dimensions are not read: [`Response::deformation`] contains the computed components. Stress and tangent beyond
 /// the dimensions are zero; components like `A_3131` are the components `dP_31/dF_31` of the membrane. Units of stress, per reference volume.
 ///
-/// A metal that flows has reached a state, including its thickness, along a proportional path, at whose end the faces are traction-free. Its tangent
-/// of continued flow is condensed, since continued flow keeps the faces free. Source: H. Le Dret and A. Raoult, J. Math. Pures Appl. 74 (1995) 549
+/// A metal that flows reaches a state, including its thickness, along a proportional path, at whose end the faces are traction-free. Its tangent of
+/// continued flow is condensed, since continued flow keeps the faces free. Source: H. Le Dret and A. Raoult, J. Math. Pures Appl. 74 (1995) 549
 /// (membranes).
 ///
 /// ```
@@ -78,7 +79,7 @@ pub struct PlaneStress {
     dimension: usize,
     /// Indices `3 i + J` of the components that are computed.
     across: &'static [usize],
-    /// Reference state with the computed components across it.
+    /// Reference state with the computed components across the sheet.
     reference: [[f64; 3]; 3],
 }
 
@@ -113,7 +114,7 @@ impl PlaneStress {
             Some(reference) => sheet.reference = reference,
             None => {
                 return refused(
-                    "no state near F = 1 without traction on the faces is stable against strains across (a fluid's is not)",
+                    "near F = 1 no state with traction-free faces is stable against thickness strains, as for a fluid",
                 );
             }
         }
@@ -137,7 +138,7 @@ impl PlaneStress {
         }
     }
 
-    /// Eliminates the components across from slopes and stiffness of the law; `None` unless they are at a minimum.
+    /// Eliminates the components across the sheet from slopes and stiffness of the law; `None` unless they are at a minimum.
     fn condensed(&self, response: &Response) -> Option<Condensed<f64>> {
         let tangent = &response.tangent;
         let least = STIFFNESS_ROUNDING * tangent.largest();
@@ -274,8 +275,8 @@ impl PlaneStress {
         index < self.dimension
     }
 
-    /// Enclosure of the components across for all states of some intervals. Each is the only root there, by Krawczyk's operator about the middle
-    /// state.
+    /// Enclosure of the components across the sheet for all states of some intervals. Each enclosure contains exactly one root, by Krawczyk's
+    /// operator about the middle state.
     fn across_of(
         &self,
         f: &DeformationGradient<Interval>,
@@ -437,7 +438,7 @@ impl Hyperelastic for PlaneStress {
 
 /// State with zero tractions across.
 struct Settled {
-    /// Response of the three-dimensional law there.
+    /// Response of the three-dimensional law at this state.
     response: Response,
     condensed: Condensed<f64>,
 }
@@ -458,7 +459,7 @@ impl From<MaterialError> for Unsettled {
 
 /// Derivatives of an energy with respect to the nine components of `F`, after elimination of the components with vanishing derivative.
 struct Condensed<R> {
-    /// First derivatives with respect to the remaining components, to second order in the missing Newton steps.
+    /// First derivatives with respect to the remaining components, including the missing Newton steps to second order.
     slope: [R; 9],
     /// Second derivatives with respect to the remaining components.
     stiffness: [[R; 9]; 9],
@@ -500,7 +501,7 @@ impl Condensed<f64> {
         -self.slope[p] / self.stiffness[p][p]
     }
 
-    /// Largest Newton step relative to the smaller stretch across.
+    /// Largest Newton step relative to the smaller stretch across the sheet.
     fn step(&self, state: &[[f64; 3]; 3], across: &[usize]) -> f64 {
         let on_diagonal = across.iter().filter(|p| *p % 4 == 0);
         let stretch = on_diagonal.fold(f64::INFINITY, |least, p| least.min(state[p / 3][p % 3]));
@@ -577,7 +578,7 @@ impl Way {
         slope
     }
 
-    /// Rotates a reference state.
+    /// Reference state after a rotation.
     fn turned(&self, state: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
         let mut turned = *state;
         for (i, row) in self.rotation.iter().enumerate() {

@@ -29,15 +29,15 @@ pub trait PrincipalEnergy {
     /// operations of [`Real`] only, without branches on its arguments.
     fn of_stretches<R: Real>(&self, stretches: [R; 3]) -> R;
 
-    /// Returns true if the function is known to be defined at all stretches of some intervals. Undefined terms that cancel leave no trace in the
+    /// Returns true if the function is known to be defined at all stretches of some intervals. Undefined terms that cancel do not appear in the
     /// bounds of their sum.
     fn is_defined(&self, _stretches: [Interval; 3]) -> bool {
         true
     }
 }
 
-/// Eigenvalues of `C` with a smaller relative difference count as close. At this difference the quotient has lost less than two digits, and the error
-/// of the five-point quadrature is less than `1e-15` for exponents of the stretches up to ten.
+/// Largest relative difference of eigenvalues of `C` that count as close. At this difference the quotient has lost less than two digits, and the
+/// error of the five-point quadrature is less than `1e-15` for exponents of the stretches up to ten.
 const RELATIVE_EIGENVALUE_DISTANCE: f64 = 0.05;
 
 /// Points of the Gauss-Legendre rule of order 10 on `(0, 1)` from its midpoint on, with weights. The rule and the integrand are symmetric about the
@@ -366,8 +366,8 @@ fn in_axes<R: Real>(c: &[[R; 3]; 3], bounds: &[[Interval; 3]; 3]) -> Option<[[R;
     Some(triple(&turned, &|x, i, j| x * t(i, j)))
 }
 
-/// Merges intervals that overlap or lie close together. With the relative width `w` and the relative gap `g`, the quotient of differences that gives a shear
-/// stiffness has the error `w / g`, and the mean over both intervals an error of order `g`.
+/// Merges intervals that overlap or lie close together. With the relative width `w` and the relative gap `g`, the quotient of differences that gives
+/// a shear stiffness has the error `w / g`, and the mean over both intervals has an error of order `g`.
 fn merged(mut discs: [Interval; 3]) -> [Interval; 3] {
     for _ in 0..3 {
         for (i, j) in PAIRS {
@@ -390,8 +390,8 @@ const BY_SHAPE: [[f64; 3]; 3] = {
     [[third, a, b], [third, -a, b], [third, 0.0, -2.0 * b]]
 };
 
-/// The volumetric stiffness is separated if it exceeds the shape stiffness by this ratio. Below it derivatives with respect to each stretch keep more
-/// digits if the stretches differ much.
+/// Smallest ratio of the volumetric to the shape stiffness at which the volumetric stiffness is separated. Below it derivatives with respect to each
+/// stretch keep more digits if the stretches differ much.
 const STIFF_RATIO: f64 = 1e6;
 
 /// Energy with its derivatives in one of two sets of variables.
@@ -486,8 +486,8 @@ fn logarithmic(a: f64, b: f64) -> f64 {
     0.5 * ratio / b
 }
 
-/// Largest part of the integrand of [`mean_curvature`] that is of fourth degree, relative to the whole. For `cosh(k u)`, the integrand of a power of the
-/// stretches, it is reached at `k = 0.8`, where the error of the quadrature is `1e-14`.
+/// Largest contribution of fourth degree to the integrand of [`mean_curvature`], relative to the whole. For `cosh(k u)`, the integrand of a power of
+/// the stretches, it is reached at `k = 0.8`, where the error of the quadrature is `1e-14`.
 const QUARTIC: f64 = 1e-3;
 
 /// Mean of `1/2 (W_ii + W_jj - 2 W_ij)` over the segment that exchanges two logarithmic stretches; `None` if the quadrature does not resolve it.

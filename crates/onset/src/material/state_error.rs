@@ -1,9 +1,9 @@
-//! States at which a law typed as a formula has no stress, with the place in its text.
+//! States at which a law given as a formula has no stress, with the position in its text.
 
 use std::ops::Range;
 use thiserror::Error;
 
-/// Place within a formula, with the line of text around it.
+/// Position within a formula, with the line of text around it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
     /// Line within the formula, counted from 1.
@@ -14,17 +14,17 @@ pub struct Place {
     pub length: usize,
     /// Whether the formula has several lines.
     pub is_one_of_several_lines: bool,
-    /// The line, or the part of a long line around the place.
+    /// Line around the position, shortened if it is long.
     excerpt: String,
-    /// Number of characters of the excerpt before the place.
+    /// Number of characters of the excerpt before the position.
     before: usize,
 }
 
-/// Number of characters of a long line shown on either side of a place.
+/// Number of characters of a long line that are shown on either side of a position.
 const MARGIN: usize = 60;
 
 impl Place {
-    /// Computes the place of a range of bytes.
+    /// Computes the position of a range of bytes.
     pub(crate) fn of(text: &str, range: Range<usize>) -> Self {
         let (start, end) = (range.start, range.end);
         let line_start = text[..start].rfind('\n').map_or(0, |at| at + 1);
@@ -53,7 +53,7 @@ impl Place {
         }
     }
 
-    /// Returns the line of the formula with a caret under the place; two lines of text.
+    /// Returns the line of the formula with a caret under the position, as two lines of text.
     pub fn marked(&self) -> String {
         format!(
             "    {}\n    {}{}",

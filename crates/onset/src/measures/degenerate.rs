@@ -4,7 +4,7 @@ use crate::algebra::Complex;
 use crate::verdict::Displacements;
 use nalgebra::SVector;
 
-/// Returns the most symmetric mode of the space that degenerate modes span. An eigenvalue solver returns an arbitrary basis of this space.
+/// Returns the most symmetric mode in the space spanned by degenerate modes. An eigenvalue solver returns an arbitrary basis of this space.
 ///
 /// The mode is the projection of the simplest wave that retains at least half of its squared norm. The waves are tried in this order: all particles
 /// move along the wave vector, particles of a cell move relative to each other along it, and both motions along each axis. If the space is invariant

@@ -45,7 +45,7 @@ pub fn dispersion_errors<const D: usize>(
 /// Relative error of the long-wavelength moduli in the reference configuration.
 ///
 /// It is the largest component of the difference between the long-wave stiffness of discretization and material (both symmetrized as they act on
-/// waves), over the largest component of the material stiffness.
+/// waves), divided by the largest component of the material stiffness.
 ///
 /// # Errors
 /// [`MethodError`] when the material cannot be evaluated.

@@ -23,7 +23,7 @@ pub struct Fidelity {
     pub suppressed_instability: f64,
     /// Fraction of states with a stable method that has zero-energy modes.
     pub zero_energy: f64,
-    /// Fraction of states where the law is defined and the method is not, for example because of too few neighbors.
+    /// Fraction of states in which the method is undefined, for example because of too few neighbors, although the law is defined.
     pub undefined: f64,
     /// Fraction of states outside the domain of the law.
     pub outside_law: f64,

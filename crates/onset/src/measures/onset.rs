@@ -95,9 +95,9 @@ impl Load {
 pub enum StretchOnset {
     /// The reference state is unstable.
     AtRest,
-    /// Stability is lost at this stretch; 1 if any strain is enough.
+    /// Stability is lost at this stretch; 1 if any strain is sufficient.
     At(f64),
-    /// Stability is kept up to this stretch, the last one evaluated.
+    /// Stability is retained up to this stretch, the last stretch evaluated.
     NotBefore(f64),
     /// The method or the law is not defined from this stretch on.
     Undefined(f64),
@@ -130,7 +130,7 @@ impl OnsetPair {
     /// Ratio of the onset strains `s - 1`, method over material.
     ///
     /// It is one for a faithful method, and less than one for a method that is falsely unstable. If neither loses stability, or both lose it without
-    /// strain, it is one; if only one of them does, NaN. For a method that is unstable in the reference state it is zero.
+    /// strain, it is one; if only one of them loses stability, it is NaN. For a method that is unstable in the reference state it is zero.
     pub fn ratio(&self) -> f64 {
         match (self.material, self.method) {
             (StretchOnset::At(material), StretchOnset::At(method)) if material != 1.0 => {

@@ -7,7 +7,7 @@ use crate::method::MethodError;
 use crate::verdict::{Bottom, Slowest, Survey, WeakestSearch};
 use nalgebra::SVector;
 
-/// Largest distance of equal wave vectors, in units of the reciprocal vectors.
+/// Largest distance between wave vectors that count as equal, in units of the reciprocal vectors.
 const WAVE_VECTOR_TOLERANCE: f64 = 1e-4;
 
 /// Spurious mode of the reference configuration: a zero-energy or weakly controlled mode.
@@ -17,10 +17,10 @@ pub struct SpuriousMode<const D: usize> {
     pub wave_vector: SVector<f64, D>,
     /// Wave vector of the material wave; 1/length.
     ///
-    /// The modes of a cell with several particles determine it up to reciprocal vectors. It is then the wave vector of the longest wave with a large
-    /// amplitude in the mode.
+    /// The modes of a cell with several particles determine it only up to reciprocal vectors. It is then the wave vector of the longest wave with a
+    /// large amplitude in the mode.
     pub wave: SVector<f64, D>,
-    /// Frequency over the frequency of the slowest material wave with the wave vector `wave`; zero for a zero-energy mode.
+    /// Frequency divided by the frequency of the slowest material wave with the wave vector `wave`; zero for a zero-energy mode.
     pub relative_frequency: f64,
     /// Number of independent zero-energy modes at this wave vector, without translations. Their displacements strain no point, for any material.
     pub nullity: usize,
@@ -28,7 +28,7 @@ pub struct SpuriousMode<const D: usize> {
     pub extent: Extent,
     /// Displacement of each particle of the cell at the origin, in the mode with the lowest frequency.
     ///
-    /// For degenerate modes it is the most symmetric one, along the wave vector if they contain such a wave.
+    /// Among degenerate modes, the most symmetric mode is given, which is along the wave vector if they contain such a wave.
     pub displacements: Vec<SVector<Complex, D>>,
 }
 
@@ -44,7 +44,7 @@ impl<const D: usize> SpuriousMode<D> {
 pub struct SpuriousModes<const D: usize> {
     /// Spurious modes: zero-energy modes, single wave vectors before lines and surfaces, then weakly controlled modes by frequency.
     ///
-    /// Only one of `k` and `-k` is listed, and one wave vector of each line or surface.
+    /// Only one of `k` and `-k`, and only one wave vector of each line or surface, is listed.
     pub modes: Vec<SpuriousMode<D>>,
     /// Largest extent of a set of zero-energy modes; `None` without zero-energy modes.
     pub zero_extent: Option<Extent>,
@@ -53,7 +53,7 @@ pub struct SpuriousModes<const D: usize> {
     pub is_complete: bool,
     /// Lowest relative frequency in the zone, long waves included: 0 with zero-energy modes, 1 if no wave is slower than in the material.
     ///
-    /// `None` if the slowest waves of the material have frequency zero, as shear waves of fluids.
+    /// `None` if the slowest waves of the material have frequency zero, like shear waves of fluids.
     pub weakest: Option<f64>,
 }
 

@@ -80,9 +80,9 @@ impl<const D: usize> Method<D> {
         })
     }
 
-    /// Returns the configuration with one of each pair of points that inversion exchanges, with the volume of both.
+    /// Returns the configuration with one of each pair of points that inversion exchanges, with the volume of both points.
     ///
-    /// If some point has no opposite, all points are returned. The second value is true for halves.
+    /// If a point has no opposite, all points are returned. The second value is true if only halves are returned.
     pub(crate) fn configuration_of_halves(
         &self,
         f: &DeformationGradient,

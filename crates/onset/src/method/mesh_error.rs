@@ -55,7 +55,7 @@ pub enum MeshError {
     Massless {
         /// Number of the node in the cell.
         site: usize,
-        /// Lumped mass over the mass of the cell; dimensionless.
+        /// Lumped mass divided by the mass of the cell; dimensionless.
         share: f64,
     },
 }

@@ -23,15 +23,16 @@ use nalgebra::SVector;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// Largest admissible number of neighbors of a quadrature point. The cost grows with its square, and methods in use have far fewer.
+/// Largest admissible number of neighbors of a quadrature point. The cost grows with the square of this number, and common methods have far fewer
+/// neighbors.
 pub const MAXIMUM_NEIGHBORS: usize = 400;
-/// Largest admissible number of particles in a cell; the matrices of one wave would otherwise fill the memory.
+/// Largest admissible number of particles in a cell; beyond it the matrices of one wave would fill the memory.
 const MAXIMUM_PARTICLES: f64 = 1e3;
 /// Admissible spacings. Their powers in volumes and in second derivatives of weights neither overflow nor underflow.
 const SPACINGS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 /// Largest admissible lattice coordinate.
 const COORDINATES: f64 = 1e6;
-/// Lattice sites that may be examined for each admissible neighbor.
+/// Largest number of lattice sites that may be examined for each admissible neighbor.
 const MAX_SITES_PER_NEIGHBOR: f64 = 25.0;
 /// Largest sum of gradients, times the support radius, that is zero to rounding.
 const TRANSLATION: f64 = 1e-9;
@@ -77,7 +78,7 @@ pub enum Background {
 pub enum CurrentLattice {
     /// Deformed positions `F X` of the particles.
     Convected,
-    /// Reference positions with the stress of `F` (the paper's "letting the current configuration be the reference configuration").
+    /// Reference positions, with the stress of `F` (the paper's "letting the current configuration be the reference configuration").
     Regular,
 }
 
@@ -157,11 +158,11 @@ pub struct KernelMethodChoices {
     pub lattice: LatticeKind,
     /// Rectangular lattice: ratio of the second to the first side.
     pub aspect: f64,
-    /// Oblique and triclinic lattices: components of the primitive vectors in units of the spacing, vector by vector.
+    /// Oblique and triclinic lattices: components of the primitive vectors in units of the spacing, one vector after the other.
     pub vectors: Vec<f64>,
     /// Lattice coordinates of the particles of a cell other than the particle at the origin, particle by particle. They replace the basis of the lattice.
     pub basis: Vec<f64>,
-    /// Cells along each primitive vector that form a supercell, so that their particles can differ.
+    /// Number of cells along each primitive vector that form a supercell, whose particles can differ.
     pub cells: u32,
     /// Largest random offset of a particle along each axis, in units of the spacing.
     pub perturbation: f64,
@@ -229,17 +230,17 @@ impl Default for KernelMethodChoices {
 /// Error in the setup of a method or in its evaluation in a state.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum MethodError {
-    /// A setting is outside of its admissible range.
+    /// A setting is outside its admissible range.
     #[error("discretization.{name} is {value:?}; expected {expected}")]
     Setting {
         /// Name of the setting.
         name: &'static str,
         /// Value of the setting.
         value: f64,
-        /// Admissible values, in words.
+        /// Description of the admissible values.
         expected: &'static str,
     },
-    /// Two choices exclude each other.
+    /// Two choices are incompatible.
     #[error("{choice} is not supported with {other}; {hint}")]
     Incompatible {
         /// One of the two choices.
@@ -343,7 +344,7 @@ pub enum MethodError {
         /// Number of particles in the cell.
         particles: usize,
     },
-    /// The equations of a linearization are not the derivative of forces.
+    /// The equations of a linearization are not derivatives of forces.
     #[error(
         "the linearization `{linearization}` is not the derivative of the forces of particles: it omits part of their motion, or moves \
          stress points with the plane wave itself; choose discretization.linearization = \"exact\""
@@ -477,8 +478,8 @@ impl MethodError {
 }
 
 impl KernelMethodChoices {
-    /// Bravais lattice in the basis used for computations, with this basis. Given primitive vectors are reduced to shortest vectors, so that results
-    /// do not depend on the basis that describes the lattice.
+    /// Bravais lattice in the basis used for computations, with this basis. Given primitive vectors are reduced to the shortest vectors, so that
+    /// results do not depend on the basis in which the lattice is given.
     fn lattice<const D: usize>(&self) -> Result<(BravaisLattice<D>, Reduced<D>), MethodError> {
         let given = self
             .lattice
@@ -518,8 +519,8 @@ impl KernelMethodChoices {
         })
     }
 
-    /// Returns the described particles in the reference configuration: the lattice with its basis, supercells and offsets. Cells have shortest
-    /// primitive vectors for any given vectors.
+    /// Returns the described particles in the reference configuration: the lattice with its basis, supercells and offsets. Cells have the shortest
+    /// primitive vectors, independent of the given vectors.
     ///
     /// # Errors
     /// [`MethodError`] if a number is out of range, or if particles coincide.
@@ -663,7 +664,7 @@ pub(crate) enum CellKind {
     Described,
 }
 
-/// Particles of a cell, with its quadrature points if a rule or a list gives them.
+/// Particles of a cell, with its quadrature points if they are given by a rule or a list.
 #[derive(Clone, Debug)]
 pub(crate) struct MethodCell<const D: usize> {
     pub(crate) crystal: Crystal<D>,
@@ -677,7 +678,7 @@ pub struct Method<const D: usize> {
     choices: KernelMethodChoices,
     crystal: Crystal<D>,
     points: Vec<QuadraturePoint<D>>,
-    /// One of each pair of points that inversion exchanges, with the volume of both; `None` unless every point has an opposite.
+    /// One of each pair of points that inversion exchanges, with the volume of both points; `None` unless every point has an opposite.
     halves: Option<Vec<QuadraturePoint<D>>>,
     wave_grids: Arc<WaveGrids<D>>,
 }
@@ -843,7 +844,7 @@ impl<const D: usize> Method<D> {
     }
 }
 
-/// Rejects lattice coordinates with too few digits after the decimal point. Coordinates are periodic with the period one.
+/// Rejects lattice coordinates with too few digits after the decimal point. Coordinates are periodic with period one.
 fn assert_near(name: &'static str, coordinates: &[f64]) -> Result<(), MethodError> {
     coordinates.iter().try_for_each(|value| {
         MethodError::require(
@@ -855,7 +856,7 @@ fn assert_near(name: &'static str, coordinates: &[f64]) -> Result<(), MethodErro
     })
 }
 
-/// One of each pair of points that inversion exchanges, with the volume of both.
+/// One of each pair of points that inversion exchanges, with the volume of both points.
 fn halves_of<const D: usize>(points: &[QuadraturePoint<D>]) -> Option<Vec<QuadraturePoint<D>>> {
     let is_lattice_vector = |x: SVector<f64, D>| (x - x.map(f64::round)).amax() < 1e-12;
     let are_opposite = |a: &QuadraturePoint<D>, b: &QuadraturePoint<D>| {

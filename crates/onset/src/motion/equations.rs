@@ -157,7 +157,7 @@ impl<'a, const D: usize> Equations<'a, D> {
     }
 
     /// Work against the forces at zero velocity along the straight path from the homogeneous state to the given displacements. It is the potential
-    /// energy, if the forces have a potential.
+    /// energy if the forces have a potential.
     pub(super) fn work(&self, u: &[SVector<f64, D>]) -> Result<f64, NoForce> {
         let at_rest = vec![SVector::zeros(); u.len()];
         let mut work = 0.0;

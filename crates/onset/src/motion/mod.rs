@@ -4,14 +4,14 @@
 //! the method ([`Discretization::with_forces`]). The waves are computed from the derivatives of these forces.
 //! Forces of the homogeneous state on particles that are not centers of symmetry are subtracted, as dead loads that hold the state.
 //!
-//! Methods that integrate the deformation from velocities take it in a single step from the homogeneous state, with the neighbors of that state.
-//! Kernels in material coordinates have no such limit.
+//! Methods that integrate the deformation from velocities perform a single step from the homogeneous state, with the neighbors of that state. Kernels
+//! in material coordinates have no such limit.
 //!
 //! A [`Stepper`] advances the time. [`PatchWave`]s are the plane waves that fit into the patch, with their rates in discrete time from the
 //! eigenvalues of the amplification matrix of a step.
 //! Prediction and motion therefore share only the forces of the method: one differentiates them, the other adds them up.
 //!
-//! Material points whose velocities pass through a grid once per step move by this step, and their waves are waves of the nodes.
+//! Material points whose velocities pass through a grid once per step use this step, and their waves are waves of the nodes.
 //!
 //! Finite systems with free surfaces and grips are in [body].
 //!

@@ -39,13 +39,13 @@ pub struct PatchState {
 pub struct Quantities {
     /// Kinetic energy `v.M v / 2`; energy (in 2D per unit thickness, in 1D per unit cross-section).
     pub kinetic: f64,
-    /// Work against the forces along the straight path from the homogeneous state: the potential energy, if the forces have a potential.
+    /// Work against the forces along the straight path from the homogeneous state; this is the potential energy if the forces have a potential.
     pub potential: f64,
     /// Linear momentum `sum M v`; mass length/time.
     pub momentum: [f64; 3],
     /// Largest displacement of a particle from the homogeneous state; length.
     ///
-    /// A wave can strain material points with a transfer without moving them. For these the value is at least the displacement of a wave of one
+    /// A wave can strain material points with a transfer without moving them. For such waves the value is at least the displacement of a wave of one
     /// spacing with the same strain.
     pub largest: f64,
 }
@@ -76,8 +76,8 @@ pub trait PatchMotion {
     /// [`Fault`] if forces are undefined.
     fn quantities(&self, stepper: Stepper, step: f64) -> Result<Quantities, Box<Fault>>;
 
-    /// Plane waves that fit into the patch, one of each pair of opposite waves. The first have the wave vector zero; their number is the number of
-    /// degrees of freedom of a cell.
+    /// Plane waves that fit into the patch, one of each pair of opposite waves. The first waves have the wave vector zero; their number is the number
+    /// of degrees of freedom of a cell.
     fn waves(&self) -> &[PatchWave];
 
     /// Largest stable step for these waves; time.

@@ -4,7 +4,7 @@ use crate::algebra::Complex;
 use crate::time_step::{Amplification, Integrator};
 use nalgebra::{DMatrix, Matrix2};
 
-/// First five of the nine steps of Kahan and Li's symmetric composition of order six, `s9odr6a`; the other four mirror them.
+/// First five of the nine steps of Kahan and Li's symmetric composition of order six, `s9odr6a`; the other four steps mirror them.
 ///
 /// Source: Kahan, Li, Math. Comp. 66 (1997) 1089.
 const SIXTH: [f64; 5] = [
@@ -67,7 +67,7 @@ impl Stepper {
         }
     }
 
-    /// Integrator of each of its steps.
+    /// Integrator used for each step.
     pub fn integrator(self) -> Integrator {
         self.integrator
     }

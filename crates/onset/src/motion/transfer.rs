@@ -17,7 +17,8 @@ use crate::time_step::TransferredWaves;
 use nalgebra::{DVector, SMatrix, SVector};
 use std::f64::consts::TAU;
 
-/// Waves of nodes whose amplitude at the points is below this fraction count as invisible, as do waves of points at the nodes.
+/// Waves count as invisible if their amplitude at the points is a smaller fraction of the amplitude at the nodes; also used for waves of points at the
+/// nodes.
 const INVISIBLE_AMPLITUDE: f64 = 1e-9;
 /// Distance in spacings at which a point counts as lost.
 const LOST_DISTANCE: f64 = 1e8;
@@ -84,8 +85,8 @@ impl<'a, const D: usize> TransferredPatch<'a, D> {
         self.nodes.particles().into_iter().map(at).collect()
     }
 
-    /// Interpolation to the points of a wave whose largest displacement is one; `None` if it vanishes at the points. A displacement gradient counts
-    /// as a wave with the wavelength of one spacing, in case only the strain is nonzero.
+    /// Interpolation to the points of a wave whose largest displacement is one; `None` if it vanishes at the points. A displacement gradient is
+    /// converted to a displacement as for a wave of one spacing, in case only the strain is nonzero.
     fn on_points(
         &self,
         wave: &PatchWave,

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, SVector};
 
 /// Rounding error of `omega^2` as a fraction of the largest `omega^2`.
 const OMEGA_SQUARED_ROUNDING: f64 = 1e-10;
-/// Multiple of the rounding error of the sums that also counts as zero, because all waves of a small patch can have zero energy.
+/// Multiple of the rounding error of the sums that also counts as zero, needed because all waves of a small patch can have zero energy.
 const NOISE_FACTOR: f64 = 16.0;
 
 /// Plane wave that fits into a patch.
@@ -23,7 +23,8 @@ pub struct PatchWave {
     pub branch: usize,
     /// Undamped `omega^2`; 1/time^2.
     pub omega_squared: Complex,
-    /// Rate `s` of the solution `exp(s t)`, damping included; 1/time. It is the growing solution, or the solution with positive frequency.
+    /// Rate `s` of the solution `exp(s t)`, including damping; 1/time. It belongs to the growing solution, or to the solution with positive
+    /// frequency.
     pub rate: Complex,
     /// Whether the wave is a zero-energy mode.
     pub has_zero_energy: bool,
@@ -43,7 +44,7 @@ pub struct SteppedWave {
     pub wave: PatchWave,
     /// Amplification factors per step of the two solutions of the wave.
     pub factors: [Complex; 2],
-    /// Whether the second solution decays too fast to be measured, so that only the first is seeded.
+    /// Whether the second solution decays too fast to be measured, in which case only the first is seeded.
     pub is_alone: bool,
     /// Initial displacements and velocities of the particles of a cell, to be multiplied by `exp(i k.X)`.
     pub(super) seed: [DVector<Complex>; 2],
@@ -52,7 +53,7 @@ pub struct SteppedWave {
 }
 
 impl SteppedWave {
-    /// Returns the rates `s` of the two solutions `exp(s t)` as sampled once in `every` steps; 1/time. A solution that rotates by more than half a
+    /// Returns the rates `s` of the two solutions `exp(s t)`, as sampled once in `every` steps; 1/time. A solution that rotates by more than half a
     /// turn between samples is aliased, as in a record.
     pub fn rates(&self, step: f64, every: u32) -> [Complex; 2] {
         self.factors
@@ -68,7 +69,7 @@ fn rotated(omega_squared: Complex) -> Complex {
     }
 }
 
-/// Waves of a patch, one of each pair `k`, `-k`, by increasing numbers of wavelengths. The first ones have the wave vector zero.
+/// Waves of a patch, one of each pair `k`, `-k`, by increasing numbers of wavelengths. The first waves have the wave vector zero.
 pub(super) fn waves_of<const D: usize>(
     system: &WaveSystem<D>,
     patch: &PeriodicPatch<D>,

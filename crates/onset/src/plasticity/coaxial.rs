@@ -16,8 +16,8 @@
 //! `F_jJ F_lL A_iJkL = a_ijkl - (C:P)_ij (Q:C)_kl / (h + Q:C:P)`
 //!
 //! for loading that continues, which has no major symmetry if `P` and `Q` differ (nonassociated flow), and `a_ijkl` for unloading. The response to a
-//! perturbation lies between both. With associated flow the first is R. Hill's linear comparison solid (*J. Mech. Phys. Solids* 6 (1958) 236), and a
-//! state that is stable for it is stable.
+//! perturbation lies between these two tangents. With associated flow the tangent of loading is R. Hill's linear comparison solid (*J. Mech. Phys.
+//! Solids* 6 (1958) 236), and a state that is stable for it is stable.
 
 use super::finite::{SpatialModuli, inverse};
 use super::flow::{Elasticity, Flow, FlowLaw};
@@ -38,7 +38,7 @@ const ACCURACY: f64 = 1e-10;
 const EXHAUSTED: f64 = 1e-3;
 /// Largest excess, in units of the strength, of an elastic state after unloading. It exceeds the error of the integration.
 const YIELD_TOLERANCE: f64 = 1e-8;
-/// Largest number of times that a path unloads.
+/// Largest number of times that a path may unload.
 const MOST_UNLOADINGS: usize = 100;
 
 pub(super) const MU: Parameter = Parameter::new(
@@ -151,7 +151,7 @@ pub(super) fn coaxial<L: FlowLaw + Send + Sync + 'static>(
 struct Reached {
     stress: Vector3<f64>,
     elasticity: Elasticity,
-    /// Flow that continues, and the state that continues the integration; `None` if the state is elastic.
+    /// Continued flow and the state from which the integration continues; `None` if the state is elastic.
     flow: Option<(Flow, Point)>,
 }
 
@@ -174,7 +174,7 @@ fn split(y: &Point) -> (Vector3<f64>, f64, Vector3<f64>) {
     )
 }
 
-/// Reason why a path cannot be followed by flow.
+/// Reason why the flow cannot be followed along a path.
 enum Halt {
     Unloads,
     TurnsBack,
@@ -182,7 +182,7 @@ enum Halt {
 }
 
 impl<L: FlowLaw> Coaxial<L> {
-    /// Follows the path to logarithmic strains along its axes, from its beginning or from a flowing state at a part of it.
+    /// Follows the path to logarithmic strains along its axes, from its beginning or from a flowing state at a fraction of it.
     fn followed(
         &self,
         strain: &Vector3<f64>,
@@ -216,8 +216,8 @@ impl<L: FlowLaw> Coaxial<L> {
         Err(too_many_steps(unloaded.map_or(0.0, |(x, _)| x)))
     }
 
-    /// Follows the elastic part of a path, from its beginning or after unloading, to the yield surface. Returns the place and the state there, or the
-    /// state at the end of the path if it is elastic.
+    /// Follows the elastic part of a path, from its beginning or after unloading, to the yield surface. Returns the path parameter and the state
+    /// there, or the state at the end of the path if it is elastic.
     fn loaded(
         &self,
         strain: &Vector3<f64>,
@@ -351,24 +351,24 @@ impl Reached {
 
 fn outside(reached: f64, halt: &Halt) -> MaterialError {
     MaterialError::OutsideDomain {
-        what: "the part of the path to it that can be followed",
+        what: "the fraction of the path to the state that can be followed",
         value: reached,
         expected: match halt {
-            Halt::Unloads => "there the material unloads".to_owned(),
+            Halt::Unloads => "beyond it the material unloads".to_owned(),
             Halt::TurnsBack => {
-                "there the law softens so fast that the strain does not determine the stress"
+                "beyond it the law softens so fast that the strain does not determine the stress"
                     .to_owned()
             }
-            Halt::Law(error) => format!("there {error}"),
+            Halt::Law(error) => format!("beyond it {error}"),
         },
     }
 }
 
 fn too_many_steps(reached: f64) -> MaterialError {
     MaterialError::OutsideDomain {
-        what: "the part of the path to it that can be followed",
+        what: "the fraction of the path to the state that can be followed",
         value: reached,
-        expected: "there too many short steps are needed".to_owned(),
+        expected: "too many short steps are needed beyond it".to_owned(),
     }
 }
 
@@ -383,7 +383,7 @@ impl<L: FlowLaw + Send + Sync> Hyperelastic for Coaxial<L> {
         reached.response(f, &axes)
     }
 
-    /// Responses along a ray, which is one path: each state is reached from the nearest flowing state before it.
+    /// Responses along a ray, which forms a single path: each state is reached from the nearest preceding flowing state.
     fn along<'a>(&'a self, logarithms: [f64; 3]) -> Box<dyn FnMut(f64) -> Option<Response> + 'a> {
         let direction = Vector3::from(logarithms);
         let mut passed: Vec<(f64, Point)> = Vec::new();

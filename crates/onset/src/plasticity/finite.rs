@@ -121,7 +121,7 @@ impl FiniteUpdate {
         self.pulled_back(&moduli)
     }
 
-    /// Continuum tangent `dP_iJ/dF_kL` of rates: with flow if the step has flowed, elastic otherwise. Units of stress.
+    /// Continuum tangent `dP_iJ/dF_kL` of rates: with flow if the step involves flow, otherwise elastic. Units of stress.
     ///
     /// # Errors
     /// [`PlasticityError::NoDeviator`] at the apex.

@@ -110,7 +110,7 @@ pub trait FlowLaw {
     /// Elasticity before any flow.
     fn elasticity(&self) -> Elasticity;
 
-    /// Elasticity of a state that unloads after a slip. It differs from the initial one if the law loses stiffness.
+    /// Elasticity of a state that unloads after a slip. It differs from the initial elasticity if the law loses stiffness.
     fn unloading(&self, _slip: f64) -> Elasticity {
         self.elasticity()
     }
@@ -123,7 +123,7 @@ pub trait FlowLaw {
         (Vector3::zeros(), Vector3::repeat(1.0))
     }
 
-    /// Number of faces of the yield surface that flow together: more than one at a corner, where the response to a perturbation is not linear.
+    /// Number of faces of the yield surface that flow simultaneously. It exceeds one at a corner, where the response to a perturbation is not linear.
     fn faces(&self, _internal: &Vector3<f64>) -> usize {
         1
     }

@@ -13,7 +13,7 @@ use super::PlasticityError;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Hardening {
-    /// Linear hardening `k = initial + modulus gamma`. With softening the strength is exhausted at zero.
+    /// Linear hardening `k = initial + modulus gamma`. With softening the strength vanishes at a finite slip.
     Linear {
         /// Strength at first yield.
         initial: f64,

@@ -1,8 +1,8 @@
 //! Localization of laws known only by their response to increments, such as user subroutines, along a loading path.
 //!
-//! Neither yield surface nor flow rule of such a law is known. The quantities that [`follow`](super::follow) takes from a [`FlowLaw`](super::FlowLaw)
-//! are computed here from two tangents of a state: for the next small increment along the path, and for the reversed increment, which unloads. Their
-//! difference is the reduction by flow,
+//! Neither yield surface nor flow rule of such a law is known. The quantities that [`follow`](super::follow) obtains from a
+//! [`FlowLaw`](super::FlowLaw) are computed here from two tangents of a state: for the next small increment along the path, and for the reversed
+//! increment, which unloads. Their difference is the reduction by flow,
 //!
 //! `C_e - C_p = (C_e:P)(Q:C_e) / (h + Q:C_e:P)`,
 //!
@@ -41,18 +41,18 @@ const PROBE_SIZE: f64 = 1e-4;
 const ZERO_COMPONENT_FRACTION: f64 = 1e-4;
 /// Largest number of Newton iterations for the lateral strains.
 const ITERATIONS: usize = 40;
-/// The iteration has converged at smaller corrections of the strains, in units of the strain of first yield.
+/// Largest correction of the strains, in units of the strain of first yield, at which the iteration has converged.
 const STRAIN_TOLERANCE: f64 = 1e-11;
 /// Largest admissible lateral stresses, in units of the elastic moduli times the strain of first yield, if the corrections do not converge.
 const STRESS_TOLERANCE: f64 = 1e-6;
-/// Halvings of the increment in which a criterion is first violated.
+/// Number of halvings of the increment in which a criterion is first violated.
 const HALVINGS: usize = 36;
 
 /// Follows a loading of an incremental law, from the confined state through first yield, and finds where it localizes.
 ///
-/// About `increments` increments are taken up to the plastic shear strain of the loading, shorter ones near first yield. The path is known only
-/// through the response to them, so its error decreases with their number. The plastic shear strain is computed from the flow that the tangents
-/// imply.
+/// About `increments` increments are computed up to the plastic shear strain of the loading, with shorter increments near first yield. The path is
+/// known only through the response to them, so its error decreases with their number. The plastic shear strain is computed from the flow that the
+/// tangents imply.
 ///
 /// # Errors
 /// The errors of [`follow`](super::follow), [`PlasticityError::Law`] if the law fails before it flows, and [`PlasticityError::NotAlongAxes`] or
@@ -427,7 +427,7 @@ impl Answer {
     }
 }
 
-/// Checks that a tangent couples neither shear with normal strains nor one shear with another.
+/// Checks that a tangent couples neither shears with normal strains nor different shears with each other.
 fn is_along_axes(tangent: &FourthOrder) -> Result<(), PlasticityError> {
     let (mut largest, mut other) = (0.0_f64, 0.0_f64);
     for n in 0..81 {

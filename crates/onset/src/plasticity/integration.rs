@@ -7,7 +7,8 @@ const SHORTEST_STEP: f64 = 1e-12;
 
 /// Largest number of steps of an integration.
 const MOST_STEPS: usize = 20_000;
-/// Number of steps after which their length is compared with what remains: an integration whose steps become ever shorter is given up early.
+/// Number of steps after which their length is compared with the remaining interval, so that an integration whose steps become ever shorter is
+/// abandoned early.
 const BLOCK: usize = 500;
 
 /// Reason why an integration did not reach its end, and the last state `y(x)`.
@@ -87,7 +88,7 @@ pub(super) fn integrate<const N: usize, E>(
     Err(Stopped { why, y, x })
 }
 
-/// Takes one step from a state with known rates. Returns the new state, an estimate of its error, and the new rates.
+/// Performs one step from a state with known rates. Returns the new state, an estimate of its error, and the new rates.
 fn dormand_prince<const N: usize, E>(
     y: &SVector<f64, N>,
     begun: &SVector<f64, N>,
@@ -166,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pendulum_returns() {
+    fn the_integration_of_a_pendulum_returns_to_the_initial_state() {
         let rates = |y: &SVector<f64, 2>, _: f64| Ok(SVector::from([y[1], -y[0]]));
         let end = ended([0.0, 1.0], 2.0 * std::f64::consts::PI, rates);
         let end = end.unwrap_or_else(|_| panic!("the end is reached"));
@@ -187,9 +188,9 @@ mod tests {
         assert!((stopped.x - 1.0).abs() < 2e-6, "{}", stopped.x);
     }
 
-    /// Steps become shorter as `exp(-x)`: the end is out of reach long before the largest number of steps.
+    /// Steps become shorter like `exp(-x)`: the end is out of reach long before the largest number of steps.
     #[test]
-    fn a_path_of_ever_shorter_steps_is_given_up_early() {
+    fn an_integration_with_ever_shorter_steps_is_abandoned_early() {
         let count = Cell::new(0);
         let rates = |y: &SVector<f64, 1>, x: f64| {
             count.set(count.get() + 1);

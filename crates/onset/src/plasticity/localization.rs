@@ -229,9 +229,9 @@ impl RateModuli {
 }
 
 impl BandKind {
-    /// A band with a smaller sine counts as free of shear.
+    /// Largest sine of the angle at which a band counts as free of shear.
     const SHEAR_FREE_SINE: f64 = 1e-6;
-    /// A band with a smaller cosine counts as of constant thickness. Laws with isochoric flow leave an elastic remainder.
+    /// Largest cosine of the angle at which a band counts as having constant thickness. Laws with isochoric flow leave an elastic remainder.
     const CONSTANT_THICKNESS_COSINE: f64 = 0.01;
 
     fn of(normal: &Vector3<f64>, polarization: &Vector3<f64>) -> Self {

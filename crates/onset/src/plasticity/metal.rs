@@ -8,7 +8,7 @@
 //! reaches the flow stress `sigma_y(e)`, and `dF_p/dt F_p^-1 = N de/dt` with the normal `N = dphi/dM`, without plastic spin. With equal strain ratios
 //! `phi` is the von Mises stress, and the law is J2.
 //!
-//! A state `F = R U` is reached along `R U^t`, `0 <= t <= 1`, which is also the path of Abaqus user materials here. For J2 the strains keep their
+//! A state `F = R U` is reached along `R U^t`, `0 <= t <= 1`, which is also the path used for Abaqus user materials. For J2 the strains keep their
 //! direction, and the flow follows from one step in closed form. For other strain ratios the rates are integrated.
 //!
 //! **Tangent.** Let `w(F, e) = W(F F_p^-1 exp(-e N))` be the elastic energy at a flow `e` that follows the state. Then `P = dw/dF`, and the work
@@ -18,8 +18,8 @@
 //! `A = w_FF - w_Fe (x) w_Fe / (w_ee + dsigma_y/de)`,
 //!
 //! which is symmetric. It is the tangent of R. Hill's linear comparison solid (*J. Mech. Phys. Solids* 6 (1958) 236). A perturbation that unloads
-//! meets a stiffer material, so a state that is stable for this tangent is stable. A loss of stability requires perturbations that continue loading
-//! everywhere, as growing waves under a growing load do.
+//! meets a stiffer material, so a state that is stable for this tangent is stable. A loss of stability requires perturbations for which loading
+//! continues everywhere, as for growing waves under a growing load.
 
 use super::integration::{Stop, Stopped, integrate};
 use super::spectral::Spectral;
@@ -206,7 +206,7 @@ struct Metal {
     flow_stress: FlowStress,
     hill: Hill,
     is_isotropic: bool,
-    /// Material axes, as columns.
+    /// Returns true if the principal axes of a symmetric tensor are the fixed axes, to the last digit.
     frame: Matrix3<f64>,
 }
 
@@ -246,7 +246,7 @@ fn metal(p: &[f64], ratios: [f64; 3], degrees: f64) -> Made {
     }))
 }
 
-/// Returns true if the principal axes of a symmetric tensor are the fixed axes, to the last digit.
+/// Material axes, as columns.
 fn is_diagonal(tensor: &Matrix3<f64>) -> bool {
     [(0, 1), (0, 2), (1, 2)]
         .into_iter()
@@ -256,7 +256,7 @@ fn is_diagonal(tensor: &Matrix3<f64>) -> bool {
 /// Error for a state that a metal cannot reach.
 fn no_path<const N: usize>(stopped: Stopped<N, ()>) -> MaterialError {
     MaterialError::OutsideDomain {
-        what: "the path to the state",
+        what: "the fraction of the path that must be followed",
         value: 1.0,
         expected: match stopped.why {
             Stop::Rates(()) => {
@@ -339,7 +339,9 @@ impl Metal {
         Err(MaterialError::OutsideDomain {
             what: "the flow stress",
             value,
-            expected: format!("softening has exhausted it at the plastic strain {slip:?}"),
+            expected: format!(
+                "softening has reduced it to zero before the plastic strain {slip:?}"
+            ),
         })
     }
 

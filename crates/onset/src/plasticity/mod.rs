@@ -62,8 +62,7 @@ use thiserror::Error;
 
 /// Named laws in rate form: laws with plastic flow or damage, and hypoelastic laws.
 ///
-/// The stress is that at the end of the path `R U^t`, `0 <= t <= 1`, to a state `F = R U`, and the tangent belongs to loading that continues from
-/// there.
+/// The stress belongs to the end of the path `R U^t`, `0 <= t <= 1`, to a state `F = R U`, and the tangent to loading that continues from there.
 ///
 /// ```
 /// use onset::kinematics::DeformationGradient;
@@ -101,9 +100,9 @@ const LIBRARY: &[Law] = &[
     hypoelastic::GREEN_NAGHDI,
 ];
 
-/// A law for increments that unload: its stress, and the tangent of unloading where the law flows.
+/// Law for increments that unload: its stress, and the tangent of unloading if the law flows.
 ///
-/// A disturbance of a flowing state loads in some places and unloads in others. The tangents of both bound its response.
+/// A disturbance of a flowing state loads in some regions and unloads in others. The tangents of loading and unloading bound its response.
 pub struct Unloading(pub Arc<dyn Hyperelastic>);
 
 impl Hyperelastic for Unloading {
@@ -144,7 +143,7 @@ pub enum PlasticityError {
         name: &'static str,
         /// Value of the parameter.
         value: f64,
-        /// Admissible range in words.
+        /// Description of the admissible range.
         expected: &'static str,
     },
     /// The law softens so fast that the strain does not determine the stress.
@@ -218,12 +217,12 @@ pub enum PlasticityError {
          yield surface"
     )]
     SeveralMechanisms,
-    /// Loading and unloading have equal tangents.
+    /// Loading and unloading have the same tangent.
     #[error("the law does not flow: its loading and unloading tangents are the same")]
     Unloads,
-    /// The law flows from the first increment on.
+    /// The law already flows in the first small increment.
     #[error(
-        "the law flows from the first small increment on; expected an elastic range with an unloading tangent"
+        "the law flows plastically from the first increment; expected an elastic range with an unloading tangent"
     )]
     NoElasticRange,
     /// The lateral stresses cannot be kept constant.

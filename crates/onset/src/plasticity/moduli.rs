@@ -7,8 +7,8 @@ use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 /// Rate moduli of a flowing state in its principal axes, `L = a - A B^T / (h + Q:C:P)`, `A = C:P`, `B = Q:C`.
 ///
-/// Only the elastic part `a` depends on stress and elastic strain (at finite strain). The rank-one part is equal at small and at finite strain. The
-/// acoustic tensor in the direction `n` is `q(n) = q_e(n) - (A n)(B n)^T / (h + Q:C:P)`. All are in units of stress; at finite strain per unit of
+/// Only the elastic part `a` depends on stress and elastic strain (at finite strain). The rank-one part is the same at small and at finite strain.
+/// The acoustic tensor in the direction `n` is `q(n) = q_e(n) - (A n)(B n)^T / (h + Q:C:P)`. All are in units of stress; at finite strain per unit of
 /// reference volume (Kirchhoff stress).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RateModuli {
@@ -118,7 +118,7 @@ impl RateModuli {
         }
     }
 
-    /// Moduli of a sheet normal to the third principal axis, whose surfaces stay stress-free while the thickness adapts.
+    /// Moduli of a sheet normal to the third principal axis, whose surfaces remain stress-free while the thickness adapts.
     ///
     /// They determine bands across the whole sheet (localized necks). Only directions within the sheet are admitted.
     pub fn in_sheet(&self) -> Self {

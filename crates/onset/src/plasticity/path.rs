@@ -124,11 +124,11 @@ pub enum End {
     Slip,
     /// The strength is exhausted.
     Exhausted,
-    /// The prescribed strain would have to decrease (snap-back): under strain control no homogeneous state follows.
+    /// The prescribed strain would have to decrease (snap-back); under strain control no homogeneous state follows.
     TurnsBack,
     /// The stress deviator vanishes.
     Apex,
-    /// The intermediate principal stress reaches the largest or the smallest one, and another face of the yield surface would flow.
+    /// The intermediate principal stress becomes equal to the largest or the smallest one, and another face of the yield surface would flow.
     Corner,
     /// The elastic strains have become too large for the elastic part of the law.
     ElasticNotElliptic,
@@ -138,7 +138,7 @@ pub enum End {
     Law,
     /// No lateral strains were found that keep the lateral stresses constant.
     NoBalance,
-    /// The incremental law stops flowing: loading and unloading have equal tangents.
+    /// The incremental law stops flowing: loading and unloading have the same tangent.
     Unloads,
     /// The reduction of the elastic tangent by flow is not of rank one.
     SeveralMechanisms,
@@ -165,7 +165,7 @@ impl End {
 /// Result of following a loading path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Localization {
-    /// States from first yield on.
+    /// States of the path, starting at first yield.
     pub points: Vec<PathPoint>,
     /// First state at which ellipticity is lost, `h <= h_cr`. `None` if it is kept.
     pub onset: Option<PathPoint>,

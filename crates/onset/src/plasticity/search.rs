@@ -1,8 +1,8 @@
 //! Largest critical modulus over all directions, with a bound.
 //!
-//! In principal axes the critical modulus depends on the direction `n` only through `x_i = n_i^2`, a point of the triangle `x_i >= 0`,
-//! `x1 + x2 + x3 = 1`, where it is a quotient of cubic polynomials. Parts of the triangle are discarded by bounds from Bernstein coefficients, the
-//! others are bisected, and the best point is refined by Newton's method.
+//! In principal axes the critical modulus depends on the direction `n` only through `x_i = n_i^2`, a point of the triangle `x_i >= 0`, `x1 + x2 + x3
+//! = 1`, where it is a quotient of cubic polynomials. Parts of the triangle are discarded by bounds from Bernstein coefficients, the remaining parts
+//! are bisected, and the best point is refined by Newton's method.
 
 use super::cubic::Cubic;
 use super::{Criterion, PlasticityError, RateModuli};
@@ -29,7 +29,7 @@ struct Quotients {
     pure: [Cubic; 2],
 }
 
-/// Largest value found, with its place and an upper bound of all values.
+/// Largest value found, with its position and an upper bound of all values.
 pub(super) struct Largest {
     pub(super) point: Vector3<f64>,
     pub(super) value: f64,

@@ -269,7 +269,7 @@ fn split(y: &Point) -> (Vector3<f64>, Vector3<f64>) {
     )
 }
 
-/// Bisects an interval for the end of the part, from its start, in which a predicate holds. Returns the first number beyond it.
+/// Bisects an interval for the end of the initial part in which a predicate holds. Returns the first number beyond it.
 pub(super) fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..200 {
         let middle = 0.5 * (low + high);

@@ -4,7 +4,7 @@ use crate::algebra::array_of;
 use crate::lattice::{BravaisLattice, determinant};
 use nalgebra::{SMatrix, SVector};
 
-/// Corners closer to a bisector than this, in units of the lattice size, lie on it.
+/// Largest distance from a bisector, in units of the lattice size, of corners that lie on it.
 const PLANE_TOLERANCE: f64 = 1e-10;
 
 /// Returns the second moments `M_jl`, integrals of `x_j x_l` over the Voronoi cell around a lattice point; length^(D+2).

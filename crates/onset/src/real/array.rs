@@ -2,8 +2,8 @@
 
 /// Array of the values of a function of the index, with at least one element.
 ///
-/// Unlike `std::array::from_fn` it needs no cleanup if a later value panics, because the values are `Copy`. This cleanup is most of the compiled code
-/// of the standard function and prevents inlining.
+/// Unlike `std::array::from_fn` it needs no cleanup if a later value panics, because the values are `Copy`. This cleanup accounts for most of the
+/// compiled code of the standard function and prevents inlining.
 #[inline(always)]
 pub(crate) fn array_of<T: Copy, const N: usize>(mut value: impl FnMut(usize) -> T) -> [T; N] {
     let mut all = [value(0); N];

@@ -43,7 +43,7 @@ impl<const N: usize, R: Real> Work for Combined<'_, N, R> {
 }
 
 impl<const N: usize, R: Real> Dual<N, R> {
-    /// Number with vanishing derivatives.
+    /// Number with zero derivatives.
     #[inline(always)]
     pub(crate) fn fixed(value: R) -> Self {
         Self {

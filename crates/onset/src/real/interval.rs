@@ -4,7 +4,7 @@ use super::{Real, Side};
 use std::f64::consts::FRAC_1_PI;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Results of `exp`, `ln`, `sin`, `cos`, `sinh`, `cosh`, `tanh` and `powf` are widened by this number of units in the last place. The mathematical
+/// Widening, in units in the last place, of the results of `exp`, `ln`, `sin`, `cos`, `sinh`, `cosh`, `tanh` and `powf`. The mathematical
 /// libraries in use (glibc, musl, the Rust port of musl, the libraries of Apple and Microsoft) state errors of at most two units.
 const LIBRARY_ULPS: u32 = 4;
 
@@ -339,7 +339,7 @@ impl Real for Interval {
     fn constant(value: f64) -> Self {
         Self::point(value)
     }
-    /// Midpoint of the interval. A law must branch with [`Real::switch`], which takes both branches if the interval does not decide.
+    /// Midpoint of the interval. A law must branch with [`Real::switch`], which evaluates both branches if the interval does not decide.
     fn value(self) -> f64 {
         self.midpoint()
     }

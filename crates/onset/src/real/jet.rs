@@ -28,7 +28,7 @@ pub struct Jet<const N: usize, R = f64> {
 }
 
 impl<const N: usize, R: Real> Jet<N, R> {
-    /// Number with vanishing derivatives.
+    /// Number with zero derivatives.
     pub(crate) fn fixed(value: R) -> Self {
         let zero = R::constant(0.0);
         Self {

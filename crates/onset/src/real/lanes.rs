@@ -8,7 +8,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// Number of parallel numbers.
 pub const LANES: usize = 8;
 
-/// Numbers that fill the widest vector registers. All operations act lane by lane and give the result of the individual number in each lane.
+/// Numbers that fill the widest vector registers. All operations act lane by lane; each lane has the result of the scalar operation.
 ///
 /// ```
 /// use onset::real::{Lanes, Real};
@@ -41,10 +41,10 @@ impl Lanes {
         Self(lanes)
     }
 
-    /// Loads the numbers from a place on; lanes beyond the end are filled with `beyond`.
+    /// Loads the numbers starting at an index; lanes beyond the end are filled with `beyond`.
     #[inline(always)]
     pub(crate) fn at(numbers: &[f64], place: usize, beyond: f64) -> Self {
-        // Select a place rather than numbers, which would pass through memory.
+        // Select an index rather than numbers, which would pass through memory.
         let partly;
         Self::of(match numbers.get(place..place.wrapping_add(LANES)) {
             Some(own) => own,

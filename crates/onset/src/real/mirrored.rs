@@ -7,8 +7,8 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// Function of `F_11`, `F_22`, `F_12` and `F_21` with definite parity in `F_12`, `F_21`, with its first and second derivatives at `F_12 = F_21 = 0`.
 ///
 /// A change of sign of `F_12` and `F_21` mirrors body and space together. Quantities that vanish by this symmetry are not computed: the value and the
-/// first derivatives of one parity, and all second derivatives that mix parities. A function without definite parity is [`Mirrored::Neither`], so the
-/// result is never wrong.
+/// first derivatives of one parity, and all second derivatives that mix parities. A function without definite parity is [`Mirrored::Neither`], so
+/// that the result is never wrong.
 ///
 /// ```
 /// use onset::real::{Mirrored, Real};

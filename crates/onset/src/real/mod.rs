@@ -26,7 +26,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub enum Side {
     /// The value is below the threshold.
     Below,
-    /// Equal to the threshold, or more.
+    /// The value equals or exceeds the threshold.
     Above,
 }
 
@@ -42,7 +42,7 @@ pub trait Work {
 /// Number type for the evaluation of energies.
 ///
 /// A branch in a law (for example between tension and compression) must use [`Real::switch`], which selects one formula for the value and for its
-/// derivatives, and takes both if an interval does not decide.
+/// derivatives, and evaluates both if an interval does not decide.
 pub trait Real:
     Copy
     + Debug
@@ -62,7 +62,7 @@ pub trait Real:
     /// Floating-point value without derivatives.
     fn value(self) -> f64;
 
-    /// Floating-point number without derivatives; `None` for an interval and for lanes that differ, which represent many numbers.
+    /// Floating-point number without derivatives; `None` for an interval and for lanes with different values, which represent several numbers.
     fn number(self) -> Option<f64> {
         Some(self.value())
     }
@@ -72,7 +72,7 @@ pub trait Real:
         None
     }
 
-    /// Side of the number relative to a threshold; `None` if an interval contains numbers of both sides, and for NaN.
+    /// Side of the number relative to a threshold; `None` if an interval contains numbers on both sides, and for NaN.
     #[inline]
     fn side(self, threshold: f64) -> Option<Side> {
         let value = self.value();

@@ -49,8 +49,8 @@ impl MethodChoices {
         }
     }
 
-    /// Returns the discretization, reduced to the primitive cell of its particles and quadrature points.
-    /// Results therefore do not depend on the cell in which the method is described.
+    /// Returns the discretization, reduced to the primitive cell of its particles and quadrature points. Results therefore do not depend on the
+    /// choice of the cell.
     ///
     /// ```
     /// use onset::method::KernelMethodChoices;
@@ -211,7 +211,7 @@ fn kernel<const D: usize>(
     Ok(Box::new(KernelScheme::new(crystal, quadrature, kernel)?))
 }
 
-/// Quadrature points of a cell with several particles, unless a rule or a list gives them: the particles and the centers of the Delaunay cells.
+/// Quadrature points of a cell with several particles, unless given by a rule or a list: the particles and the centers of the Delaunay cells.
 fn quadrature<const D: usize>(
     choices: &KernelMethodChoices,
     crystal: &Crystal<D>,

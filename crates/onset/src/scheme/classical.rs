@@ -124,7 +124,7 @@ impl<const D: usize> Discretization<D> for Method<D> {
         Ok(Some(waves.iter().map(of_wave).collect()))
     }
 
-    /// The block is of the forces of [`KernelScheme`], which are defined for the imposed background, without expansion of the strain, and not for
+    /// The block uses the forces of [`KernelScheme`], which are defined for the imposed background, without expansion of the strain, and not for
     /// undisplaced particles.
     fn on_block(
         &self,

@@ -62,7 +62,7 @@ impl<const D: usize> LagrangianPoint<D> {
         self.along.as_deref().unwrap_or(&self.gradients)
     }
 
-    /// Second particle loaded by a point with two forces; `None` if the forces follow the gradients.
+    /// Second particle of a point that exerts two forces; `None` if the forces follow the gradients.
     pub(super) fn far_end(&self) -> Option<&Particle<D>> {
         let along = self.along.as_ref()?;
         let others = self.particles.iter().zip(along).skip(1);

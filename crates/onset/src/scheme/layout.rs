@@ -34,7 +34,7 @@ pub(crate) struct Weighed<R, const D: usize> {
 pub(crate) struct Measured<R, const D: usize> {
     /// Direction of the gradient, `C x`; 1/length.
     pub(crate) slant: [R; D],
-    /// Squared distance `q^2` over the squared support radius.
+    /// Squared distance `q^2`, relative to the squared support radius.
     pub(crate) squared: R,
 }
 
@@ -278,7 +278,7 @@ mod tests {
     use crate::real::{LANES, Lanes};
     use nalgebra::SMatrix;
 
-    /// Checks several vectors from the center to beyond the rim, with some on each side of the thresholds of the kernels, or all on one side.
+    /// Tests several vectors from the center to beyond the rim, with vectors on both sides of the thresholds of the kernels, or all on one side.
     fn assert_weights<const D: usize>(kernel: Kernel) {
         let mut sheared = SMatrix::<f64, D, D>::identity() * 1.1;
         sheared[(0, D - 1)] += 0.2;

@@ -11,12 +11,12 @@ use nalgebra::SMatrix;
 /// Number of derivatives computed in one pass.
 const LANES: usize = 8;
 
-/// Linearized forces of a discretization: minus the derivatives of the forces with respect to the motion of the particles.
+/// Linearized forces of a discretization: negative derivatives of the forces with respect to the motion of the particles.
 #[derive(Clone, Debug)]
 pub struct Forced<const D: usize> {
-    /// Stiffness: minus the derivatives with respect to the displacements.
+    /// Stiffness: negative derivatives with respect to the displacements.
     pub stiffness: BlochBlocks<D>,
-    /// Damping: minus the derivatives with respect to the velocities.
+    /// Damping: negative derivatives with respect to the velocities.
     pub damping: BlochBlocks<D>,
     /// Whether a force depends on velocities.
     pub is_viscous: bool,
@@ -80,7 +80,7 @@ pub fn linearized<'i, I: Interaction<D> + 'i, const D: usize>(
     forced.waves(crystal, mass)
 }
 
-/// Adds minus the derivatives of the forces of an interaction with respect to displacements or velocities.
+/// Adds the negative derivatives of the forces of an interaction with respect to displacements or velocities.
 pub(super) fn differentiated<I: Interaction<D> + ?Sized, const D: usize>(
     interaction: &I,
     by_velocity: bool,
@@ -99,7 +99,8 @@ pub(super) fn differentiated<I: Interaction<D> + ?Sized, const D: usize>(
     sums.finish();
 }
 
-/// Calls `take` with minus the derivative of the force on each particle of an interaction with respect to the displacement or velocity of each particle.
+/// Calls `take` with the negative derivative of the force on each particle of an interaction with respect to the displacement or velocity of each
+/// particle.
 ///
 /// The particles have the displacements `at` and no velocities. The arguments are the numbers of both particles and the block.
 pub(super) fn derivatives<I: Interaction<D> + ?Sized, const D: usize>(

@@ -87,19 +87,19 @@ pub trait Interaction<const D: usize> {
         false
     }
 
-    /// Adds minus the derivatives of the forces with respect to the displacements. The default differentiates [`Interaction::forces`]; an interaction may replace
-    /// it by the faster chain rule.
+    /// Adds the negative derivatives of the forces with respect to the displacements. The default differentiates [`Interaction::forces`]; an
+    /// interaction may replace it by the faster chain rule.
     fn add_stiffness(&self, blocks: &mut BlochBlocks<D>) {
         linearized::differentiated(self, false, blocks);
     }
 }
 
-/// Waves caused by the quantities that particles carry along, with positions held fixed.
+/// Waves caused by the quantities that particles carry, with positions held fixed.
 #[derive(Clone, Debug)]
 pub struct CarriedWaves<const D: usize> {
     /// Waves of all carried quantities.
     pub all: WaveSystem<D>,
-    /// Part that follows the density; `None` if no carried quantity does.
+    /// Part that follows the density; `None` if no carried quantity follows it.
     pub density: Option<WaveSystem<D>>,
 }
 
@@ -129,7 +129,7 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         f: &DeformationGradient,
     ) -> Result<WaveSystem<D>, MethodError>;
 
-    /// Strain operator in the reference configuration: the strains of a displacement and the forms that the control of zero-energy modes resists. It
+    /// Strain operator in the reference configuration: the strains of a displacement, and the forms that the control of zero-energy modes resists. It
     /// is independent of the material.
     ///
     /// # Errors
@@ -170,8 +170,9 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         forces.map_err(|none| none.source.unwrap_or(MethodError::NotFinite))
     }
 
-    /// Mean number of particles that contribute directly to the force on one particle in the reference configuration, the particle itself included. For
-    /// kernel methods and material points: number of pairs of a point and a particle or node in its support, per particle or node. A measure of cost.
+    /// Mean number of particles that contribute directly to the force on one particle in the reference configuration, including the particle itself.
+    /// For kernel methods and material points: number of pairs of a point and a particle or node in its support, per particle or node. A measure of
+    /// cost.
     fn neighbors(&self) -> f64;
 
     /// Returns the waves of a state by a faster method than [`waves`](Self::waves), with the zone of their wave vectors: closed-form force constants
@@ -201,7 +202,7 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
 
     /// Returns the squared ratio of the discrete to the exact gradient norm of each wave, `sum_q V_q |B_q|^2 / (V0 |k|^2)`, if the method defines it.
     ///
-    /// `k` is in the coordinates of the kernel. A wave is given by a wave vector, or as the long-wave limit along one.
+    /// The wave vector `k` is in the coordinates of the kernel. A wave is given by a wave vector, or as the long-wave limit along a wave vector.
     ///
     /// # Errors
     /// [`MethodError`] if the discretization cannot be evaluated there.
@@ -213,12 +214,12 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         Ok(None)
     }
 
-    /// Returns the part of the waves of a state that is caused by the quantities that particles carry along.
+    /// Returns the part of the waves of a state that is caused by the quantities that particles carry.
     ///
     /// Deformation gradients and densities follow the wave while positions are held. A law in rate form has a stress that is integrated in time and a
-    /// pressure that follows the density; in other laws the whole stress follows one of the two.
-    /// Codes that integrate stress or density in time compute this part from velocities and the remaining part from positions, which differ in
-    /// discrete time; see [`Stepping`](crate::time_step::Stepping). `None` if the method does not separate the two parts.
+    /// pressure that follows the density; in other laws the whole stress follows one of these two quantities. Codes that integrate stress or density
+    /// in time compute this part from velocities and the remaining part from positions, which differ in discrete time; see
+    /// [`Stepping`](crate::time_step::Stepping). `None` if the method does not separate the two parts.
     ///
     /// # Errors
     /// [`MethodError`] if the discretization or the material cannot be evaluated there.

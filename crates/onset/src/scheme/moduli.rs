@@ -1,4 +1,4 @@
-//! Isotropic moduli of a material, for methods that use nothing else of the law.
+//! Isotropic moduli of a material, for methods that use no other property of the law.
 
 use crate::kinematics::DeformationGradient;
 use crate::material::{FourthOrder, Hyperelastic, MaterialError};

@@ -20,7 +20,7 @@ pub trait PairLaw<const D: usize>: Send + Sync {
     /// Returns true if gradients are corrected to be exact for linear fields.
     fn is_corrected(&self) -> bool;
 
-    /// Lengths added to the current length of a bond in the two factors of its square, under the force of the penalty. `None` without a penalty.
+    /// Offsets in the force of the penalty, added to the current length of a bond in the two factors of its square. `None` without a penalty.
     fn penalty_offsets(&self) -> Option<[f64; 2]>;
 
     /// Reference density; mass per reference volume.

@@ -1,8 +1,8 @@
 //! Bounds for finite bodies from their parts, which are elements or material points.
 //!
-//! A finite body is a sum of parts, each with its stiffness and its share of the masses: `K = sum K_e`, `M = sum M_e`. So
-//! `u.K u / u.M u` is at most the largest of `u.K_e u / u.M_e u`, and no eigenvalue of `M^-1 K` has a larger real part than the largest
-//! eigenvalue of `M_e^-1 (K_e + K_e^T)/2`, for any composition of the body and any supports. A body of a single part attains the bound.
+//! A finite body is a sum of parts, each with its stiffness and its share of the masses: `K = sum K_e`, `M = sum M_e`. Therefore `u.K u / u.M u` is
+//! at most the largest of `u.K_e u / u.M_e u`, and no eigenvalue of `M^-1 K` has a larger real part than the largest eigenvalue of `M_e^-1 (K_e +
+//! K_e^T)/2`, for any composition of the body and any supports. A body of a single part attains the bound.
 
 use super::Interaction;
 use super::linearized::derivatives;
@@ -19,14 +19,15 @@ pub enum FiniteBodies {
         /// Bound of the damping rate.
         damping: f64,
     },
-    /// The body is the infinite lattice without some positive semidefinite interactions, so that its frequencies do not exceed the lattice's.
+    /// The body is the infinite lattice without some positive semidefinite interactions, so that its frequencies do not exceed the frequencies of the
+    /// lattice.
     Lattice,
 }
 
 /// Element or material point with its masses.
 pub(super) struct Part<const D: usize> {
     particles: Vec<Particle<D>>,
-    /// Mass matrix `M_ab`, equal for all directions; mass.
+    /// Mass matrix `M_ab`, the same in all directions; mass.
     mass: DMatrix<f64>,
     stiffness: DMatrix<f64>,
     damping: DMatrix<f64>,

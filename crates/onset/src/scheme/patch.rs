@@ -10,7 +10,7 @@ use nalgebra::{SMatrix, SVector};
 
 /// Periodic patch of `cells` cells along each primitive vector.
 ///
-/// Its particles are numbered cell by cell, the first coordinate running fastest, and within each cell in the order of the sites.
+/// Its particles are numbered cell by cell, the first coordinate varying fastest, and within each cell in the order of the sites.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PeriodicPatch<const D: usize> {
     cells: [usize; D],
@@ -79,8 +79,9 @@ pub trait PatchForces<const D: usize> {
         velocities: &[SVector<f64, D>],
     ) -> Result<Vec<SVector<f64, D>>, NoForce>;
 
-    /// Calls `take` with blocks of the tangent at the given displacements, without velocities: minus the derivative of the force on the first particle with
-    /// respect to the displacement of the second. The tangent is the sum of all blocks. Returns false if the forces have no derivatives.
+    /// Calls `take` with blocks of the tangent at the given displacements, without velocities: the negative derivative of the force on the first
+    /// particle with respect to the displacement of the second. The tangent is the sum of all blocks. Returns false if the forces have no
+    /// derivatives.
     fn tangent(
         &self,
         _displacements: &[SVector<f64, D>],
@@ -95,7 +96,7 @@ pub trait PatchForces<const D: usize> {
     }
 }
 
-/// State of points in motion, in the order of the cells and of the places in a cell.
+/// State of points in motion, in the order of the cells and of the points in a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointsInMotion<const D: usize> {
     /// Displacements from the homogeneous state, in the current configuration; length.

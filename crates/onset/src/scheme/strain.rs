@@ -3,7 +3,7 @@
 use crate::lattice::Particle;
 use nalgebra::SVector;
 
-/// Strains at the quadrature points of a cell and the quantities that a control of zero-energy modes resists, as linear forms of the displacements.
+/// Strains at the quadrature points of a cell, and the quantities that a control of zero-energy modes resists, as linear forms of the displacements.
 ///
 /// The forms depend only on the geometry. They determine the forces and the energy in the reference configuration for any law, and a displacement for
 /// which all of them vanish is a zero-energy mode.

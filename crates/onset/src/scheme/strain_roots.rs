@@ -6,19 +6,19 @@ use crate::cancel::checkpoint;
 use nalgebra::{DMatrix, DMatrixView, DVector, SVector};
 use std::borrow::Cow;
 
-/// Singular values below this are zero to rounding at a root. The slope of `R` is at most one particle spacing.
+/// Largest singular value that is zero to rounding at a root. The slope of `R` is at most one particle spacing.
 const ROOT_SINGULAR_VALUE: f64 = 1e-11;
-/// Singular values below this are zero at a root whose wave vector is accurate only to the square root of the rounding error.
+/// Largest singular value that counts as zero at a root whose wave vector is accurate only to the square root of the rounding error.
 const ROUGH_ROOT_SINGULAR_VALUE: f64 = 1e-7;
-/// Largest ratio of strain to size of a wave at which a search has come close to a root.
+/// Largest ratio of strain to size of a wave at which a search is considered close to a root.
 const ROOT_STRAIN_RATIO: f64 = 1e-3;
-/// Distance over which the root is then computed, relative to the wave number.
+/// Distance within which the root is then computed, relative to the wave number.
 const ROOT_DISTANCE_RATIO: f64 = 1e-2;
-/// First and smallest step toward `k = 0` from a wave of a line of zero-energy modes to a shorter one, relative to the wave number.
+/// First and smallest step toward `k = 0` from a wave of a line of zero-energy modes to a shorter wave vector, relative to the wave number.
 const INWARD_STEPS: [f64; 2] = [0.2, 1e-6];
 /// Largest number of these steps.
 const MAXIMUM_INWARD_STEPS: usize = 400;
-/// Relative difference of wave numbers above rounding.
+/// Smallest relative difference of wave numbers that is not a rounding error.
 const WAVE_NUMBER_TOLERANCE: f64 = 1e-13;
 /// Largest number of Newton steps. Double roots converge slowest: each step halves the distance.
 const MAXIMUM_NEWTON_STEPS: usize = 60;
@@ -77,7 +77,7 @@ impl Singular {
         matrix - answered
     }
 
-    /// Preimages of this basis under the matrix, one per column: the remaining right singular vectors over their singular values.
+    /// Preimages of this basis under the matrix, one per column: the remaining right singular vectors divided by their singular values.
     pub(crate) fn origins(&self, count: usize) -> DMatrix<Complex> {
         let n = self.right.ncols() - count;
         let mut origins = self.right.columns(0, n).into_owned();
@@ -89,7 +89,7 @@ impl Singular {
 }
 
 impl<const D: usize> StrainRows<D> {
-    /// Returns true if an exactly known wave vector has a zero-energy mode. Translations at `k = 0` do not count.
+    /// Returns true if an exactly known wave vector has a zero-energy mode. Translations at `k = 0` are excluded.
     pub(crate) fn has_zero_mode_at(&self, k: &SVector<f64, D>) -> bool {
         let nullity = Singular::of(self.at(k)).map_or(0, |singular| match k.norm() > 0.0 {
             true => singular.below(ROOT_SINGULAR_VALUE),

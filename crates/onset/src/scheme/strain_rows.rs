@@ -238,13 +238,13 @@ impl<const D: usize> StrainRows<D> {
 
     /// Returns true if the box `center + sum t_i edge_i`, `|t_i| <= 1`, is proved to contain no zero-energy mode.
     ///
-    /// In the box `R = R_0 + S(t) + E`, with the derivatives `S(t) = sum t_i S_i` at the center and a bound `e` of the remainder, `|E| <= e`.
-    /// A mode with `R u = 0` has `|R_0 u|^2 + Re u* R_0* (S + E) u = 0`. With `R_0* R_0 >= T* T` no mode exists if
-    /// `|H(t)| + e |T^-1| < 1`, where `H` is the Hermitian part of `T^-* R_0* S T^-1`, because `|Re u* R_0* E u| <= e |T^-1| |R_0 u|^2`.
-    /// The norm is convex in `t` and largest at a corner. Strains are measured relative to themselves: a wave with small strains matters only by the
-    /// change of these strains, and rotations of a strain do not count.
+    /// In the box `R = R_0 + S(t) + E`, with the derivatives `S(t) = sum t_i S_i` at the center and a bound `e` of the remainder, `|E| <= e`. A mode
+    /// with `R u = 0` has `|R_0 u|^2 + Re u* R_0* (S + E) u = 0`. With `R_0* R_0 >= T* T` no mode exists if `|H(t)| + e |T^-1| < 1`, where `H` is the
+    /// Hermitian part of `T^-* R_0* S T^-1`, because `|Re u* R_0* E u| <= e |T^-1| |R_0 u|^2`. The norm is convex in `t` and largest at a corner.
+    /// Strains are measured relative to themselves: a wave with small strains contributes only through the change of these strains, and rotations of
+    /// a strain are ignored.
     ///
-    /// If this test fails, the second derivatives along the edges are taken out of `E` and measured in the same way, which leaves a remainder of
+    /// If this test fails, the second derivatives along the edges are separated from `E` and measured in the same way, which leaves a remainder of
     /// third order. Strains of soft waves also have small second derivatives.
     pub(crate) fn is_regular(
         &self,

@@ -15,7 +15,7 @@ const UNDAMPED_TOLERANCE: f64 = 1e-10;
 const STEPS_TO_BOUND: usize = 24;
 const STEP_GROWTH: f64 = 1.05;
 const MAX_RAY_LENGTH: f64 = 1e4;
-/// Halvings of the interval that contains the loss of stability, and the number of halvings until a first stable step must be found.
+/// Number of halvings of the interval that contains the loss of stability, and number of halvings within which a first stable step must be found.
 const HALVINGS: usize = 28;
 const MAX_STEP_HALVINGS: usize = 40;
 
@@ -190,7 +190,7 @@ impl DampedWave {
         }
     }
 
-    /// Excess over one of the largest modulus that must be bounded: each growing solution of the linearized equations permits one larger modulus.
+    /// Excess over one of the largest modulus that must be bounded; each growing solution of the linearized equations permits one larger modulus.
     /// [`DampedWave::rounding`] is subtracted, so that zero is the limit.
     fn excess(&self, step: f64) -> f64 {
         let rounding = self.rounding();
@@ -303,8 +303,8 @@ pub fn undamped_time_step(integrator: Integrator, largest_frequency: f64) -> f64
 
 /// Returns the largest stable step of an integrator at a state: the minimum over the zone. Time.
 ///
-/// At an unstable state only the waves that do not grow count. The result is infinite if nothing oscillates, and zero if no step is stable. Without
-/// damping the largest frequency over the zone determines the step. With damping the search minimizes the step over all waves.
+/// In an unstable state only the waves that do not grow are considered. The result is infinite if nothing oscillates, and zero if no step is stable.
+/// Without damping the largest frequency over the zone determines the step. With damping the search minimizes the step over all waves.
 pub fn critical_time_step<const D: usize>(
     system: &WaveSystem<D>,
     integrator: Integrator,

@@ -1,4 +1,4 @@
-//! Implicit integrators: steps with a positive definite matrix of Newton's method, and long steps that hide growth.
+//! Implicit integrators: steps with a positive definite matrix of Newton's method, and long steps that mask growth.
 
 /// Implicit integrators, each with one choice of its parameters.
 ///
@@ -82,7 +82,7 @@ impl ImplicitIntegrator {
 
     /// Largest step for which Newton's matrix of a state with a given lowest `omega^2` (1/time^2) is positive definite, `sqrt(c / -omega^2)`. Time.
     ///
-    /// It is infinite if no `omega^2` is negative. Static solvers have no mass term, so that their matrix is positive definite in this case only.
+    /// It is infinite if no `omega^2` is negative. Static solvers have no mass term, so that their matrix is positive definite only in this case.
     pub fn largest_definite_step(self, lowest_omega_squared: f64) -> f64 {
         match lowest_omega_squared < 0.0 {
             true => (self.inertia() / -lowest_omega_squared).sqrt(),
@@ -90,7 +90,7 @@ impl ImplicitIntegrator {
         }
     }
 
-    /// Largest step for which a solution that grows at a rate `s` (1/time) grows in discrete time too. Time; infinite if it grows for every step.
+    /// Largest step for which a solution that grows at a rate `s` (1/time) also grows in discrete time. Time; infinite if it grows for every step.
     ///
     /// At this step the amplification factor is -1. For backward Euler, `(1 - s dt)^-1`, it is `2/s`.
     pub fn largest_growing_step(self, growth_rate: f64) -> f64 {

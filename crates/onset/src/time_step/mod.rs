@@ -130,7 +130,7 @@ impl Integrator {
         self.stages().map(|stages| stages.rows())
     }
 
-    /// Largest `omega dt` for which an undamped oscillation stays bounded; zero if none does.
+    /// Largest `omega dt` for which an undamped oscillation remains bounded; zero if it never does.
     pub fn undamped_reach(self) -> f64 {
         self.stages().map_or(2.0, |stages| {
             runge_kutta::reach(&stages.polynomial(), Complex::i())

@@ -2,13 +2,13 @@
 
 use crate::algebra::Complex;
 
-/// Coefficients of `|P|^2 - 1` below this fraction of their terms are rounding of the coefficients of the method.
+/// Largest coefficient of `|P|^2 - 1`, relative to its terms, that is due to rounding of the coefficients of the method.
 const COEFFICIENT_ROUNDING: f64 = 1e-12;
 /// Spacing of the points along a ray at which `|P|` is evaluated before its first excess is refined.
 const RESOLUTION: f64 = 0.02;
 /// Upper limit of the search along a ray. No method in use is stable beyond it.
 const MAX_RAY_LENGTH: f64 = 100.0;
-/// Halvings of the interval that contains the loss of stability.
+/// Number of halvings of the interval that contains the loss of stability.
 const HALVINGS: usize = 50;
 
 /// Coefficients of a method in the form of its publication.

@@ -5,10 +5,10 @@ use nalgebra::DMatrix;
 
 /// Time-stepping scheme of a particle code: the quantities that follow positions or velocities, and the times at which these are evaluated.
 ///
-/// The waves of a state satisfy `dv/dt = -D u - C v`, `D = X + S + R`. The part `X` of the forces follows the positions `x`. The parts `S` and `R` follow
-/// stress and density, which particles carry along, and whose displacements `s` and `r` the code integrates from separate velocities. In continuous
-/// time both equal `x + const`. In discrete time they do not, and an initial difference persists as a constant. With velocities `h` at half steps,
-/// `a = -X x - S s - R r - C h` and the step `dt`:
+/// The waves of a state satisfy `dv/dt = -D u - C v`, `D = X + S + R`. The part `X` of the forces follows the positions `x`. The parts `S` and `R`
+/// follow stress and density, which particles carry and whose displacements `s` and `r` the code integrates from separate velocities. In continuous
+/// time both equal `x + const`. In discrete time they do not, and an initial difference persists as a constant. With velocities `h` at half steps, `a
+/// = -X x - S s - R r - C h` and the step `dt`:
 ///
 /// | stepping | a step |
 /// |---|---|
@@ -138,10 +138,11 @@ impl Stepping {
         }
     }
 
-    /// Weights of the parts `X`, `S` and `R` of [`WaveParts`] in the matrix whose largest eigenvalue `w^2` limits the step: at `w^2 dt^2 = 4` a solution
-    /// alternates from step to step (`z = -1`).
+    /// Weights of the parts `X`, `S` and `R` of [`WaveParts`] in the matrix whose largest eigenvalue `w^2` limits the step: at `w^2 dt^2 = 4` a
+    /// solution alternates from step to step (`z = -1`).
     ///
-    /// With `h' = -h`, `a = -2 h/dt` and `x = dt h/2` the table of [`Stepping`] gives `s = dt h` for velocities extrapolated to the end of the step, and `r = -dt h` for velocities of the previous step. A late acceleration has no such solution. It amplifies every oscillation.
+    /// With `h' = -h`, `a = -2 h/dt` and `x = dt h/2` the table of [`Stepping`] gives `s = dt h` for velocities extrapolated to the end of the step,
+    /// and `r = -dt h` for velocities of the previous step. A late acceleration has no such solution. It amplifies every oscillation.
     pub fn weights(self) -> [f64; 3] {
         match self {
             Self::VelocityVerlet | Self::LateAcceleration => [1.0, 1.0, 1.0],
@@ -150,7 +151,8 @@ impl Stepping {
         }
     }
 
-    /// Largest stable step for the largest eigenvalue `squared` of the matrix with these [weights](Self::weights) (1/time^2) and damping (1/time); time.
+    /// Largest stable step for the largest eigenvalue `squared` of the matrix with these [weights](Self::weights) (1/time^2) and damping (1/time);
+    /// time.
     ///
     /// For a late acceleration it is the step at which a wave grows by one percent of its frequency, `(omega dt)^3 = 0.04`.
     pub fn critical_step(self, squared: f64, damping: f64) -> f64 {
@@ -198,7 +200,7 @@ impl Stepping {
             }
             Self::LateDensity => {
                 let later = dt + half;
-                // Minus the acceleration times a factor, by the columns x, s, r.
+                // Negative acceleration times a factor, by the columns x, s, r.
                 let pushed = |factor: Complex| [x, s, r].map(|part| -(part * factor));
                 let [x_h, s_h, r_h] = pushed(dt);
                 let [x_e, s_e, r_e] = pushed(later);
@@ -284,7 +286,7 @@ mod tests {
         }
     }
 
-    /// Rate closest to a given one.
+    /// Rate closest to a given rate.
     fn near(rates: &[Complex], expected: Complex) -> Complex {
         let apart = |z: &Complex| (z - expected).norm();
         let nearest = rates.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));

@@ -84,7 +84,7 @@ fn extrapolated(older: Knot, near: Knot, far: Knot) -> Knot {
 
 /// Next point to evaluate, by regula falsi.
 ///
-/// The point is moved towards the middle by at least `least`, so that both ends of the bracket close in on the change, and by as much as `budget`
+/// The point is moved toward the middle by at least `least`, so that both ends of the bracket approach the change, and by as much as `budget`
 /// requires.
 fn interpolated(left: Knot, right: Knot, start: f64, least: f64, budget: f64) -> f64 {
     let middle = 0.5 * (left.0 + right.0);

@@ -177,7 +177,7 @@ impl<const D: usize> WeakestMode<D> {
 
 /// Squared wave speed `c^2` of the scaled measures, length^2/time^2.
 ///
-/// It is the largest acoustic eigenvalue of the material in the reference state over the reference density.
+/// It is the largest acoustic eigenvalue of the material in the reference state, divided by the reference density.
 ///
 /// # Errors
 /// [`MaterialError`] when the response of the material in the reference state is not finite, or its largest acoustic eigenvalue is not positive.

@@ -9,9 +9,10 @@ use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use thiserror::Error;
 
-/// Number of intervals in which a path is sampled. Dips of the stability measure within an interval are followed even if both ends are in one phase.
+/// Number of intervals in which a path is sampled. Local minima of the stability measure within an interval are followed even if both ends are in the
+/// same phase.
 const INTERVALS: usize = 256;
-/// Number of halvings of the first and the last interval towards the ends of the path.
+/// Number of halvings of the first and the last interval toward the ends of the path.
 const HALVINGS: i32 = 24;
 /// Length of the bracket of a crossing, in path parameters.
 const CROSSING_BRACKET: f64 = 1e-15;
@@ -32,8 +33,8 @@ pub struct Crossing {
 }
 
 impl Crossing {
-    /// Parameter in the unstable phase, at which the critical mode can be evaluated. If neither phase or both are unstable, it is the parameter
-    /// `behind`.
+    /// Parameter in the unstable phase, at which the critical mode can be evaluated. If neither phase or both phases are unstable, it is the
+    /// parameter `behind`.
     pub fn witness(&self) -> f64 {
         if self.from.is_unstable() && !self.to.is_unstable() {
             self.before
@@ -91,7 +92,7 @@ impl PathScan {
 /// Error at a state of a path.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum PathError {
-    /// The path leaves the admissible deformations.
+    /// The path leaves the set of admissible deformations.
     #[error("the path leaves the admissible deformations at s = {parameter}: {source}")]
     Kinematics {
         /// Path parameter of the state.
@@ -160,7 +161,7 @@ fn scan_states(
 
 /// Parameters at which a path is sampled.
 ///
-/// They are equidistant, with a geometric refinement towards both ends: on a long path stability often changes near an end.
+/// They are equidistant, with a geometric refinement toward both ends, because on a long path stability often changes near an end.
 fn parameters() -> Vec<f64> {
     let equal = (0..=INTERVALS).map(|n| n as f64 / INTERVALS as f64);
     let near: Vec<f64> = (1..=HALVINGS)
@@ -212,8 +213,7 @@ fn scan(probe: &impl Fn(f64) -> Result<Probe, PathError>) -> Result<PathScan, Pa
     })
 }
 
-/// Searches for the minimum of `sign * measure` in an interval. Returns the first parameter on the way whose phase differs from the phase in the
-/// middle.
+/// Searches for the minimum of `sign * measure` in an interval. Returns the first parameter whose phase differs from the phase in the middle.
 fn change_in_dip(
     probe: &impl Fn(f64) -> Result<Probe, PathError>,
     (own, measure): Probe,

@@ -18,7 +18,7 @@ pub enum Phase {
     Flutter,
     /// Some perturbation diverges: `Re omega^2 < 0`.
     Unstable,
-    /// The method cannot be evaluated, because particles have too few or too many neighbors in the support, or the law is not defined at this state.
+    /// The method cannot be evaluated, because particles have too few or too many neighbors in the support, or the law is not defined in this state.
     Undefined,
 }
 

@@ -28,10 +28,10 @@ use std::sync::{Arc, OnceLock};
 /// Largest scaled measure of a stable state whose softest mode is tested for zero energy: above it, the stress alone cannot provide the stiffness.
 const ZERO_ENERGY_TEST_LIMIT: f64 = 0.05;
 
-/// Squared frequencies below this fraction of the largest one are zero to rounding.
+/// Squared frequencies below this fraction of the largest squared frequency are zero to rounding.
 const ZERO_FREQUENCY_FRACTION: f64 = 1e-13;
 
-/// Verdict on a state with the measures that maps draw.
+/// Verdict on a state with the measures that are drawn in maps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurveyedState<const D: usize> {
     /// Verdict on the state.
@@ -180,7 +180,7 @@ impl<const D: usize> StateWaves<D> {
         }
     }
 
-    /// Returns true if all modes of a wave vector except translations have frequencies above rounding of the largest frequency.
+    /// Returns true if all modes of a wave vector except translations have frequencies that exceed the rounding error of the largest frequency.
     fn resist(&self, k: &SVector<f64, D>, maximum_omega: f64) -> bool {
         let values = self.omega_squared(k).into_iter();
         let mut sizes: Vec<f64> = values.map(|value| value.norm()).collect();
@@ -217,7 +217,7 @@ impl<const D: usize> StateWaves<D> {
 
     /// Like [`Self::spectrum`], except that flutter which grows more slowly than the divergence of a state may be omitted.
     ///
-    /// Flutter of long waves is then omitted too, unless `asks_about_long_waves` requests it.
+    /// Slow flutter of long waves is then also omitted, unless `asks_about_long_waves` requests it.
     fn extremes(&self, asks_about_long_waves: bool) -> Result<SpectrumSummary<D>, MethodError> {
         finite(match self {
             Self::Direct(waves) => waves.search.extremes(&waves.matrix, asks_about_long_waves),
@@ -280,8 +280,8 @@ impl<const D: usize> StateWaves<D> {
 
     /// Returns whether a mode grows, and by divergence or flutter, with a measure whose sign decides stability.
     ///
-    /// For an unstable state it is the measure of a witness. For a stable state the softest mode is returned if its measure is at most `soft`.
-    /// `beside`: witnesses of neighboring states, tried first.
+    /// For an unstable state it is the measure of a witness. For a stable state the softest mode is returned if its measure is at most `soft`. The
+    /// argument `beside` contains witnesses of neighboring states, which are tried first.
     ///
     /// # Errors
     /// [`MethodError::NotFinite`] when frequencies over- or underflow.
@@ -359,8 +359,8 @@ impl<'a, const D: usize> Survey<'a, D> {
 
     /// Prepares the survey for many states, in about 0.05 s.
     ///
-    /// For Lagrangian kernels in the plane, [`Survey::states`] then takes some microseconds per state. Other discretizations need no preparation
-    /// and are returned unchanged.
+    /// For Lagrangian kernels in the plane, [`Survey::states`] then takes a few microseconds per state. Other discretizations need no preparation and
+    /// are returned unchanged.
     ///
     /// ```
     /// use onset::kinematics::DeformationGradient;
@@ -414,8 +414,8 @@ impl<'a, const D: usize> Survey<'a, D> {
         reference.as_ref().map_err(Clone::clone)
     }
 
-    /// Squared wave speed `c^2` of the scaled measures: the largest acoustic eigenvalue of the material in the reference state over the reference
-    /// density. Length^2/time^2.
+    /// Squared wave speed `c^2` of the scaled measures: the largest acoustic eigenvalue of the material in the reference state, divided by the
+    /// reference density. Length^2/time^2.
     pub fn speed_squared(&self) -> f64 {
         self.ground.speed_squared
     }
@@ -563,7 +563,7 @@ impl<'a, const D: usize> Survey<'a, D> {
 
     /// Like [`Survey::judge`], with the witnesses of neighboring states, if known.
     ///
-    /// If one of them is a witness of this state too, the search is skipped.
+    /// If one of them is also a witness of this state, the search is skipped.
     ///
     /// # Errors
     /// As for [`Survey::judge`].
@@ -624,7 +624,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         Ok((phase, judgment.measure))
     }
 
-    /// Returns the verdict on a state and the measures that maps draw, as [`Survey::assess`] finds them.
+    /// Returns the verdict on a state and the measures that are drawn in maps, identical to the results of [`Survey::assess`].
     ///
     /// # Errors
     /// [`MethodError`] when the discretization or the material cannot be evaluated there.
@@ -638,7 +638,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         }
     }
 
-    /// Returns the result of [`Survey::state`] for each state, identical in every digit.
+    /// Returns the result of [`Survey::state`] for each state, identical to the last digit.
     ///
     /// With Lagrangian kernels in the plane it is many times faster than separate calls.
     pub fn states(
@@ -711,7 +711,7 @@ impl<'a, const D: usize> Survey<'a, D> {
 
     /// Returns true if the softest mode of a stable state or a mode of alternating neighbors is a zero-energy mode: a mode without strain.
     ///
-    /// Only the stress of the state can resist such a mode. It can make another wave nearby the softest.
+    /// Only the stress of the state can resist such a mode. It can cause another wave nearby to be the softest.
     fn has_zero_mode(
         &self,
         f: &DeformationGradient,
@@ -802,11 +802,11 @@ impl<'a, const D: usize> Survey<'a, D> {
         strains.as_ref().map_err(Clone::clone)
     }
 
-    /// Returns the weakest wave of the reference configuration: the wave with the lowest frequency relative to the material's slowest wave with the same wave
-    /// vector, zero-energy modes included. `None` if the slowest waves of the material have frequency zero (shear waves of a fluid), or if the law is
-    /// not differentiable in the reference configuration.
+    /// Returns the weakest wave of the reference configuration: the wave with the lowest frequency relative to the material's slowest wave with the
+    /// same wave vector, zero-energy modes included. `None` if the slowest waves of the material have frequency zero (shear waves of a fluid), or if
+    /// the law is not differentiable in the reference configuration.
     ///
-    /// The weakest wave depends on method and law only; it is computed once for all states.
+    /// The weakest wave depends only on method and law; it is computed once for all states.
     pub fn weakest(&self) -> Option<WeakestMode<D>> {
         let searched = || {
             let search = self.weakest_search().ok()?;

@@ -32,12 +32,12 @@ const TIE_TOLERANCE: f64 = 1e-5;
 const DEGENERACY_TOLERANCES: [f64; 2] = [1e-12, 1e-9];
 /// Smallest sum of squared displacements of normalized modes after the translations are subtracted; smaller remainders are zero.
 const REMAINDER_LIMIT: f64 = 0.5;
-/// Relative and absolute tolerance of equal ratios of squared frequencies.
+/// Relative and absolute tolerance for equal ratios of squared frequencies.
 const RATIO_TOLERANCES: [f64; 2] = [1e-6, 1e-12];
 /// Largest squared frequency of a material wave that counts as zero, relative to the squared frequency of the fastest wave with the same wave
 /// vector.
 const ZERO_ENERGY_FRACTION: f64 = 1e-12;
-/// Number of branches computed, and the largest squared frequency of further branches as a fraction of the largest of the material waves. For
+/// Number of branches computed, and the largest squared frequency of additional branches as a fraction of the largest of the material waves. For
 /// nonsymmetric matrices a single eigenvector is as expensive as all eigenvalues.
 const COMPUTED_BRANCHES: (usize, f64) = (24, 0.25);
 
@@ -52,14 +52,14 @@ pub(crate) struct Unfolding<'a, const D: usize> {
     system: &'a WaveSystem<D>,
     density: f64,
     zone: BrillouinZone<D>,
-    /// Reciprocal vectors whose bisectors contain faces of the zone; others only touch it.
+    /// Reciprocal vectors whose bisectors contain faces of the zone; the bisectors of other vectors only touch it.
     faces: Vec<SVector<f64, D>>,
     stiffness: Stiffness<D>,
 }
 
 /// Slowest mode of a wave vector, relative to the wave of the material.
 pub(crate) struct Slowest<const D: usize> {
-    /// Squared frequency over the squared frequency of the material; infinite if no mode can be compared.
+    /// Squared frequency divided by the squared frequency of the material; infinite if no mode can be compared.
     pub(crate) ratio: f64,
     /// Branch of the mode.
     pub(crate) branch: usize,
@@ -102,7 +102,7 @@ pub(super) fn slower<const D: usize>(a: WeakestMode<D>, b: WeakestMode<D>) -> We
     if is_slower { a } else { b }
 }
 
-/// Order of wave vectors, greatest first: shorter wave vectors, then larger first components.
+/// Order of wave vectors: shorter wave vectors come first, then larger first components.
 pub(crate) fn is_first<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> Ordering {
     let [long, other] = [a, b].each(|k| k.norm());
     match (long - other).abs() > TIE_TOLERANCE * long.max(other) {
@@ -251,7 +251,7 @@ impl<'a, const D: usize> Unfolding<'a, D> {
         slowest
     }
 
-    /// Largest difference of equal squared frequencies, relative to the largest.
+    /// Largest difference of squared frequencies that count as equal, relative to the largest.
     fn degenerate(&self) -> f64 {
         DEGENERACY_TOLERANCES[usize::from(!self.system.is_hermitian())]
     }
@@ -358,7 +358,7 @@ impl<'a, const D: usize> Unfolding<'a, D> {
 
     /// Squared frequency of the material for the shortest equivalent of a wave vector in the zone.
     ///
-    /// On the boundary several equivalents have the same length. The fastest of them is used; it gives the smallest ratio.
+    /// On the boundary several equivalents have the same length. The fastest of them is used, which gives the smallest ratio.
     fn longest(&self, k: &SVector<f64, D>) -> f64 {
         let on_face = |g: &&SVector<f64, D>| k.dot(g) >= (0.5 - FACE_TOLERANCE) * g.norm_squared();
         let images = self.zone.bounding_vectors().iter().filter(on_face);
@@ -404,7 +404,7 @@ fn without_translations<const D: usize>(modes: &mut [Displacements<D>]) -> bool 
     rest >= REMAINDER_LIMIT
 }
 
-/// Ratio of a squared frequency to the exact one; infinite if the exact one is zero.
+/// Ratio of a squared frequency to the exact squared frequency; infinite if the latter is zero.
 fn over(found: f64, exact: f64) -> f64 {
     match exact > 0.0 {
         true => found / exact,
@@ -412,7 +412,7 @@ fn over(found: f64, exact: f64) -> f64 {
     }
 }
 
-/// Reciprocal vectors of the faces: the half of each is closer to zero than to any other reciprocal vector.
+/// Reciprocal vectors of the faces: half of each vector is closer to zero than to any other reciprocal vector.
 fn faces_of<const D: usize>(zone: &BrillouinZone<D>) -> Vec<SVector<f64, D>> {
     let all = zone.bounding_vectors();
     let is_face = |g: &&SVector<f64, D>| {

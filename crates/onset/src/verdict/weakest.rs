@@ -1,7 +1,7 @@
 //! Weakest waves: minima of the relative frequency over the zone, in the reference configuration.
 //!
-//! The relative frequency is the frequency of a mode divided by the frequency of the material's slowest wave with the same wave vector. It depends on method
-//! and law only, not on the state.
+//! The relative frequency is the frequency of a mode divided by the frequency of the material's slowest wave with the same wave vector. It depends
+//! only on method and law, not on the state.
 
 use super::{Slowest, Unfolding, WeakestMode};
 use crate::algebra::sort_by_value;
@@ -11,7 +11,7 @@ use crate::scheme::StrainRows;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use std::sync::OnceLock;
 
-/// Grid points along a reciprocal vector: halves, thirds, quarters and their parts are among them, except for the largest cells.
+/// Number of grid points along a reciprocal vector; except for the largest cells they include halves, thirds, quarters and finer fractions.
 const GRID: [usize; 3] = [96, 24, 12];
 /// Smallest number of grid points with several particles in a cell.
 const MIN_GRID: usize = 6;
@@ -52,8 +52,8 @@ impl<const D: usize> WeakestSearch<'_, D> {
         self.unfolding.slowest(k).ratio
     }
 
-    /// Number of grid points along a reciprocal vector. It is smaller for cells with several particles, whose zone is smaller: the density of points
-    /// is similar.
+    /// Number of grid points along a reciprocal vector. It is smaller for cells with several particles, whose zone is smaller, so that the density of
+    /// points is similar.
     pub(crate) fn points(&self) -> usize {
         let mut points = GRID[D - 1];
         let mut sites = self.unfolding.sites();
@@ -91,7 +91,7 @@ impl<const D: usize> WeakestSearch<'_, D> {
         wells
     }
 
-    /// Minima of the relative frequency, the lowest first: the deepest ones, and all whose squared ratio may be below `limit`.
+    /// Minima of the relative frequency, the lowest first: the deepest minima, and all minima whose squared ratio may be below `limit`.
     pub(crate) fn bottoms(&self, limit: f64) -> Vec<Bottom<D>> {
         let steps = self.zone.lattice().reciprocal() / self.points() as f64;
         let alternating = self.alternating.iter().map(|k| Bottom {
@@ -138,8 +138,8 @@ impl<const D: usize> WeakestSearch<'_, D> {
         Some(known(self.zone.folded(&root)))
     }
 
-    /// Bottom of a well in the closed zone. The ratio has kinks where the shortest wave with a wave vector changes, among others on the faces of the
-    /// zone: minima lie between kinks, on one, or where several meet, and each of these sets is searched by itself.
+    /// Bottom of a well in the closed zone. The ratio has kinks where the shortest equivalent wave vector changes, for example on the faces of the
+    /// zone. Minima lie between kinks, on one kink, or where several meet, and each of these sets is searched separately.
     fn bottom(
         &self,
         start: (f64, SVector<f64, D>),
@@ -195,8 +195,8 @@ type Kink<const D: usize> = (SVector<f64, D>, f64);
 
 /// Kinks nearer to a wave than a given distance, the nearest first.
 ///
-/// A wave vector and its image `k - G` have equal lengths on `k.G = |G|^2/2`. Where three of them have equal lengths, a third plane begins, where the
-/// two images have equal lengths: the edges of a corner do not all lie on the faces of one zone.
+/// A wave vector and its image `k - G` have equal lengths on `k.G = |G|^2/2`. Where three of them have equal lengths, a third plane begins, where
+/// the two images have equal lengths: the edges of a corner do not all lie on the faces of one zone.
 fn kinks<const D: usize>(
     wave: &SVector<f64, D>,
     from_others: &[SVector<f64, D>],
@@ -226,7 +226,7 @@ fn kinks<const D: usize>(
 
 /// Intersection of several kinks: its point nearest to a wave vector, and unit tangents.
 ///
-/// `None` if a kink contains the intersection of the others, or if they do not intersect.
+/// Returns `None` if a kink contains the intersection of the others, or if they do not intersect.
 fn stratum<const D: usize>(
     k: &SVector<f64, D>,
     kinks: &[Kink<D>],

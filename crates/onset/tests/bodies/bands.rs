@@ -1,4 +1,4 @@
-//! Shear bands that grow from noise have the direction of lost ellipticity, in methods with little in common.
+//! Shear bands that grow from noise have the direction of lost ellipticity, in methods of different kinds.
 
 use super::choices;
 use onset::analysis::{Analysis, analysis};

@@ -105,7 +105,7 @@ fn undeformed() -> Start {
     }
 }
 
-/// Calls a function with two blocks that move towards each other.
+/// Calls a function with two blocks that move toward each other.
 fn thrown<T>(speed: f64, contact: Option<Contact>, work: impl Fn(&mut dyn BodyMotion) -> T) -> T {
     let grip = |low: f64, high: f64, speed: f64| Grip {
         low: vec![low, -1.0],

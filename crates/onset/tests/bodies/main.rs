@@ -1,4 +1,4 @@
-//! Bodies: the engine against the forces of the method, the continuum, and the conservation laws of mechanics.
+//! Bodies: the engine is compared with the forces of the method, the continuum, and the conservation laws of mechanics.
 
 mod bands;
 mod contact;
@@ -320,7 +320,7 @@ fn energy_error(history: &[BodyQuantities]) -> f64 {
     errors.fold(0.0, f64::max)
 }
 
-/// Checks that the error with half of the step is a quarter.
+/// Checks that halving the step reduces the error to a quarter.
 fn assert_second_order(coarse: f64, fine: f64) {
     let order = (coarse / fine).log2();
     assert!(coarse < 0.02, "{coarse}");
@@ -515,7 +515,7 @@ fn a_resumed_run_of_a_body_is_bitwise_identical() {
     assert_eq!(ends(17), ends(30));
 }
 
-/// Checks that runs on one core and on several end with bitwise equal results.
+/// Checks that runs on one core and on several cores have bitwise equal results.
 #[cfg(feature = "rayon")]
 fn assert_same_on_any_cores(run: impl Fn() -> PatchState + Sync) {
     let on = |threads| {

@@ -1,4 +1,4 @@
-//! Lowest modes of bodies in actual states against numerical derivatives of their forces, and known frequencies and buckling loads.
+//! Lowest modes of bodies in actual states, compared with numerical derivatives of their forces, and with known frequencies and buckling loads.
 
 use super::random::Random;
 use super::updated::{all_choices, disordered};
@@ -263,7 +263,7 @@ fn a_clamped_plate_buckles_at_the_load_of_euler() {
 }
 
 #[test]
-fn rigid_motions_of_free_bodies_are_left_out() {
+fn rigid_motions_of_free_bodies_are_excluded() {
     let particles = grid(9, 6);
     let held = vec![false; particles.len()];
     let (sine, cosine) = 0.7_f64.sin_cos();

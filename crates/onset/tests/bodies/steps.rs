@@ -1,4 +1,4 @@
-//! Critical time steps of bodies against `validation/bodies.json`, computed independently with NumPy and SciPy.
+//! Critical time steps of bodies, compared with `validation/bodies.json`, which was computed independently with NumPy and SciPy.
 
 use super::{block, with};
 use nalgebra::SVector;
@@ -46,7 +46,7 @@ fn numbers(case: &Value, name: &str) -> Option<Vec<f64>> {
     Some(all.iter().filter_map(Value::as_f64).collect())
 }
 
-/// Neo-Hooke with Young's modulus 1.
+/// Neo-Hookean law with Young's modulus 1.
 fn law(nu: f64) -> Box<dyn Hyperelastic> {
     let law = Law::named("neo-hooke").expect("a law");
     let mu = 0.5 / (1.0 + nu);

@@ -1,4 +1,4 @@
-//! Bodies of updated SPH against sums over all pairs, the forces of the method, free motion, and the waves of the method.
+//! Bodies of updated SPH, compared with sums over all pairs, the forces of the method, free motion, and the waves of the method.
 
 use super::random::Random;
 use super::{assert_second_order, at_rest, block, energy_error, law, moving, twice, with};

@@ -1,4 +1,4 @@
-//! Sets with a known boundary, corners, crossings, islands and edges.
+//! Sets with a known boundary, with corners, crossings, islands and edges.
 
 use onset::verdict::boundary::{Boundary, Curve, End, Fineness, Window, trace_boundary};
 use onset::verdict::fidelity::{RayOnset, areas, onset_along};
@@ -11,7 +11,7 @@ const WINDOW: Window = Window {
     high: [2.0, 2.0],
 };
 
-/// Stable where a measure is positive.
+/// Phase that is stable where a measure is positive.
 fn signed(measure: f64) -> Probe {
     let phase = if measure > 0.0 {
         Phase::Stable
@@ -33,7 +33,7 @@ fn trace(probe: impl Fn(f64, f64) -> Probe + Sync) -> Boundary {
     trace_in(WINDOW, probe)
 }
 
-/// Every vertex is a zero of the measure to 1e-10, and the curve starts and ends exactly where it should.
+/// Checks that every vertex is a zero of the measure to 1e-10, and that the curve starts and ends exactly where it should.
 #[track_caller]
 fn assert_on(curve: &Curve, zero: impl Fn(f64, f64) -> f64) {
     for vertex in &curve.vertices {
@@ -96,7 +96,7 @@ fn a_boundary_is_followed_by_its_phases_alone() {
 }
 
 #[test]
-fn the_corners_of_a_turned_square_are_found_to_1e_9() {
+fn the_corners_of_a_rotated_square_are_found_to_1e_9() {
     let (sine, cosine) = 0.3_f64.sin_cos();
     let turned = |x: f64, y: f64| (cosine * x + sine * y, cosine * y - sine * x);
     let measure = |x: f64, y: f64| {
@@ -180,7 +180,7 @@ fn every_component_is_found_exactly_once() {
 }
 
 #[test]
-fn an_annulus_has_two_curves_that_run_against_each_other() {
+fn the_two_curves_of_an_annulus_have_opposite_directions() {
     let boundary = trace(|x, y| signed((x.hypot(y) - 0.5) * (1.0 - x.hypot(y))));
     let mut areas: Vec<f64> = boundary.curves.iter().map(area).collect();
     areas.sort_by(f64::total_cmp);
@@ -353,8 +353,8 @@ fn an_error_of_the_probe_ends_the_tracing() {
     );
 }
 
-/// Chords cut off a little of the enclosed area: between the tips of two sets that nearly coincide, the middle of a strip without
-/// chords may still lie in one of them.
+/// Chords enclose a slightly smaller area than the curve: between the tips of two sets that nearly coincide, the middle of a strip without chords may
+/// still lie in one of them.
 #[test]
 fn nearly_equal_domains_have_small_area_and_distance() {
     for n in 0..12 {

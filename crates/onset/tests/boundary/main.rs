@@ -1,4 +1,4 @@
-//! Boundaries as curves, against sets whose boundary is known.
+//! Boundaries as curves, compared with sets whose boundary is known.
 
 mod analytic;
 mod physical;

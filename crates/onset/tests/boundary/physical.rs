@@ -25,7 +25,7 @@ fn of_material(material: &(dyn Hyperelastic + Sync)) -> impl Fn([f64; 2]) -> Ask
     move |at| probe_material::<2>(material, &state(at)?).map_err(|error| error.to_string())
 }
 
-/// Stable or not, however unstable.
+/// Phase that distinguishes only stable and unstable particles, not the kind of instability.
 fn of_particles<'a>(probe: &'a Survey<'a, 2>) -> impl Fn([f64; 2]) -> Asked + Sync + 'a {
     move |at| {
         let (phase, measure) = probe
@@ -46,7 +46,7 @@ fn trace(window: Window, cells: usize, probe: &(dyn Fn([f64; 2]) -> Asked + Sync
     trace_boundary(window, &fineness, probe).expect("every state can be evaluated")
 }
 
-/// The exact condition changes within a distance of each vertex: across the curve, on both sides.
+/// Checks that the exact condition changes within a distance of each vertex, across the curve on both sides.
 #[track_caller]
 fn assert_sharp(curve: &Curve, within: f64, probe: &dyn Fn([f64; 2]) -> Asked) {
     let points: Vec<[f64; 2]> = curve.points().collect();
@@ -62,7 +62,7 @@ fn assert_sharp(curve: &Curve, within: f64, probe: &dyn Fn([f64; 2]) -> Asked) {
     }
 }
 
-/// Where curves cross the line of equibiaxial stretches.
+/// Intersections of curves with the line of equibiaxial stretches.
 fn equal_stretches(
     boundary: &Boundary,
     probe: &(dyn Fn([f64; 2]) -> Asked + Sync),

@@ -22,8 +22,8 @@ fn blatz_ko_is_elliptic_in_boxes_whose_ends_have_the_ratio_2_plus_sqrt_3() {
     assert_close(widest.high / widest.low, ratio, 1e-10);
 }
 
-/// The laws are polyconvex. Within the range the stiffness against changes of volume exceeds the shear stiffness by many orders of magnitude, and its rounding exceeds the
-/// smallest acoustic eigenvalue.
+/// The laws are polyconvex. Within the range the stiffness against changes of volume exceeds the shear stiffness by many orders of magnitude, and its
+/// rounding error exceeds the smallest acoustic eigenvalue.
 #[test]
 fn rounding_of_a_huge_bulk_stiffness_limits_no_box() {
     let range = |low, high| Range::new(low, high).expect("a range");
@@ -55,8 +55,8 @@ fn rounding_of_a_huge_bulk_stiffness_limits_no_box() {
 }
 
 /// The neo-Hookean law is elliptic while `mu + g(J)/(smallest stretch)^2 > 0`, `g = mu + lambda (1 - ln J)`. At the largest volume of a box all
-/// stretches are `h`. If one stretch is smaller, the volume is smaller and the factor larger: the worst value of `h^2 x` over the smallest stretch `x` limits the
-/// box.
+/// stretches are `h`. If one stretch is smaller, the volume is smaller and the factor larger: the smallest value of `h^2 x` for the smallest stretch
+/// `x` limits the box.
 #[test]
 fn the_elliptic_box_of_neo_hooke_agrees_with_the_closed_form() {
     let (mu, lambda) = (1.0, 3.0);
@@ -113,7 +113,7 @@ fn hencky_is_elliptic_in_the_box_of_bruhns_xiao_and_meyers_and_in_no_larger_one(
     assert_close(nearly_incompressible.high, (1.0_f64 / 3.0).exp(), 1e-6);
 }
 
-/// Random states of a box, including states with stretches at its ends, are elliptic.
+/// Checks that random states of a box, including states with stretches at its ends, are elliptic.
 #[track_caller]
 fn assert_safe(law: &dyn Hyperelastic, safe: &SafeBox, known: &[[f64; 3]]) {
     let (low, high) = (safe.low.ln(), safe.high.ln());

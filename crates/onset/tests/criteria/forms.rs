@@ -18,7 +18,7 @@ fn laws() -> [Box<dyn Hyperelastic>; 3] {
     ]
 }
 
-/// Numbers spread evenly over the unit interval.
+/// Numbers distributed evenly over the unit interval.
 fn spread(n: usize, k: usize) -> f64 {
     let root = [0.754_877_666_2, 0.569_840_291_0, 0.437_150_1][k];
     (0.5 + root * (n + 1) as f64).fract()

@@ -24,8 +24,8 @@ fn kept<'a>(law: &'a dyn Hyperelastic, loading: Loading) -> LoadingPath<'a> {
     LoadingPath::incompressible(law, loading, &Range::default()).expect("a reference")
 }
 
-/// Biot (1963): `eta^3 + eta^2 + 3 eta = 1` with the ratio `eta` of the stretch along the surface to the stretch across it; lambda = 0.444, 0.666 and
-/// 0.544. The volumetric part does not count.
+/// Limit of Biot (1963): `eta^3 + eta^2 + 3 eta = 1` with the ratio `eta` of the stretch along the surface to the stretch across it; lambda = 0.444,
+/// 0.666 and 0.544. The volumetric part has no effect.
 #[test]
 fn neo_hooke_wrinkles_at_biots_limit() {
     let eta = zero(|x| x * x * x + x * x + 3.0 * x - 1.0, 0.1, 0.9);
@@ -319,7 +319,8 @@ fn a_huge_bulk_modulus_is_a_regular_limit() {
     }
 }
 
-/// In shear one stress is a pressure, and rotations lower the energy of dead loads immediately: the rounding of a stiff law does not move this limit.
+/// In shear one stress is a pressure, and rotations lower the energy of dead loads immediately. The rounding of a stiff law does not change this
+/// limit.
 #[test]
 fn a_limit_at_the_reference_configuration_stays_there_at_any_bulk_modulus() {
     for kappa in [1.0, 1e3, 1e5, 1e6, 1e7, 1e8] {
@@ -361,7 +362,7 @@ fn finite_jumps_of_nearly_incompressible_laws_tend_to_the_incompressible_limit()
     }
 }
 
-/// Compares the part of the tangent on volume-preserving increments with a law whose bulk modulus leaves it all digits.
+/// Compares the part of the tangent on volume-preserving increments with a law whose bulk modulus is so small that all digits are retained.
 #[test]
 fn rounding_of_volume_changes_does_not_affect_isochoric_increments() {
     let state = onset::kinematics::DeformationGradient::new([

@@ -97,8 +97,9 @@ fn finite_jumps_lower_the_energy_before_ellipticity_is_lost_in_uniaxial_strain()
     assert!(gained.abs() < 1e-9 * a.norm_squared(), "{gained}");
 }
 
-/// Stretches at which a jump lowers the energy, computed by other means (a search in five variables from random starts, closed forms), with the later loss
-/// of ellipticity. The limit must be as near to the reference configuration, to the five known digits, and interval arithmetic must prove the decrease of energy.
+/// Stretches at which a jump lowers the energy, computed by other means (a search in five variables from random starts, closed forms), with the later
+/// loss of ellipticity. The limit must be at least as near to the reference configuration, to the five known digits, and interval arithmetic must
+/// prove the decrease of energy.
 #[test]
 fn jumps_that_lower_the_energy_before_ellipticity_is_lost_are_found() {
     use Lateral::{Held, PlaneStrain};
@@ -215,7 +216,7 @@ fn oblique_jumps_to_the_largest_stretch_of_the_range_are_found() {
     assert!(event.is_upper_bound && event.tolerance > 1e-14 && event.tolerance < 1e-9);
 }
 
-/// At this state the jump lowers the energy by 12.65, far more than rounding.
+/// At this state the jump lowers the energy by 12.65, much more than rounding.
 #[test]
 fn a_published_jump_is_proved_to_lower_the_energy() {
     let law = library_law("generalized-blatz-ko");
@@ -235,7 +236,7 @@ fn a_published_jump_is_proved_to_lower_the_energy() {
     assert!(!search.proves(&state, &turned));
 }
 
-/// No limit is later than the limit of a brute-force search: random jumps, refined coordinate by coordinate, using energies alone.
+/// No limit is later than the limit of a brute-force search, which refines random jumps coordinate by coordinate and uses only energies.
 #[test]
 fn random_jumps_do_not_lower_the_energy_before_the_limit() {
     let laws = [

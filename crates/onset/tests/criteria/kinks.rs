@@ -40,10 +40,10 @@ fn smooth_laws_have_no_kinks() {
     }
 }
 
-/// Tension-only fibers switch on where their isochoric stretch is 1: in the reference configuration, and in uniaxial strain where
-/// `J^(-2/3) (lambda^2 cos^2 + sin^2) = 1` is satisfied a second time, if the angle permits.
+/// Tension-only fibers become active where their isochoric stretch is 1: in the reference configuration, and in uniaxial strain where `J^(-2/3)
+/// (lambda^2 cos^2 + sin^2) = 1` is satisfied a second time, if the angle permits.
 #[test]
-fn tension_only_fibers_have_kinks_where_they_switch() {
+fn tension_only_fibers_have_kinks_where_they_become_active() {
     let stretches = found(
         "holzapfel-gasser-ogden-switch",
         Mode::Uniaxial,
@@ -67,7 +67,7 @@ fn softening() -> [Formula; 2] {
     .map(|text| Formula::parse(&text).expect("a formula"))
 }
 
-/// Loadings of the softening law; each meets the drop of the stress.
+/// Loadings of the softening law that reach the drop of the stress.
 const LOADINGS: [(Mode, Lateral); 5] = [
     (Mode::Uniaxial, Lateral::Free),
     (Mode::Uniaxial, Lateral::Held),
@@ -86,9 +86,9 @@ fn with_path<T>(
     ask(&LoadingPath::new(law, true, loading, &range).expect("a path"))
 }
 
-/// At a concave kink the stress drops along the loading: increments across it do negative work in every sense that admits them.
+/// At a concave kink the stress drops along the loading: increments across it do negative work in every measure that admits them.
 #[test]
-fn every_criterion_of_increments_is_lost_at_a_concave_kink() {
+fn every_criterion_on_increments_is_lost_at_a_concave_kink() {
     let [law, _] = softening();
     let law = law.with(&[]).expect("no parameters");
     with_path(&law, (Mode::Uniaxial, Lateral::Held), |path| {
@@ -160,7 +160,7 @@ fn a_drop_of_the_stress_in_shear_with_free_faces_is_not_a_step_of_the_energy() {
     }
 }
 
-/// Lowest energy that a jump across the drop gains, by Newton's method for the amplitude on the far side and a search over the normals.
+/// Lowest energy gain of a jump across the drop, by Newton's method for the amplitude on the far side and a search over the normals.
 fn lowest_gain(laws: [&dyn Hyperelastic; 2], f: &DeformationGradient) -> f64 {
     let [law, far] = laws;
     let here = law.response(f).expect("finite");
@@ -216,7 +216,7 @@ fn lowest_gain(laws: [&dyn Hyperelastic; 2], f: &DeformationGradient) -> f64 {
 
 /// On the far side the law is smooth, so that Newton's method finds the best jump for each normal, without the descent of the search.
 #[test]
-fn jumps_across_a_drop_of_the_stress_are_found_as_soon_as_they_gain() {
+fn jumps_across_a_drop_of_the_stress_are_found_as_soon_as_they_lower_the_energy() {
     let [law, far] = softening().map(|law| law.with(&[]).expect("no parameters"));
     for loading in LOADINGS {
         with_path(&law, loading, |path| {
@@ -232,7 +232,7 @@ fn jumps_across_a_drop_of_the_stress_are_found_as_soon_as_they_gain() {
                     let state = path.at(s).expect("a state");
                     lowest_gain([&law, &far], &state.response.deformation) < 0.0
                 };
-                // Bisection for the first state from which a jump gains.
+                // Bisection for the first state from which a jump lowers the energy.
                 let (mut low, mut high) = (0.9 * drop, drop - 1e-7 * drop.signum());
                 assert!(!gains(low) && gains(high), "{loading:?}");
                 for _ in 0..14 {
@@ -261,9 +261,9 @@ fn changes(text: &str, loading: (Mode, Lateral), criterion: Criterion) -> Vec<(C
     })
 }
 
-/// Behind the kink the criterion may fail by itself, and a second kink may lie where it fails already.
+/// Beyond the kink the criterion may fail for other reasons, and a second kink may lie where it already fails.
 #[test]
-fn a_criterion_is_regained_behind_a_concave_kink_only_where_it_holds() {
+fn a_criterion_is_regained_beyond_a_concave_kink_only_if_it_holds_there() {
     let smooth = "10*(I1-3-2*ln(J)) + 20*(J-1)^2";
     let held = (Mode::Uniaxial, Lateral::Held);
     let kinks = [1.5_f64.sqrt(), 3.0_f64.sqrt()];

@@ -181,7 +181,8 @@ fn hencky_satisfies_drucker_everywhere_and_loses_ellipticity_in_a_bar() {
     assert!(limit(&bar, ELLIPTIC, true).expect("lost") > load);
 }
 
-/// Polyconvexity implies rank-one convexity and thus ellipticity at all states, including states where the law ends or numbers are enormous.
+/// Polyconvexity implies rank-one convexity and therefore ellipticity at all states, including states at the boundary of the domain or with enormous
+/// numbers.
 #[test]
 fn polyconvex_laws_lose_neither_ellipticity_nor_rank_one_convexity() {
     let mut asked = 0;

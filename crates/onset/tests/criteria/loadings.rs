@@ -67,7 +67,7 @@ fn nearly_incompressible_bars_approach_incompressible_bars() {
     }
 }
 
-/// The load along a path from finite differences: its maximum is at `Pdot : Fdot = 0`.
+/// The load along a path is differentiated numerically: its maximum is at `Pdot : Fdot = 0`.
 #[test]
 fn the_load_maximum_is_where_the_load_is_largest() {
     let law = ModifiedMooneyRivlin::default();
@@ -89,8 +89,8 @@ fn the_load_maximum_is_where_the_load_is_largest() {
     }
 }
 
-/// The tangent of a metal belongs to continued flow and is not the derivative of the stress with respect to the state. The free faces are found nevertheless, and
-/// the branch continues beyond yield to the end.
+/// The tangent of a metal belongs to continued flow and is not the derivative of the stress with respect to the state. The free faces are
+/// nevertheless found, and the branch continues beyond yield to the end.
 #[test]
 fn free_faces_of_a_metal_beyond_yield_carry_no_traction() {
     let mut metals = onset::plasticity::library().iter();
@@ -180,7 +180,7 @@ impl StrainEnergy for Softening {
     }
 }
 
-/// Stretch, free stretch and volume of the limit points, by arc length continuation of the closed form of the traction on the free faces.
+/// Stretch, free stretch and volume of the limit points, by arc-length continuation of the closed form of the traction on the free faces.
 const FOLDS: [(Mode, Lateral, bool, [f64; 3]); 6] = [
     (
         Mode::Equibiaxial,
@@ -342,8 +342,8 @@ fn ranges_without_1_are_rejected() {
     }
 }
 
-/// Hyperfoam with `beta = 0` and exponent 8. A state exists at every amount of shear, since the energy is unbounded toward both ends of the free
-/// stretch, but stiffnesses differ by many orders of magnitude.
+/// The law is a hyperfoam with `beta = 0` and exponent 8. A state exists at every amount of shear, since the energy is unbounded toward both ends of
+/// the free stretch, but stiffnesses differ by many orders of magnitude.
 #[test]
 fn a_path_continues_where_tractions_cancel_large_terms() {
     let law = Law::named("hyperfoam")

@@ -160,7 +160,7 @@ fn results_do_not_depend_on_the_basis_of_a_lattice_in_3d_with_two_particles_per_
     }
 }
 
-/// Law of a body that was deformed by `given` before: `W(F given^-1)`.
+/// Law of a body that was previously deformed by `given`: `W(F given^-1)`.
 struct Before<'a> {
     law: &'a dyn Hyperelastic,
     inverse: Matrix3<f64>,

@@ -121,7 +121,7 @@ fn voronoi_volumes_of_symmetric_sets_agree_with_closed_forms() {
     for (slab, expected) in slabs.iter().zip([0.35, 0.25, 0.4]) {
         assert!((slab - expected).abs() < 1e-14);
     }
-    // Fluorite with unit edges: the bisectors towards the four particles around a tetrahedral hole cut tetrahedra with legs of 3/8 from four corners
+    // Fluorite with unit edges: the bisectors toward the four particles around a tetrahedral hole cut tetrahedra with legs of 3/8 from four corners
     // of the cube of edge 1/2 around the hole.
     let hole = 4.0 * (1.0 / 8.0 - 4.0 * (3.0_f64 / 8.0).powi(3) / 6.0);
     let fluorite = shares(&face, &[at(0.0), at(0.25), at(0.75)]);

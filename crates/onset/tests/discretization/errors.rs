@@ -253,7 +253,7 @@ fn no_method_panics_for_stretches_of_any_magnitude() {
     );
 }
 
-/// Number of states of all magnitudes in which a method can be assessed.
+/// Number of states, over all magnitudes, at which a method can be assessed.
 fn evaluated_at_all_magnitudes(choices: KernelMethodChoices) -> usize {
     let materials: [Box<dyn Hyperelastic>; 2] = [
         Box::new(ModifiedMooneyRivlin::default()),

@@ -1,4 +1,4 @@
-//! States with a mirror line: the search over a quarter of the zone against the search over the whole zone and dense grids.
+//! States with a mirror line: the search over a quarter of the zone, compared with the search over the whole zone and with dense grids.
 
 use crate::choices::{Case, case, config};
 use nalgebra::Vector2;
@@ -18,7 +18,7 @@ fn summary(case: &Case) -> Result<SpectrumSummary<2>, MethodError> {
     Ok(search.ok_or(MethodError::NotFinite)?.summary(&d))
 }
 
-/// State in axes of space rotated by an angle.
+/// State after a rotation of the spatial axes by an angle.
 fn turned(state: &DeformationGradient, angle: f64) -> DeformationGradient {
     let (sine, cosine) = angle.sin_cos();
     let f = state.components();

@@ -1,4 +1,4 @@
-//! Quadratures: their points and volumes, and the waves with zero energy.
+//! Quadratures: their points and volumes, and their zero-energy waves.
 
 use nalgebra::{Matrix2, SMatrix, Vector1, Vector2, vector};
 use onset::approximation::Approximation;

@@ -1,4 +1,4 @@
-//! The search over the zone against dense grids.
+//! The search over the zone, compared with dense grids.
 
 use crate::choices::{Case, case, config};
 use nalgebra::{Matrix2, Vector2};
@@ -69,7 +69,7 @@ fn searched(case: &Case) -> (ZoneSearch<2>, DynamicalMatrix<2>) {
     (search.expect("finite"), d)
 }
 
-/// If a translation raises the energy, the scaled measure has no bound for long waves.
+/// Returns false if a translation raises the energy, so that the scaled measure has no bound for long waves.
 fn is_bounded(d: &DynamicalMatrix<2>) -> bool {
     d.rigid_translation() == &Matrix2::zeros()
 }
@@ -208,7 +208,7 @@ fn the_summary_is_attained_by_a_wave() {
     );
 }
 
-/// The matrices have 128 rows, and the fastest growing wave is at no point of high symmetry.
+/// The matrices have 128 rows, and the fastest growing wave is not at a point of high symmetry.
 #[test]
 fn a_supercell_of_64_particles_has_the_growth_rate_of_one_particle() {
     let material = ModifiedMooneyRivlin::default();
@@ -233,7 +233,7 @@ fn a_supercell_of_64_particles_has_the_growth_rate_of_one_particle() {
     }
 }
 
-/// Nearly incompressible: the soft branches rotate with the stiff branch, and the bound needs polynomials that rotate with them.
+/// In the nearly incompressible solid the soft branches rotate with the stiff branch, and the bound needs polynomials that rotate with them.
 #[test]
 fn the_default_kernel_on_the_cubic_lattice_has_a_tight_bound() {
     let material = ModifiedMooneyRivlin::default();

@@ -1,4 +1,4 @@
-//! Shape functions: reproduction of polynomials, and derivatives against differences.
+//! Shape functions: reproduction of polynomials, and derivatives compared with finite differences.
 
 use nalgebra::{SMatrix, SVector};
 use onset::approximation::{Approximation, Order, ShapeFunctions};

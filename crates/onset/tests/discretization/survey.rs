@@ -1,4 +1,4 @@
-//! Surveys of many states against assessments of single states.
+//! Surveys of many states, compared with assessments of single states.
 
 use crate::choices::{Case, case, config, planar_state};
 use nalgebra::Vector2;

@@ -48,7 +48,7 @@ proptest! {
     }
 }
 
-/// Only the triangles that point up, with the whole volume.
+/// Points in the triangles that point up only, with the whole volume.
 fn up_triangles(support: f64) -> Method<2> {
     let method = Method::<2>::new(KernelMethodChoices {
         support,

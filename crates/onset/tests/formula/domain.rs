@@ -19,7 +19,7 @@ fn exactly(f: &DeformationGradient) -> DeformationGradient<Interval> {
     DeformationGradient::from_components(f.components().map(|row| row.map(Interval::point)))
 }
 
-/// Trouble at a state; all ways to evaluate it must agree.
+/// Reason why a state has no stress; all ways of evaluating the state must agree.
 pub fn refusal(law: &FormulaLaw, f: &DeformationGradient) -> Option<StateError> {
     let error = |result: Result<(), MaterialError>| match result {
         Ok(()) => None,
@@ -106,7 +106,7 @@ fn an_unselected_side_needs_no_value() {
 }
 
 #[test]
-fn errors_contain_the_place_of_the_undefined_part() {
+fn errors_contain_the_position_of_the_undefined_part() {
     let error = refusal(&law("I1 + max(0, sqrt(3 - I1))"), &state([1.3, 1.2, 1.0]));
     let text = error.expect("not defined").to_string();
     assert!(

@@ -8,9 +8,9 @@ use onset::material::Hyperelastic;
 use onset::real::Interval;
 use std::time::{Duration, Instant};
 
-/// Largest time for one formula.
+/// Largest admitted time for one formula.
 const LONGEST: Duration = Duration::from_secs(10);
-/// Kibibytes of memory for the whole program.
+/// Largest admitted memory of the whole program in kibibytes.
 const MEMORY: u64 = 1 << 20;
 
 /// Mostly state-dependent terms that can be added.
@@ -90,7 +90,7 @@ impl Source {
         }
     }
 
-    /// Words in random order.
+    /// Text of words in random order.
     fn soup(&mut self) -> String {
         let count = self.below(30);
         let word = |source: &mut Self| match source.below(7) {

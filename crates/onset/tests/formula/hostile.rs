@@ -185,7 +185,7 @@ proptest! {
     }
 }
 
-/// Reads, assigns every parameter, evaluates; the results do not matter.
+/// Reads a formula, assigns every parameter and evaluates it; the results are ignored.
 fn survives(text: &str) {
     match Formula::parse(text) {
         Err(error) => {

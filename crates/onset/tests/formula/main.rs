@@ -1,4 +1,4 @@
-//! Laws given as formulas agree with the laws they represent, and invalid input is rejected with its place.
+//! Laws given as formulas agree with the laws that they represent, and invalid input is rejected with its position.
 
 mod agreement;
 mod conditions;

@@ -1,4 +1,4 @@
-//! Invalid formulas: the message, the place of the caret and the hint.
+//! Invalid formulas: the message, the position of the caret and the hint.
 
 use onset::formula::{Formula, FormulaError};
 

@@ -83,7 +83,7 @@ impl Value {
         }
     }
 
-    /// The value itself, unless another number is too close to zero.
+    /// Returns the value, unless another number is too close to zero.
     fn away_from_zero((x, error): (f64, f64), value: f64, slope: f64) -> Self {
         if x.abs() < 1e3 * error + 1e-9 {
             Self::Unclear
@@ -93,7 +93,7 @@ impl Value {
     }
 }
 
-/// Value from numbers with their errors.
+/// Function that computes a value from numbers with their errors.
 type Function<'f> = dyn Fn(&[(f64, f64)]) -> Value + 'f;
 
 fn evaluated(tree: &Tree, leaf: &impl Fn(&str) -> f64) -> Value {
@@ -275,7 +275,7 @@ fn check_tree(random: &mut Random, seen: &mut Seen) {
     check_proof(random, &typed, &f, &text, seen);
 }
 
-/// A proof of ellipticity compared with densely sampled directions and with fine laminates.
+/// Compares a proof of ellipticity with densely sampled directions and with fine laminates.
 fn check_proof(
     random: &mut Random,
     law: &FormulaLaw,
@@ -339,7 +339,7 @@ thread_local! {
     static NUMBERS: RefCell<Vec<Digits>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Number with sixty digits, stored elsewhere because laws copy their numbers.
+/// Number with sixty digits, stored in a separate table because laws copy their numbers.
 #[derive(Clone, Copy, Debug)]
 struct Exact(usize);
 
@@ -433,7 +433,7 @@ impl Real for Exact {
     }
 }
 
-/// Acoustic tensor of a direction in the plane, from the law with sixty digits.
+/// Smallest acoustic eigenvalue for a direction in the plane, from the law with sixty digits.
 fn exact_eigenvalue(tangent: &[[Exact; 4]; 4], n: &Vector2<f64>) -> Digits {
     let n = [0, 1].map(|i| Exact::constant(n[i]));
     let length = n[0] * n[0] + n[1] * n[1];

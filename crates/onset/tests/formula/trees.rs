@@ -1,4 +1,4 @@
-//! Random formulas compared with a separate evaluator: plain recursion over a tree, with a bound of its rounding errors.
+//! Random formulas, compared with a separate evaluator: plain recursion over a tree, with a bound of its rounding errors.
 
 use onset::formula::Formula;
 use onset::kinematics::DeformationGradient;
@@ -108,7 +108,7 @@ fn evaluated(tree: &Tree) -> Value {
     }
 }
 
-/// Text with the fewest parentheses; the strength of the surrounding operator decides.
+/// Text with as few parentheses as possible, depending on the strength of the surrounding operator.
 fn sparse(tree: &Tree, least: u8) -> String {
     let (text, strength) = match tree {
         Tree::Number(value) => (format!("{value}"), 9),
@@ -134,7 +134,7 @@ fn sparse(tree: &Tree, least: u8) -> String {
     }
 }
 
-/// Text with parentheses around everything, and space everywhere.
+/// Text with parentheses and spaces everywhere.
 fn full(tree: &Tree) -> String {
     match tree {
         Tree::Number(value) => format!("( {value:?} )"),

@@ -1,9 +1,9 @@
-//! The order of the modules of the core, as drawn in the book.
+//! Order of the modules of the core, as drawn in the book.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Rooms from the top to the bottom of the drawing, and from left to right in a line.
+/// Modules from the top to the bottom of the drawing, and from left to right in a line.
 fn rooms() -> Vec<String> {
     let page = fs::read_to_string("../../book/src/house.md").expect("the page of the house");
     let drawn = page

@@ -1,13 +1,13 @@
-//! The spectrum from its definition, and a dense search over the zone.
+//! Spectrum computed from its definition, and a dense search over the zone.
 
 use nalgebra::{Complex, DMatrix, SMatrix, SVector, Schur};
 use onset::bloch::{BlochSum, DynamicalMatrix, Mass, WaveSystem};
 use onset::lattice::{BravaisLattice, Crystal, Particle};
 
-/// Rounding error of `omega^2`, over its scale; it also determines the error of the difference of two equal values.
+/// Rounding error of `omega^2`, relative to its scale; it also determines the error of the difference of two equal values.
 const SPECTRUM_ROUNDING: f64 = 1e-12;
-/// Smallest `omega^2` of a wave without mass, over the scale. Such values are quotients of rounding errors: the quadrature points do not detect the
-/// wave.
+/// Smallest `omega^2` of a wave without mass, relative to the scale. Such values are quotients of rounding errors: the wave vanishes at the
+/// quadrature points.
 const MASSLESS_RATIO: f64 = 1e8;
 
 /// Dynamical matrix as a function of the wave vector.
@@ -30,7 +30,7 @@ pub struct Found<const D: usize> {
     pub lowest: (f64, SVector<f64, D>),
     /// Smallest `Re omega^2 / |k|_h^2`, without waves longer than a hundred cells.
     pub scaled: (f64, SVector<f64, D>),
-    /// Largest `Re omega^2`, with a minus sign.
+    /// Negative of the largest `Re omega^2`.
     pub highest: (f64, SVector<f64, D>),
 }
 

@@ -1,4 +1,5 @@
-//! One crystal has one answer: primitive cells, supercells, other origins, other bases, and mirrored and rotated descriptions of the same particles.
+//! Each crystal has a single answer for all descriptions of the same particles: primitive cells, supercells, other origins, other bases, and mirrored
+//! and rotated descriptions.
 
 use crate::hunt::seeds;
 use crate::methods::state;
@@ -18,17 +19,17 @@ use onset::scheme::{
 };
 use onset::verdict::{Assessment, Survey};
 
-/// Relative differences that count.
+/// Smallest relative differences that are reported.
 const DIFFERENCE: f64 = 1e-6;
-/// Difference of wave vectors at flat minima, modulo a reciprocal vector.
+/// Largest accepted difference of wave vectors at flat minima, modulo a reciprocal vector.
 const APART: f64 = 1e-4;
 /// Laws without material directions.
 const ISOTROPIC: &[&str] = &["modified-mooney-rivlin", "blatz-ko", "neo-hooke", "hencky"];
 
-/// Pockets of complex `omega^2` so small that a search can miss them in one of two descriptions.
+/// Seeds with pockets of complex `omega^2` so small that a search can miss them in one of two descriptions.
 const MENDED: &[u64] = &[127, 21_595, 22_189];
 
-/// Particles by primitive vectors (columns) and lattice coordinates, the first at the origin; lengths in spacings.
+/// Particles given by primitive vectors (columns) and lattice coordinates, the first at the origin; lengths in spacings.
 #[derive(Clone, Debug)]
 struct Particles<const D: usize> {
     vectors: SMatrix<f64, D, D>,
@@ -61,7 +62,7 @@ impl<const D: usize> Particles<D> {
         }
     }
 
-    /// The particles of a cell `vectors * matrix`.
+    /// Particles in the cell `vectors * matrix`.
     fn in_cell(&self, matrix: &SMatrix<f64, D, D>) -> Self {
         let inverse = nalgebra::DMatrix::from_fn(D, D, |i, j| matrix[(i, j)]);
         let inverse = inverse.try_inverse().expect("an inverse");
@@ -127,7 +128,7 @@ fn family(random: &mut Random) -> (usize, KernelMethodChoices) {
     ((random.share() * 5.0) as usize, common)
 }
 
-/// The method of a number with given particles.
+/// Method with the given number and the given particles.
 fn method(number: usize, coefficient: f64, particles: KernelMethodChoices) -> MethodChoices {
     let radius = particles.support;
     let is_first = coefficient > 0.5;

@@ -28,13 +28,13 @@ use onset::scheme::{
     PeridynamicsChoices, PointLayout, Transfer, ZeroEnergyControl,
 };
 
-/// A discretization, by the kind of its search.
+/// Discretization, by the kind of its search.
 pub enum Drawn<const D: usize> {
     Kernel(Box<Method<D>>),
     Scheme(Box<dyn Discretization<D>>),
 }
 
-/// A method, with a name that identifies all of its choices.
+/// Method with a name that identifies all of its choices.
 pub type Named<const D: usize> = (String, Drawn<D>);
 
 impl Random {
@@ -57,7 +57,7 @@ impl Random {
     }
 }
 
-/// A law of the library with its default constants.
+/// Law of the library with its default constants.
 pub fn material(random: &mut Random) -> (&'static str, Box<dyn Hyperelastic>) {
     loop {
         let law = &library()[(random.share() * library().len() as f64) as usize];
@@ -67,7 +67,7 @@ pub fn material(random: &mut Random) -> (&'static str, Box<dyn Hyperelastic>) {
     }
 }
 
-/// Moderate stretches along random axes, with a shear and a rotation now and then.
+/// State with moderate stretches along random axes, and occasionally a shear and a rotation.
 pub fn state<const D: usize>(random: &mut Random) -> DeformationGradient {
     let mut matrix = SMatrix::<f64, D, D>::identity();
     let size = random.one_of(&[0.02, 0.1, 0.3, 0.45]);
@@ -132,7 +132,7 @@ fn crystal<const D: usize>(random: &mut Random) -> Option<(String, Crystal<D>)> 
     None
 }
 
-/// A method with random choices; `None` if they are incompatible.
+/// Method with random choices; `None` if they are incompatible.
 pub fn method<const D: usize>(random: &mut Random) -> Option<Named<D>> {
     let (name, drawn) = match (random.share() * 8.0) as usize {
         0 => kernel::<D>(random)?,

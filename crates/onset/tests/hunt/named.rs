@@ -1,4 +1,4 @@
-//! States that an incomplete search takes for stable, or whose deepest well lies between the points of a coarse grid.
+//! States that an incomplete search reports as stable, or whose deepest well lies between the points of a coarse grid.
 //!
 //! Such a search assumes real spectra in one dimension, an inversion center, or one particle in a cell.
 
@@ -30,7 +30,7 @@ fn stretched(stretches: [f64; 3]) -> DeformationGradient {
     DeformationGradient::from_stretches(stretches).expect("positive")
 }
 
-/// The summary, and the waves from their definition.
+/// Summary of the search, and the waves computed from their definition.
 fn answer<const D: usize>(
     scheme: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
@@ -98,8 +98,8 @@ fn sph_on_a_honeycomb_flutters_in_a_small_pocket() {
     assert_grows_as(&spectrum, &waves, 1e-3);
 }
 
-/// A fiber stiffens one wave, and relative motion of the particles of a cell costs little energy. All four branches bend and cross within a third
-/// of a grid step.
+/// A fiber stiffens one wave, and relative motion of the particles of a cell costs little energy. All four branches have strong curvature and cross
+/// within a third of a grid step.
 #[test]
 fn soft_branches_that_bend_within_a_grid_step_flutter_where_they_meet() {
     let crystal = Crystal::<2>::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
@@ -139,8 +139,8 @@ fn growth_and_scaled_minimum_of_two_particles_in_a_cell_agree_with_a_dense_searc
     );
 }
 
-/// Two particles in a cell of the plane: the first ones form a square lattice of unit springs, and each second one hangs on a first one by a spring
-/// of the given stiffness.
+/// Cell of two particles in the plane: the first particles form a square lattice of unit springs, and each second particle is attached to a first
+/// particle by a spring of the given stiffness.
 fn sprung(ground: f64) -> WaveSystem<2> {
     let lattice = BravaisLattice::new(SMatrix::<f64, 2, 2>::identity()).expect("a lattice");
     let sites = vec![SVector::zeros(), SVector::from([0.5, 0.5])];
@@ -167,7 +167,7 @@ fn sprung(ground: f64) -> WaveSystem<2> {
 }
 
 #[test]
-fn if_a_mode_grows_at_gamma_the_scaled_minimum_is_the_lowest_over_the_largest_laplacian() {
+fn if_a_mode_grows_at_gamma_the_scaled_minimum_is_the_lowest_divided_by_the_largest_laplacian() {
     let system = sprung(-0.3);
     let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 2.0);
     let summary = search.summary_of(&system);
@@ -178,7 +178,7 @@ fn if_a_mode_grows_at_gamma_the_scaled_minimum_is_the_lowest_over_the_largest_la
     assert!(summary.lowest.omega_squared.re < -0.6 + 1e-9);
 }
 
-/// The same operator with a consistent mass matrix, so that the search for several particles in a cell is used.
+/// Returns the same operator with a consistent mass matrix, so that the search for several particles in a cell is used.
 fn with_matrix_of_masses<const D: usize>(system: &WaveSystem<D>) -> WaveSystem<D> {
     let Mass::Lumped(masses) = system.mass() else {
         return system.clone();
@@ -294,7 +294,8 @@ fn long_waves_of_two_particles_with_one_gradient_have_no_stiffness_along_one_dir
 
 /// If weights do not add up to one, translations cause strain.
 ///
-/// Here the mean displacement of two particles does, and their relative displacement is free. The long-wave limit is not the limit of translations.
+/// Here the mean displacement of two particles causes strain, and their relative displacement is free. The long-wave limit is not the limit of
+/// translations.
 #[test]
 fn no_long_wave_grows_if_translations_cost_energy_and_an_internal_displacement_is_free() {
     let cell = 2.0_f64.sqrt();

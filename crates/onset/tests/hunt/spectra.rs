@@ -10,15 +10,15 @@ use onset::material::Hyperelastic;
 use onset::verdict::{Phase, Survey, assess};
 use std::time::{Duration, Instant};
 
-/// Seeds of states that a search got wrong once: a narrow sector of growth that deepens beyond the first grid step.
+/// Seeds of states for which an earlier search was wrong: a narrow sector of growth that deepens beyond the first grid step.
 const MENDED: &[u64] = &[229];
-/// Smallest growth rate that counts, as a fraction of sound speed over spacing. In the dense search, smaller rates are rounding.
+/// Smallest growth rate that is compared, as a fraction of sound speed over spacing. In the dense search, smaller rates are rounding errors.
 const GROWTH: f64 = 1e-5;
-/// Relative difference that counts.
+/// Smallest relative difference that is reported.
 const DIFFERENCE: f64 = 1e-6;
-/// Rounding error of a triple `omega^2` with nearly dependent eigenvectors, over the scale.
+/// Rounding error of a triple `omega^2` with nearly dependent eigenvectors, relative to the scale.
 const DEFECTIVE: f64 = 1e-6;
-/// Longest time of an answer without a message.
+/// Longest admitted time of an answer; longer times are reported.
 const SLOW_ANSWER: Duration = Duration::from_secs(2);
 
 /// Beginnings of complaints about verdicts.
@@ -100,7 +100,7 @@ fn states_of_a_map_and_single_states_have_the_same_verdict_and_growth_rate() {
     assert!(3 * compared > cases, "{compared} of {cases}");
 }
 
-/// Returns true if the state has an answer that can be compared.
+/// Compares a state with the same state in a map; returns true if it has an answer that can be compared.
 fn assert_same_in_a_map<const D: usize>(random: &mut Random, seed: u64) -> bool {
     let drawn = method::<D>(random);
     let (law, material) = material(random);

@@ -14,13 +14,13 @@ use onset::scheme::{
 use onset::time_step::TransferredWaves;
 use std::f64::consts::TAU;
 
-/// Smallest growth in a time step that counts.
+/// Smallest growth in a time step that is compared.
 const GROWTH: f64 = 1e-8;
-/// Relative difference that counts.
+/// Smallest relative difference that is reported.
 const DIFFERENCE: f64 = 1e-5;
-/// Growth in a time step of a zero-energy mode, from the rounding error of its squared frequency: the root of this error.
+/// Growth in a time step of a zero-energy mode that is due to the rounding error of its squared frequency: the square root of this error.
 const ROUNDING: f64 = 2e-7;
-/// Waves that grow in narrow sectors of long waves, or in small pockets.
+/// Seeds with waves that grow in narrow sectors of long waves, or in small pockets.
 const MENDED: &[u64] = &[202, 249, 1760, 2449];
 
 #[test]
@@ -137,7 +137,7 @@ fn checked<const D: usize>(random: &mut Random) -> Option<(String, bool, Vec<Str
     Some((name, rate.re > 0.0, complaints))
 }
 
-/// Largest value on a uniform grid and on rays towards `k = 0`, with refinement of the best points.
+/// Largest value on a uniform grid and on rays toward `k = 0`, with refinement of the best points.
 fn dense<const D: usize>(
     waves: &TransferredWaves<D>,
     value: &dyn Fn(&SVector<f64, D>) -> f64,
@@ -174,7 +174,7 @@ fn dense<const D: usize>(
                 for sign in [-1.0, 1.0] {
                     let mut tried = place;
                     tried[axis] += sign * size;
-                    // Waves longer than a thousand cells are left out.
+                    // Waves longer than a thousand cells are omitted.
                     let own = if tried.norm() > 2e-3 {
                         at(&tried)
                     } else {
@@ -196,7 +196,7 @@ fn dense<const D: usize>(
     best
 }
 
-/// One time step of all points of a wave, written out: displacements, velocities, affine fields and displacement gradients.
+/// Explicit time step of all points of a wave: displacements, velocities, affine fields and displacement gradients.
 struct Step<const D: usize> {
     places: Vec<(SVector<f64, D>, f64)>,
     /// Order of the spline.

@@ -1,4 +1,4 @@
-//! The weakest wave against a dense search over the closed zone.
+//! Weakest wave, compared with a dense search over the closed zone.
 
 use crate::dense::Waves;
 use crate::hunt::hunted;
@@ -11,12 +11,12 @@ use onset::lattice::BravaisLattice;
 use onset::scheme::Discretization;
 use onset::verdict::Survey;
 
-/// Grid points along a reciprocal vector, and the deepest of them from which descents start.
+/// Number of grid points along a reciprocal vector, and number of the deepest points from which descents start.
 const POINTS: [usize; 3] = [400, 72, 16];
 const STARTS: usize = 8;
-/// Relative frequencies that differ by less are the same.
+/// Largest difference of relative frequencies that count as equal.
 const DIFFERENCE: f64 = 1e-5;
-/// Wave vectors shorter than this, in units of the reciprocal vectors, are long waves.
+/// Largest length of the wave vector of a long wave, in units of the reciprocal vectors.
 const LONG: f64 = 2e-3;
 
 #[test]
@@ -41,7 +41,7 @@ fn no_wave_of_any_method_is_weaker_than_the_reported_weakest_wave() {
     assert!(5 * compared > cases, "{compared} of {cases}");
 }
 
-/// The relative frequency from the spectrum of the particles and the acoustic tensor.
+/// Relative frequency from the spectrum of the particles and the acoustic tensor.
 struct Relative<'a, const D: usize> {
     waves: &'a Waves<D>,
     stiffness: Stiffness<D>,
@@ -50,7 +50,7 @@ struct Relative<'a, const D: usize> {
 }
 
 impl<const D: usize> Relative<'_, D> {
-    /// The shortest of the equivalent wave vectors, with all others of equal length.
+    /// Shortest equivalent wave vectors: one of them, and all others of equal length.
     fn shortest(&self, k: &SVector<f64, D>) -> Vec<SVector<f64, D>> {
         let all: Vec<SVector<f64, D>> = self.images.iter().map(|g| k + g).collect();
         let least = all.iter().map(|k| k.norm()).fold(f64::INFINITY, f64::min);
@@ -76,7 +76,7 @@ impl<const D: usize> Relative<'_, D> {
         }
     }
 
-    /// The lowest one of a grid, of descents, and of the middles of reciprocal vectors.
+    /// Lowest relative frequency on a grid, from descents, and at the middles of reciprocal vectors.
     fn least(&self) -> (f64, SVector<f64, D>) {
         let lattice = self.waves.lattice;
         let points = POINTS[D - 1];
@@ -112,7 +112,7 @@ impl<const D: usize> Relative<'_, D> {
     }
 }
 
-/// Downhill along the reciprocal vectors and their diagonals with shrinking steps.
+/// Descent along the reciprocal vectors and their diagonals with shrinking steps.
 fn descended<const D: usize>(
     at: &impl Fn(&SVector<f64, D>) -> f64,
     (mut value, mut k): (f64, SVector<f64, D>),

@@ -8,7 +8,7 @@ mod transforms;
 
 use onset::kernel::Kernel;
 
-/// All named kernels and some formulas: smooth, cusped, piecewise, and with a rim where only the slope vanishes.
+/// All named kernels and some formulas: smooth, cusped, piecewise, and with a rim at which only the slope vanishes.
 fn kernels() -> Vec<Kernel> {
     let typed = [
         "(1 - q)^4*(1 + 4*q)",

@@ -5,7 +5,7 @@ use nalgebra::{SMatrix, SVector};
 use onset::kernel::Kernel;
 use onset::real::{Interval, Jet, Real};
 
-/// Distances away from the breaks.
+/// Distances that are not close to breaks.
 const PLACES: [f64; 11] = [
     1e-4, 0.05, 0.17, 0.23, 0.31, 0.37, 0.49, 0.53, 0.71, 0.88, 0.997,
 ];

@@ -99,7 +99,7 @@ fn b_splines_of_one_dimension_are_powers_of_a_sinc() {
     }
 }
 
-/// Smallest value of the transform over its long-wave value.
+/// Smallest value of the transform relative to its long-wave value.
 fn least<const D: usize>(kernel: Kernel) -> f64 {
     let transforms = (0..600).map(|n| kernel.fourier_transform::<D>(1.0, 0.1 * f64::from(n)));
     transforms.fold(f64::INFINITY, f64::min) / kernel.integral::<D>(1.0)

@@ -1,4 +1,4 @@
-//! Equations of state compared with integrals and derivatives to 50 digits, and with their laws for the bulk modulus.
+//! Equations of state, compared with integrals and derivatives to 50 digits, and with their relations for the bulk modulus.
 
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
@@ -76,8 +76,8 @@ fn the_bulk_modulus_of_murnaghan_is_linear_in_the_pressure_and_tait_compression_
     }
 }
 
-/// Isentrope and Hugoniot have equal slope and curvature: `dK/dp = 4 s - 1` in the reference configuration (Ruoff, J. Appl. Phys. 38 (1967) 4976). Under
-/// compression the shock, which heats, has the higher pressure.
+/// Isentrope and Hugoniot have equal slope and curvature: `dK/dp = 4 s - 1` in the reference configuration (Ruoff, J. Appl. Phys. 38 (1967) 4976).
+/// Under compression the pressure of the shock is higher because of heating.
 #[test]
 fn the_isentrope_of_mie_and_grueneisen_touches_the_hugoniot_to_second_order_and_lies_below_it() {
     let (kappa, s) = (138.6, 1.489);

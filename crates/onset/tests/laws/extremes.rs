@@ -76,7 +76,7 @@ fn inadmissible_deformations_are_rejected_with_the_reason() {
         stretches([1e-110; 3]),
         Err(Extreme { .. } | JacobianNotPositive { .. })
     ));
-    // Two negative stretches are not a reflection, one is.
+    // Two negative stretches are a rotation, one is a reflection.
     let turned = DeformationGradient::plane_strain([[-1.0, 0.0], [0.0, -1.0]], 1.0);
     assert_eq!(turned.map(|f| f.jacobian()), Ok(1.0));
     let reflected = DeformationGradient::plane_strain([[1.0, 0.0], [0.0, -1.0]], 1.0);

@@ -10,9 +10,9 @@ use proptest::test_runner::RngSeed;
 
 type Exact = FBig<HalfEven, 2>;
 
-/// Enough bits for exact sums and products of any two doubles.
+/// Number of bits that represents sums and products of any two doubles exactly.
 const EXACT: usize = 2300;
-/// Enough bits to distinguish elementary functions from any double, except exact values.
+/// Number of bits that distinguishes elementary functions from any double, except exact values.
 const PRECISE: usize = 400;
 
 fn config(cases: u32) -> ProptestConfig {

@@ -1,4 +1,4 @@
-//! Tangents of many states, and at states with mirror axes, compared with individual states.
+//! Tangents of many states, and at states with mirror axes, compared with the tangents of individual states.
 
 use crate::table::{Random, laws};
 use onset::kinematics::DeformationGradient;

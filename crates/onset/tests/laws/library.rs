@@ -8,7 +8,7 @@ use onset::material::{Hyperelastic, Law, MaterialError, Response, Symmetry, libr
 use onset::method::{KernelMethodChoices, Method};
 use onset::real::Interval;
 
-/// Every law with its defaults, and with every parameter changed, with angles away from the axes.
+/// Laws of the library with their defaults, and with every parameter changed, with angles away from the axes.
 fn laws() -> impl Iterator<
     Item = (
         &'static Law,

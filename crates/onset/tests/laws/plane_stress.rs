@@ -48,7 +48,7 @@ impl StrainEnergy for Tilted {
     }
 }
 
-/// Law that resists changes of volume alone.
+/// Law that resists only changes of volume.
 struct Fluid;
 
 impl StrainEnergy for Fluid {
@@ -58,7 +58,7 @@ impl StrainEnergy for Fluid {
     }
 }
 
-/// All library laws that can describe a sheet, with the tilted one.
+/// All library laws that can describe a sheet, and the law with tilted fibers.
 fn sheets() -> Vec<(&'static str, Arc<dyn Hyperelastic>, PlaneStress)> {
     let of_library = library().iter().filter_map(|own| {
         let law = law(own.name, &[]);
@@ -111,7 +111,7 @@ fn the_thickness_of_a_neo_hookean_sheet_is_the_root_of_its_scalar_equation() {
     }
 }
 
-/// Stiffness with zero stress in all strains except some: the inverse of their part of the compliance.
+/// Stiffness with zero stress in all strains except some: the inverse of the corresponding part of the compliance.
 fn condensed<const N: usize>(
     stiffness: &SmallStrainStiffness,
     kept: [usize; N],
@@ -301,8 +301,8 @@ fn nearly_incompressible() -> (f64, f64) {
     (mu, 2.0 * mu * poisson / (1.0 - 2.0 * poisson))
 }
 
-/// Loss of strong ellipticity of a law that is `lambda/2 (tr E)^2 + mu E:E` within the plane, compressed along one axis and held along the other, by
-/// hand: `sqrt(A1111 A2222) + sqrt(A1212 A2121) = A1122 + A1221`.
+/// Loss of strong ellipticity of a law that is `lambda/2 (tr E)^2 + mu E:E` within the plane, compressed along one axis and held along the other, in
+/// closed form: `sqrt(A1111 A2222) + sqrt(A1212 A2121) = A1122 + A1221`.
 fn held_compression(lambda: f64, mu: f64) -> f64 {
     let margin = |stretch: f64| {
         let strain = 0.5 * (stretch * stretch - 1.0);

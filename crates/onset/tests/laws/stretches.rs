@@ -24,7 +24,7 @@ impl StrainEnergy for ByStretches {
     }
 }
 
-/// This energy in invariants, by Newton's identities.
+/// The energy of [`ByStretches`] in invariants, by Newton's identities.
 struct ByInvariants;
 
 impl StrainEnergy for ByInvariants {
@@ -388,7 +388,7 @@ fn fibers_carry_compression_only_without_the_switch() {
 }
 
 /// For small exponents Ogden's law and the foam with `mu alpha = 2` tend to Hencky's energy `|dev h|^2`, and `|h|^2`, with an error of the order of
-/// the exponent: no digit is lost.
+/// the exponent; no digit is lost.
 #[test]
 fn tiny_exponents_lose_no_digits() {
     let logarithms =

@@ -9,7 +9,7 @@ use onset::method::{Frame, KernelMethodChoices};
 use onset::quadrature::Quadrature;
 use onset::verdict::{Survey, Verdict};
 
-/// A window in which the material is elliptic on a part only.
+/// Window of states that are elliptic only in part.
 const WINDOW: StateWindow = StateWindow {
     stretches: [0.7, 3.1],
     states: 6,
@@ -57,7 +57,7 @@ fn fractions_agree_with_individually_counted_verdicts() {
 }
 
 #[test]
-fn states_without_neighbors_are_undefined_for_the_method_and_not_for_the_law() {
+fn states_without_neighbors_are_undefined_for_the_method_but_not_for_the_law() {
     // An Eulerian kernel of fixed size loses its neighbors in tension.
     let method = method::<2>(KernelMethodChoices {
         frame: Frame::Eulerian,

@@ -32,7 +32,7 @@ fn errors<const D: usize>(scheme: &dyn Discretization<D>, wavelengths: &[f64]) -
 }
 
 #[test]
-fn bars_with_lumped_masses_are_slow_by_the_sine_over_its_argument() {
+fn frequencies_of_bars_with_lumped_masses_are_reduced_by_the_factor_sin_x_over_x() {
     // Closed form: omega = 2 c/h sin(k h/2); at two elements per wavelength it is 2/pi of the exact frequency.
     let wavelengths = [2.0, 4.0, 8.0, 16.0];
     let found = errors(&bars(ElementMass::Lumped), &wavelengths);
@@ -64,7 +64,7 @@ fn of_long_waves<const D: usize>(scheme: &dyn Discretization<D>) -> f64 {
 }
 
 #[test]
-fn long_waves_are_exact_for_linear_completeness_and_wrong_without() {
+fn long_waves_are_exact_for_linear_completeness_and_inexact_without_it() {
     for kind in [LatticeKind::Square, LatticeKind::Hexagonal] {
         let exact = method::<2>(linear_complete(kind));
         assert!(of_long_waves(&exact) < 1e-11);

@@ -1,4 +1,4 @@
-//! Time steps of states that are unstable themselves.
+//! Time steps of states that are themselves unstable.
 
 use nalgebra::{DMatrix, SVector};
 use onset::algebra::Complex;

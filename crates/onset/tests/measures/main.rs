@@ -16,7 +16,7 @@ use onset::method::{KernelMethodChoices, Method};
 use onset::quadrature::Quadrature;
 use onset::scheme::kernel::{CrystalQuadrature, KernelChoices, KernelScheme};
 
-/// A Lagrangian kernel method with nodal quadrature.
+/// Lagrangian kernel method with nodal quadrature.
 fn nodal(kind: LatticeKind) -> KernelMethodChoices {
     KernelMethodChoices {
         lattice: kind,
@@ -29,7 +29,7 @@ fn method<const D: usize>(discretization: KernelMethodChoices) -> Method<D> {
     Method::new(discretization).expect("a method")
 }
 
-/// The same with several particles in a cell.
+/// Kernel method with nodal quadrature and several particles in a cell.
 fn on_crystal<const D: usize>(discretization: &KernelMethodChoices) -> KernelScheme<D> {
     let crystal = discretization.crystal::<D>().expect("a crystal");
     let choices = KernelChoices {

@@ -1,4 +1,4 @@
-//! Onsets along loadings: the same as along paths.
+//! Onsets along loadings, which must equal those along paths.
 
 use crate::{method, nodal};
 use onset::kinematics::StraightPath;
@@ -9,7 +9,7 @@ use onset::method::{Frame, KernelMethodChoices};
 use onset::quadrature::Quadrature;
 use onset::verdict::{PathScan, Survey, scan_discretization, scan_material};
 
-/// The first loss of stability along a scanned path from stretch 1 to `end`.
+/// First loss of stability along a scanned path from stretch 1 to `end`.
 fn first(scan: &PathScan, end: f64) -> Option<f64> {
     scan.crossings
         .first()

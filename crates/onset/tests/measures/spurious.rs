@@ -23,7 +23,7 @@ fn found<const D: usize>(scheme: &dyn Discretization<D>, threshold: f64) -> Spur
     spurious_modes(&survey, threshold).expect("modes")
 }
 
-/// The wave vectors of zero-energy modes in units of the reciprocal vectors, each coordinate from 0 to 1, of `k` and `-k` the first.
+/// Wave vectors of zero-energy modes in units of the reciprocal vectors, with coordinates from 0 to 1; of `k` and `-k` only the first is returned.
 fn zeros<const D: usize>(
     scheme: &dyn Discretization<D>,
     modes: &SpuriousModes<D>,
@@ -205,7 +205,7 @@ fn weakly_controlled_modes_are_also_found_in_the_reference_configuration() {
     assert!(of_cell(0.3, 1).modes.is_empty() && of_cell(0.3, 2).modes.is_empty());
 }
 
-/// The weakest wave of a survey, with its ratio of frequencies.
+/// Weakest wave of a survey, with its ratio of frequencies.
 fn weakest<const D: usize>(
     scheme: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
@@ -236,7 +236,7 @@ fn the_weakest_wave_of_a_survey_is_the_weakest_mode_in_all_cells() {
         let shape = wave / TAU;
         let expected = SVector::from([0.5, 0.0]);
         assert!((shape - expected).amax() < 1e-9, "{cells}: {shape}");
-        // The search names the same wave.
+        // The search reports the same wave.
         let wave = searched.modes[0].wave.map(|k| k.abs() / TAU);
         assert!(
             (wave.max() - 0.5).abs() < 1e-9 && wave.min() < 1e-9,
@@ -245,7 +245,7 @@ fn the_weakest_wave_of_a_survey_is_the_weakest_mode_in_all_cells() {
     }
 }
 
-/// Stress points on hexagons are weakest at no wave of alternating neighbors.
+/// With stress points on hexagons the weakest wave is not a wave of alternating neighbors.
 #[test]
 fn the_weakest_wave_of_a_survey_is_followed_to_its_bottom() {
     for cells in [1, 2, 3] {
@@ -293,7 +293,7 @@ fn the_weakest_zero_energy_mode_is_the_mode_of_the_undisturbed_lattice() {
     }
 }
 
-/// At `k = 0` translations have the frequency of zero-energy modes too, and an eigenvalue problem mixes them.
+/// At `k = 0` translations also have the frequency of zero-energy modes, and an eigenvalue solver mixes them.
 #[test]
 fn zero_energy_modes_are_the_weakest_apart_from_translations() {
     let material = ModifiedMooneyRivlin::default();
@@ -310,7 +310,7 @@ fn zero_energy_modes_are_the_weakest_apart_from_translations() {
     }
 }
 
-/// Also where one polarization alone is free: particles that move across bonds to their nearest neighbors.
+/// Only one polarization is free: particles that move across the bonds to their nearest neighbors.
 #[test]
 fn zero_energy_modes_of_one_polarization_are_the_weakest_apart_from_translations() {
     fn ratio<const D: usize>(kind: LatticeKind, cells: usize) -> f64 {
@@ -355,7 +355,7 @@ fn translations_of_disordered_cells_are_not_short_waves() {
     }
 }
 
-/// Shear waves of a fluid have frequency zero: no mode is compared with their rounding errors.
+/// Shear waves of a fluid have frequency zero, so that no mode is compared with their rounding errors.
 #[test]
 fn modes_are_not_compared_with_waves_of_zero_energy() {
     let choices = KernelMethodChoices::default();
@@ -399,7 +399,7 @@ fn short_waves_of_elongated_cells_are_found() {
     }
 }
 
-/// Gauss points belong to the cells between particles, for any number of cells in a larger cell.
+/// Gauss points belong to the cells between particles, for any number of cells in a supercell.
 #[test]
 fn a_quadrature_rule_gives_the_same_modes_in_a_larger_cell() {
     let of_cells = |cells: u32| KernelMethodChoices {
@@ -441,8 +441,8 @@ fn law(name: &str, parameters: &[(&str, f64)]) -> Box<dyn Hyperelastic> {
     law.build(parameters).expect("admissible parameters")
 }
 
-/// The lowest relative frequency of a dense search over the closed zone: in its interior, and along each of its edges, where opposite
-/// edges are different waves of the material.
+/// Lowest relative frequency of a dense search over the closed zone: in its interior, and along each of its edges, where opposite edges are different
+/// waves of the material.
 fn densely<const D: usize>(survey: &Survey<'_, D>, steps: usize) -> f64 {
     let lattice = *survey.discretization().crystal().lattice();
     let zone = BrillouinZone::new(lattice);
@@ -536,7 +536,7 @@ fn the_weakest_wave_agrees_with_a_dense_search_of_the_closed_zone() {
     }
 }
 
-/// Stress points on hexagons whose weakest wave lies on a face of the zone, where two images are equally long.
+/// With stress points on hexagons the weakest wave lies on a face of the zone, where two images have the same length.
 #[test]
 fn the_weakest_wave_on_a_face_of_the_zone_is_found() {
     let material = law("blatz-ko", &[]);

@@ -1,4 +1,4 @@
-//! All zero-energy modes: against dense Newton searches in a separate algebra, and against the stiffness of three laws.
+//! All zero-energy modes, compared with dense Newton searches in a separate implementation, and with the stiffness of three laws.
 
 use crate::hunt::hunted;
 use crate::method;
@@ -65,7 +65,7 @@ fn a_fluid_is_not_stable_where_its_discretization_has_zero_energy_modes() {
     }
 }
 
-/// Neighbors that alternate lie in one cell where it has an even number of particles along an axis: the wave of the cells is then infinitely long.
+/// Alternating neighbors lie in one cell if it has an even number of particles along an axis: the wave of the cells is then infinitely long.
 #[test]
 fn the_verdict_does_not_depend_on_the_number_of_particles_in_a_cell() {
     let tait = Law::named("tait").expect("a law of the library");
@@ -172,8 +172,8 @@ fn lattice<const D: usize>(kind: LatticeKind) -> BravaisLattice<D> {
     kind.lattice(1.0).expect("a lattice")
 }
 
-/// `sum_X w(|X|) X sin(k.X)` over the half of the neighbors within a radius: up to a regular matrix the discrete gradient of a
-/// particle on a lattice.
+/// Sum `sum_X w(|X|) X sin(k.X)` over half of the neighbors within a radius: the discrete gradient of a particle on a lattice, up to a regular
+/// matrix.
 struct Gradient<const D: usize> {
     vectors: SMatrix<f64, D, D>,
     terms: Vec<([i32; D], SVector<f64, D>)>,
@@ -210,7 +210,7 @@ impl<const D: usize> Gradient<D> {
         (value, slope)
     }
 
-    /// Newton's method from one place; `None` where it does not converge to a simple root other than zero.
+    /// Newton's method from one starting point; `None` if it does not converge to a simple root other than zero.
     fn root_from(&self, start: SVector<f64, D>) -> Option<SVector<f64, D>> {
         let scale = self.terms.iter().map(|(_, b)| b.norm()).sum::<f64>();
         let mut place = start;
@@ -229,7 +229,7 @@ impl<const D: usize> Gradient<D> {
         None
     }
 
-    /// All simple roots that a dense grid of starts leads to, of opposite ones one.
+    /// All simple roots reached from a dense grid of starting points, one of each opposite pair.
     fn roots(&self, starts: usize) -> Vec<SVector<f64, D>> {
         let mut roots: Vec<SVector<f64, D>> = Vec::new();
         for index in 0..starts.pow(D as u32) {
@@ -254,7 +254,7 @@ fn is_same<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> bool {
     is_zero(a - b) || is_zero(a + b)
 }
 
-/// Every root of a dense search is listed, and nothing else; each listed one once.
+/// Checks that every root of a dense search is listed exactly once, and nothing else.
 fn assert_all<const D: usize>(
     scheme: &dyn Discretization<D>,
     gradient: &Gradient<D>,
@@ -289,7 +289,7 @@ fn assert_all<const D: usize>(
     listed.len()
 }
 
-/// For the quartic spline, `W'(q)/q`.
+/// Quotient `W'(q)/q` of the quartic spline.
 fn quartic(q: f64) -> f64 {
     (1.0 - q) * (1.0 - q)
 }
@@ -340,7 +340,7 @@ fn total_lagrangian_particles_have_every_zero_energy_mode_of_a_dense_search() {
     }
 }
 
-/// Numbers between 0 and 1.
+/// Random numbers between 0 and 1.
 struct Random(u64);
 
 impl Random {
@@ -352,7 +352,7 @@ impl Random {
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// A lattice of cells that are not too flat, with a smallest distance of one.
+    /// Lattice of cells that are not too flat, with a smallest distance of one.
     fn lattice<const D: usize>(&mut self) -> BravaisLattice<D> {
         loop {
             let vectors = SMatrix::<f64, D, D>::from_fn(|i, j| {
@@ -415,7 +415,7 @@ fn exactly_the_zero_energy_modes_of_random_lattices_are_listed() {
     }
 }
 
-/// All wave vectors of the zone that have zero-energy modes, the translations at `k = 0` among them, of a lattice of single particles.
+/// All wave vectors of the zone that have zero-energy modes, including the translations at `k = 0`, for a lattice of single particles.
 fn all_of_a_lattice<const D: usize>(scheme: &dyn Discretization<D>) -> Vec<SVector<f64, D>> {
     let vectors = *scheme.crystal().lattice().vectors();
     let is_equivalent = |a: &SVector<f64, D>, b: &SVector<f64, D>| {
@@ -436,7 +436,7 @@ fn all_of_a_lattice<const D: usize>(scheme: &dyn Discretization<D>) -> Vec<SVect
     all
 }
 
-/// A supercell has the zero-energy modes of the lattice that it repeats, at the wave vectors of its zone.
+/// Checks that a supercell has the zero-energy modes of the lattice that it repeats, at the wave vectors of its zone.
 fn assert_folded<const D: usize>(kind: LatticeKind, radius: f64, cells: [usize; D]) {
     let name = format!("{kind:?} {radius} {cells:?}");
     let single = Crystal::<D>::of(kind, 1.0).expect("a crystal");
@@ -480,7 +480,7 @@ fn supercells_have_every_zero_energy_mode_of_their_lattice() {
     assert_folded(LatticeKind::Hexagonal, 2.2, [2, 1]);
 }
 
-/// Every wave of disordered particles has strain, which is decided in the whole zone.
+/// Every wave of disordered particles has strain, and the search proves this in the whole zone.
 #[test]
 fn disordered_particles_have_no_zero_energy_modes() {
     fn assert_none<const D: usize>(
@@ -502,7 +502,7 @@ fn disordered_particles_have_no_zero_energy_modes() {
     assert_none(LatticeKind::SimpleCubic, 1.9, [2, 2, 1], 0.1);
 }
 
-/// The wave vectors and nullities, in the order of the list.
+/// Wave vectors and nullities, in the order of the list.
 fn zeros<const D: usize>(
     scheme: &dyn Discretization<D>,
     law: &dyn Hyperelastic,
@@ -639,7 +639,8 @@ fn controls_leave_no_zero_energy_modes() {
     }
 }
 
-/// Zero-energy modes of a lattice whose strains vanish on lines that cross, with the length of their shortest wave in units of `TAU` over the cube's edge.
+/// Checks the zero-energy modes of a lattice whose strains vanish on crossing lines, with the length of their shortest wave in units of `TAU` divided
+/// by the edge of the cube.
 fn assert_crossing_lines(scheme: &dyn Discretization<3>, edge: f64, points: usize, shortest: f64) {
     let zeros = found(scheme, &*laws().remove(0)).modes;
     let zeros: Vec<_> = zeros.iter().filter(|mode| mode.is_zero()).collect();
@@ -653,8 +654,8 @@ fn assert_crossing_lines(scheme: &dyn Discretization<3>, edge: f64, points: usiz
     }
 }
 
-/// Nearest neighbors of face-centered cubes: `s_x (c_y + c_z) = 0` and cyclic, `s` and `c` of half the phases. In addition to L these are the lines X-W-X, the
-/// shortest wave X.
+/// Nearest neighbors of face-centered cubes satisfy `s_x (c_y + c_z) = 0` and cyclic permutations, with `s` and `c` of half the phases. In addition
+/// to L the solutions are the lines X-W-X, with the shortest wave at X.
 #[test]
 fn crossing_lines_are_one_connected_set_and_not_a_surface() {
     let edge = 2.0_f64.sqrt();
@@ -667,7 +668,8 @@ fn crossing_lines_are_one_connected_set_and_not_a_surface() {
     assert_crossing_lines(&family, edge, 1, 0.5_f64.sqrt());
 }
 
-/// The half vectors of two by two by two face-centered cells with nearest neighbors: seven wave vectors with three modes each. Translations are not zero-energy modes.
+/// The half vectors of two by two by two face-centered cells with nearest neighbors are seven wave vectors with three modes each. Translations are
+/// not zero-energy modes.
 #[test]
 fn translations_are_not_zero_energy_modes_where_lines_cross_in_the_reference_configuration() {
     let faces = Crystal::<3>::of(LatticeKind::FaceCenteredCubic, 1.0).expect("a crystal");

@@ -1,4 +1,4 @@
-//! The program agrees with the independently computed reference numbers whose names define them completely, section by section.
+//! Comparison of the program with the independently computed reference numbers whose names define them completely, section by section.
 
 use crate::reference::{
     anchors, assert_meets, lagrangian, material, method, number, numbers, stretched, with_frame,
@@ -158,7 +158,7 @@ fn kernel_sums_and_completeness_errors_agree_with_the_reference() {
     }
 }
 
-/// Both real `omega^2` at a reference wave vector.
+/// Both real values of `omega^2` at a reference wave vector.
 fn omega_squared(
     discretization: KernelMethodChoices,
     name: &str,
@@ -501,8 +501,8 @@ fn minima_over_the_zone_are_at_most_the_reference() {
     }
 }
 
-/// Onsets from the reference state: the first divergence must agree with the reference, which searched for `Re omega^2 < 0`, or be nearer to the
-/// reference state with a growing mode. Flutter may occur earlier. Returns the numbers of equal and of earlier onsets.
+/// Compares onsets from the reference state: the first divergence must agree with the reference, which searched for `Re omega^2 < 0`, or be nearer to
+/// the reference state with a growing mode. Flutter may occur earlier. Returns the numbers of equal and of earlier onsets.
 fn eulerian_onsets(name: &str) -> [usize; 2] {
     let anchors = anchors();
     let (mut met, mut earlier) = (0, Vec::new());

@@ -1,4 +1,4 @@
-//! Stable part of the compressive square for Eulerian kernels, material (5): the claim behind figure 6.
+//! Stable part of the compressive square for Eulerian kernels, material (5): the claim that figure 6 illustrates.
 
 use crate::reference::{lagrangian, material, method, stretched, with_frame};
 use onset::bloch::Stability;

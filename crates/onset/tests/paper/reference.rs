@@ -10,7 +10,7 @@ use onset::method::{
 use onset::quadrature::Quadrature;
 use serde_json::Value;
 
-/// The reference numbers.
+/// Reference numbers by name.
 pub fn anchors() -> Value {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../validation/anchors.json");
     let text = std::fs::read_to_string(path).expect("the reference numbers can be read");

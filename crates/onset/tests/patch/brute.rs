@@ -13,7 +13,7 @@ use onset::method::{
 use onset::quadrature::{Quadrature, QuadraturePoint};
 use std::f64::consts::{PI, TAU};
 
-/// Cells of the patch along each primitive vector: a multiple of six includes the wave vectors M, X and K.
+/// Number of cells of the patch along each primitive vector; a multiple of six includes the wave vectors M, X and K.
 const SIDE: usize = 6;
 /// Half step of the differentiation, in units of the spacing; the error of the five-point formula is of fourth order.
 const STEP: f64 = 2e-4;
@@ -40,8 +40,8 @@ struct Point<const D: usize> {
     deformation: Matrix3<f64>,
     /// Shape functions in the homogeneous state.
     shapes: Vec<Shape<D>>,
-    /// Second derivatives `phi_I,jt` in the homogeneous state, in the order of `shapes`. They are needed only for linearizations that freeze
-    /// something, and if strain is expanded over the cell of a point.
+    /// Second derivatives `phi_I,jt` in the homogeneous state, in the order of `shapes`. They are needed only for linearizations that freeze a
+    /// quantity, and if strain is expanded over the cell of a point.
     hessians: Vec<SMatrix<f64, D, D>>,
     /// Second moments of this cell, a multiple of the identity.
     second_moment: Option<f64>,
@@ -156,7 +156,7 @@ impl<const D: usize> Patch<D> {
         Self::with_triangles(choices, law, f, false)
     }
 
-    /// Like `new`; for hexagonal stress points `only_up` keeps the points in triangles that point up, with the volume of both.
+    /// Like `new`; for hexagonal stress points `only_up` keeps the points in triangles that point up, with the volume of both triangles.
     pub fn with_triangles(
         choices: KernelMethodChoices,
         law: Law,
@@ -446,7 +446,7 @@ impl<const D: usize> Patch<D> {
             .collect()
     }
 
-    /// Derivatives of corrected gradients by differences.
+    /// Derivatives of corrected gradients by finite differences.
     fn differences(&self, x: &SVector<f64, D>, own: Option<usize>) -> Vec<SMatrix<f64, D, D>> {
         // The second derivative of the weight of a particle has a kink at the particle: the formula is exact for x, x|x| and x^3.
         let h = 1e-4 * self.choices.spacing;

@@ -1,4 +1,4 @@
-//! Incomplete linearizations against forces with the same omission: equation (49).
+//! Incomplete linearizations, compared with forces with the same omission: equation (49).
 
 use crate::brute::{Patch, assert_agrees, state};
 use crate::law::Law;

@@ -52,7 +52,7 @@ fn material(name: &str, own: &[(&str, f64)]) -> Box<dyn Hyperelastic> {
     law.build(&given).expect("admissible")
 }
 
-/// Law with equal parameters as a material and as a law along axes.
+/// Law with the same parameters as a material and as a law along axes.
 struct Pair {
     name: &'static str,
     material: Box<dyn Hyperelastic>,
@@ -135,7 +135,7 @@ fn difference(a: &FourthOrder, b: &FourthOrder) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Logarithmic strains beyond yield, without symmetry and under some pressure, along turned axes, and a rotation of the body.
+/// Logarithmic strains beyond yield, without symmetry and under some pressure, along rotated axes, and a rotation of the body.
 fn state(numbers: &mut Numbers, size: f64) -> (Matrix3<f64>, Matrix3<f64>) {
     let axes = numbers.rotation();
     let strains =
@@ -163,7 +163,7 @@ fn drucker_prager_is_its_closed_form_return_mapping_on_proportional_paths() {
     }
 }
 
-/// On paths of constant strain ratios `localize` and the commands of particles have one answer.
+/// On paths of constant strain ratios `localize` and the commands for particles give the same answer.
 #[test]
 fn every_law_has_the_acoustic_tensors_of_its_loading_path() {
     // At finite strain `follow` measures the stress per volume of the stress-free state.
@@ -232,7 +232,7 @@ struct Inner {
 
 /// One explicit step to a deformation gradient: principal axes of the trial state, flow of the law in them. Returns the Kirchhoff stress.
 ///
-/// The axes are in the order of the trial strains, so internal variables of an axis stay with it.
+/// The axes are in the order of the trial strains, so internal variables remain assigned to their axes.
 fn step(pair: &Pair, inner: &mut Inner, f: &Matrix3<f64>) -> Matrix3<f64> {
     let trial = SymmetricEigen::new(f * inner.metric * f.transpose());
     let mut order = [0, 1, 2];
@@ -279,7 +279,7 @@ fn step(pair: &Pair, inner: &mut Inner, f: &Matrix3<f64>) -> Matrix3<f64> {
     axes * Matrix3::from_diagonal(&stress) * axes.transpose()
 }
 
-/// State at the end of a path in small steps of the tensor update.
+/// State at the end of a path that is followed in small steps of the tensor update.
 fn walked(pair: &Pair, logarithm: &Matrix3<f64>, steps: u32) -> (Matrix3<f64>, Inner) {
     let mut inner = Inner {
         metric: Matrix3::identity(),
@@ -386,7 +386,8 @@ fn elastic_states_have_one_tangent_and_yield_where_the_law_does() {
     assert_eq!(library().iter().filter(names).count(), 2 + pairs(1.0).len());
 }
 
-/// States of a ray, in any order, agree with states that are reached from the beginning: on the way out, back, and beyond the end of the path.
+/// States of a ray, in any order, agree with states that are reached from the beginning: during loading, during unloading, and beyond the end of the
+/// path.
 #[test]
 fn states_along_a_ray_are_the_states_of_the_law() {
     let mut numbers = Numbers(12);
@@ -445,7 +446,7 @@ fn states_that_cannot_be_reached_are_refused_with_the_reason() {
         let error = material(name, own).response(&f).expect_err("a refusal");
         error.to_string()
     };
-    // Hydrostatic tension meets the apex of the cone.
+    // Hydrostatic tension reaches the apex of the cone.
     let apex = told("drucker-prager", &[("friction", 0.5)], [1.1; 3]);
     assert!(apex.contains("no deviator"), "{apex}");
     let corner = told(
@@ -464,7 +465,8 @@ fn states_that_cannot_be_reached_are_refused_with_the_reason() {
     assert!(error.contains("softens too fast"), "{error}");
 }
 
-/// Softening without friction: long waves of the tangent vanish where `h` falls to the critical modulus, and the elastic tangent keeps its wave speeds.
+/// For softening without friction, the speed of a long wave of the tangent vanishes where `h` falls to the critical modulus, and the elastic tangent
+/// keeps its wave speeds.
 #[test]
 fn a_softening_law_loses_ellipticity_for_loading_but_not_for_unloading() {
     let law = material(

@@ -209,7 +209,7 @@ fn the_energy_is_the_work_along_the_path_and_no_potential_of_the_tangent() {
     }
 }
 
-/// Without rotation nothing rotates the stress of a plane wave whose polarization is its direction; for all other waves the two rates differ.
+/// Without rotation no spin rotates the stress of a plane wave whose polarization is its direction; for all other waves the two rates differ.
 #[test]
 fn the_rates_differ_in_shear_alone() {
     let f = Matrix3::from_diagonal(&Vector3::new(1.3, 0.9, 1.0));

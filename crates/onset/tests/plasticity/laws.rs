@@ -1,4 +1,4 @@
-//! Laws other than Drucker-Prager: their flow by differentiation, their localization as published.
+//! Laws other than Drucker-Prager: their flow compared with differentiation, their localization with publications.
 
 use crate::{Numbers, directions};
 use nalgebra::{Matrix3, Vector3};
@@ -153,7 +153,7 @@ fn the_normal_is_the_gradient_of_the_yield_function_and_flow_stays_on_the_yield_
     }
 }
 
-/// Every direction of the sphere has a critical modulus of at most the largest one, and some direction comes close to it.
+/// Every direction of the sphere has a critical modulus of at most the largest critical modulus, and some direction comes close to it.
 #[test]
 fn no_direction_exceeds_the_critical_modulus_of_any_law() {
     let mut numbers = Numbers(3);
@@ -284,7 +284,7 @@ fn without_voids_gursons_law_is_von_mises() {
     assert!(earlier.slip < a.slip, "{} {}", earlier.slip, a.slip);
 }
 
-/// In pure shear the back stress is parallel to the stress: the law is von Mises' with the sum of both moduli.
+/// In pure shear the back stress is parallel to the stress: the law is the von Mises law with the sum of both moduli.
 #[test]
 fn kinematic_hardening_in_pure_shear_adds_its_modulus() {
     let linear = |modulus: f64| Hardening::Linear {
@@ -327,7 +327,7 @@ fn cam_clay_approaches_the_critical_state() {
     assert_eq!(found.end, End::Slip);
 }
 
-/// Both follow the curve of the strength in shear, `gamma = k/G + slip`; damage in tension along `sigma = (1 - D) E e`.
+/// Both laws follow the curve of the strength in shear, `gamma = k/G + slip`; damage in tension follows `sigma = (1 - D) E e`.
 #[test]
 fn deformation_theory_and_damage_follow_their_curves() {
     let e = elasticity();

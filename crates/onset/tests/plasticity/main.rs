@@ -13,7 +13,7 @@ mod rudnicki_rice;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use onset::plasticity::{DruckerPrager, Hardening};
 
-/// One strength of each kind.
+/// One strength for each hardening law.
 const STRENGTHS: [Hardening; 6] = [
     Hardening::Linear {
         initial: 1.0,

@@ -1,4 +1,4 @@
-//! Metals as materials compared with Drucker-Prager without friction, and with steps that use elasticity and yield stress alone.
+//! Metals as materials, compared with Drucker-Prager without friction, and with steps that use only elasticity and yield stress.
 
 use crate::Numbers;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -83,7 +83,7 @@ fn a_metal_that_does_not_yield_is_elastic() {
     }
 }
 
-/// Hill's law in steps: independent implementation of elasticity, the yield stress and its normal, with flow by its definition.
+/// Hill's law in steps: an independent implementation of elasticity, the yield stress and its normal, with flow by its definition.
 struct Steps {
     ratios: [f64; 3],
 }
@@ -368,8 +368,8 @@ fn a_wave_speed_vanishes_at_the_critical_hardening_modulus() {
     assert!(smallest(critical + 0.02) > 1e-4 * MU * 0.02 && smallest(critical - 0.02) < 0.0);
 }
 
-/// A metal sheet: its thickness makes the faces of the three-dimensional metal traction-free, and its tangent belongs to steps of flow that keep them
-/// free.
+/// The thickness of a metal sheet makes the faces of the three-dimensional metal traction-free, and its tangent belongs to steps of flow that keep
+/// them free.
 #[test]
 fn a_metal_sheet_equals_the_three_dimensional_metal_with_free_faces_in_stress_and_continued_flow() {
     let plane = Matrix3::new(1.1, 0.03, 0.0, -0.02, 0.95, 0.0, 0.0, 0.0, 1.0);

@@ -34,7 +34,7 @@ fn assert_tangent(
     }
 }
 
-/// Newton's method on all equations of the implicit step together: six of flow, one of yield, with numerical derivatives.
+/// Newton's method on all equations of the implicit step together, six of flow and one of yield, with numerical derivatives.
 fn implicit_step(law: &DruckerPrager, strain: &Matrix3<f64>, state: &State) -> (Matrix3<f64>, f64) {
     type Unknown = SVector<f64, 7>;
     const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)];

@@ -105,7 +105,7 @@ fn beyond_the_range_of_its_angle_the_band_is_normal_to_a_principal_stress_and_th
 }
 
 #[test]
-fn von_mises_in_pure_shear_localizes_at_zero_hardening_under_45_degrees() {
+fn von_mises_in_pure_shear_localizes_at_zero_hardening_at_45_degrees() {
     for nu in [0.0, 0.2, 0.3, 0.45] {
         let critical = critical(nu, 0.0, 0.0, 0.0, &Matrix3::identity());
         assert!(critical.modulus.abs() < 1e-13, "{}", critical.modulus);

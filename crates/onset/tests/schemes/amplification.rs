@@ -82,7 +82,7 @@ fn large_damping_increases_the_stable_step_of_kick_drift_kick() {
         let step = critical_time_step_at(&chain(ratio, 0.0), Integrator::KickDriftKick, &k);
         assert!((step - 1.0 / ratio).abs() < 1e-4, "{step} for {ratio}");
     }
-    // Here waves inside of the zone are decisive: the damping of longer waves is below this limit.
+    // Here waves inside the zone are decisive: the damping of longer waves is below this limit.
     for ratio in [0.53, 0.6, 0.8] {
         let system = chain(ratio, 0.0);
         let search = ZoneSearch::of_lattice(*system.crystal().lattice(), 1.0);
@@ -209,7 +209,7 @@ fn a_step_of_kick_drift_kick_agrees_with_the_damped_oscillator() {
 
 /// Amplification factors of the generalized-alpha method, or of backward Euler without parameters, for `a + w u = 0` and `dt = 1`.
 fn implicit_factors(parameters: Option<[f64; 2]>, w: f64) -> Vec<Complex<f64>> {
-    // All equations of a step, A y' = B y with y = (u, v, a), solved as they stand.
+    // All equations of a step, A y' = B y with y = (u, v, a), solved directly.
     let (left, right) = match parameters {
         Some([alpha_m, alpha_f]) => {
             let gamma = 0.5 - alpha_m + alpha_f;
@@ -249,7 +249,7 @@ fn implicit_factors(parameters: Option<[f64; 2]>, w: f64) -> Vec<Complex<f64>> {
 }
 
 #[test]
-fn implicit_steps_meet_a_singular_matrix_and_hide_growth_where_stated() {
+fn implicit_steps_reach_a_singular_matrix_and_mask_growth_where_stated() {
     for (integrator, parameters, at_infinity) in [
         (ImplicitIntegrator::Newmark, Some([0.0, 0.0]), 1.0),
         (ImplicitIntegrator::HhtAlpha, Some([0.0, 0.05]), 0.95 / 1.05),

@@ -191,7 +191,7 @@ pub fn assert_equilibrium<const D: usize>(
     }
 }
 
-/// Checks that the acoustic tensor of long waves is the acoustic tensor of the material over the density, to a relative tolerance.
+/// Checks that the acoustic tensor of long waves equals the acoustic tensor of the material divided by the density, to a relative tolerance.
 #[track_caller]
 pub fn assert_long_waves_are_those_of_the_material<const D: usize>(
     scheme: &dyn Discretization<D>,

@@ -9,7 +9,7 @@ use onset::quadrature::Quadrature;
 use onset::scheme::Discretization;
 use std::f64::consts::PI;
 
-/// `omega^2` of the wave of alternating particles, with `E = rho = spacing = 1`, Shepard functions and the quartic spline.
+/// Squared frequency `omega^2` of the wave of alternating particles, with `E = rho = spacing = 1`, Shepard functions and the quartic spline.
 fn alternating(quadrature: Quadrature, support: f64) -> f64 {
     let method = Method::<1>::new(KernelMethodChoices {
         lattice: LatticeKind::Chain,
@@ -26,7 +26,8 @@ fn alternating(quadrature: Quadrature, support: f64) -> f64 {
     waves.omega_squared(&SVector::from_element(PI))[0].re
 }
 
-/// `omega^2` by hand: half of the volume is at the midpoints, with the gradient `sum_K (-1)^K phi_K'`; the gradient at the particles is zero.
+/// Squared frequency `omega^2` in closed form: half of the volume is at the midpoints, with the gradient `sum_K (-1)^K phi_K'`; the gradient at the
+/// particles is zero.
 fn by_hand(support: f64) -> f64 {
     let weight = |x: f64| {
         let q = x.abs() / support;

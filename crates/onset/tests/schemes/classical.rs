@@ -1,4 +1,4 @@
-//! Kernel methods as schemes: their forces, and the matrix derived from them by hand.
+//! Kernel methods as schemes: their forces, and the matrix in closed form.
 
 use crate::battery::{assert_long_waves_are_those_of_the_material, assert_scheme};
 use onset::approximation::Approximation;

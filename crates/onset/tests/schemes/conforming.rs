@@ -1,4 +1,4 @@
-//! Nodal integration with smoothed gradients: the battery, exactness for linear fields, and zero-energy modes.
+//! Nodal integration with smoothed gradients: the general scheme checks, exactness for linear fields, and zero-energy modes.
 
 use crate::battery::{assert_long_waves_are_those_of_the_material, assert_scheme};
 use crate::random::Random;
@@ -81,7 +81,7 @@ fn assert_conforming<const D: usize>(crystal: &Crystal<D>, choices: &ConformingC
 }
 
 #[test]
-fn methods_with_smoothed_gradients_pass_the_battery_and_agree_with_the_material_for_long_waves() {
+fn methods_with_smoothed_gradients_pass_the_checks_and_agree_with_the_material_for_long_waves() {
     for modification in [0.0, 0.4, 1.0] {
         let choices = modified(modification);
         assert_conforming(&chain(), &choices);
@@ -106,7 +106,7 @@ fn methods_with_smoothed_gradients_pass_the_battery_and_agree_with_the_material_
 }
 
 #[test]
-fn methods_with_smoothed_gradients_in_3d_pass_the_battery_and_agree_with_the_material_for_long_waves()
+fn methods_with_smoothed_gradients_in_3d_pass_the_checks_and_agree_with_the_material_for_long_waves()
  {
     let small = ConformingChoices {
         radius: 1.6,
@@ -417,7 +417,7 @@ fn choices_out_of_range_are_rejected() {
     ));
 }
 
-/// The bound is within 4e-7 of the minimum given, and a minimum smaller than this is also given.
+/// The bound is within 4e-7 of the reported minimum, and smaller minima are also reported.
 #[test]
 fn a_minimum_smaller_than_the_gap_to_its_bound_is_found() {
     let packed = Crystal::<3>::of(LatticeKind::HexagonalClosePacked, 1.0).expect("a crystal");

@@ -140,7 +140,7 @@ impl Patch {
         accelerations
     }
 
-    /// `omega^2 v` of the particle at the origin, for the velocities `v cos(k.X)`: minus the change of its acceleration while particles
+    /// Product `omega^2 v` for the particle at the origin, for the velocities `v cos(k.X)`: the negative change of its acceleration while particles
     /// move for a short time. Positions and deformations follow the smoothed or the unsmoothed velocities.
     fn squared_frequency(
         &self,
@@ -244,7 +244,7 @@ fn smoothing_only_positions_changes_no_wave_and_no_time_step_in_the_reference_st
 }
 
 #[test]
-fn methods_with_smoothed_positions_pass_the_battery() {
+fn methods_with_smoothed_positions_pass_the_scheme_checks() {
     let material = ModifiedMooneyRivlin::default();
     for momentum in [MomentumForm::Symmetric, MomentumForm::Mean] {
         for density_evolution in [DensityEvolution::Continuity, DensityEvolution::Summation] {

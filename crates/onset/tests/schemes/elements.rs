@@ -1,4 +1,4 @@
-//! Finite elements: the battery, and results from textbooks.
+//! Finite elements: the general scheme checks, and results from textbooks.
 
 use crate::battery::{assert_long_waves_are_those_of_the_material, assert_scheme};
 use crate::random::Random;
@@ -83,7 +83,7 @@ fn maximum_omega_squared<const D: usize>(scheme: &FiniteElements<D>) -> f64 {
     search.summary_of(&at_rest(scheme)).maximum_omega.powi(2)
 }
 
-/// `omega^2` in units of `(lambda + 2 mu) / (rho h^2)`.
+/// Squared frequencies `omega^2` in units of `(lambda + 2 mu) / (rho h^2)`.
 fn in_units(omega_squared: f64) -> f64 {
     omega_squared * DENSITY * SPACING * SPACING / MODULUS
 }
@@ -139,7 +139,7 @@ fn distorted_elements_pass_the_patch_test_with_and_without_hourglass_control() {
 }
 
 #[test]
-fn elements_on_any_lattice_pass_the_battery() {
+fn elements_on_any_lattice_pass_the_scheme_checks() {
     let mut random = Random::new(8);
     let vectors = SMatrix::<f64, 3, 3>::identity() + SMatrix::from_fn(|_, _| 0.3 * random.number());
     let lattice = BravaisLattice::new(vectors).expect("a lattice");
@@ -204,7 +204,7 @@ fn frequencies_are_invariant_under_rotations_of_the_setup_and_of_the_body() {
 }
 
 #[test]
-fn the_largest_frequency_of_bars_is_2_or_root_12_times_the_speed_over_the_length() {
+fn the_largest_frequency_of_bars_is_2_or_root_12_times_the_speed_divided_by_the_length() {
     for (formulation, highest) in [(full(), 4.0), (ONE_POINT, 4.0), (consistent(), 12.0)] {
         let bars = elements::<1>(ElementMesh::Bars, formulation);
         let found = in_units(maximum_omega_squared(&bars));
@@ -670,7 +670,7 @@ fn elements_with_a_mean_dilatation_have_an_energy_and_no_zero_energy_modes() {
     }
 }
 
-/// Energy of a patch of squares with a mean dilatation, written out, with the displacements of `CELLS` by `CELLS` nodes.
+/// Energy of a patch of squares with a mean dilatation, computed explicitly from the displacements of `CELLS` by `CELLS` nodes.
 fn energy_of_mean_dilatation(
     material: &dyn Hyperelastic,
     state: &DeformationGradient,

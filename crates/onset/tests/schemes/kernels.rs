@@ -1,4 +1,4 @@
-//! Kernel Galerkin methods on crystals: against the closed forms on Bravais lattices, and on crystals without closed forms.
+//! Kernel Galerkin methods on crystals, compared with the closed forms on Bravais lattices, and on crystals without closed forms.
 
 use crate::battery::{
     assert_equilibrium, assert_long_waves_are_those_of_the_material, assert_scheme,
@@ -33,7 +33,7 @@ fn nodal<const D: usize>(crystal: Crystal<D>, choices: KernelChoices) -> KernelS
     KernelScheme::new(crystal, CrystalQuadrature::Nodal, choices).expect("a scheme")
 }
 
-/// Scheme of a method, on the crystal of its lattice.
+/// Scheme of a method on the crystal of its lattice.
 fn scheme_of<const D: usize>(method: &Method<D>) -> KernelScheme<D> {
     let discretization = method.choices();
     let points = method.quadrature_points().iter();
@@ -133,7 +133,7 @@ fn dual_numbers_and_closed_forms_give_the_same_waves_for_every_kernel() {
 }
 
 #[test]
-fn kernel_methods_on_bravais_lattices_pass_the_battery() {
+fn kernel_methods_on_bravais_lattices_pass_the_scheme_checks() {
     let material = ModifiedMooneyRivlin::default();
     let cubic = BravaisLattice::<3>::new(nalgebra::Matrix3::identity()).expect("a lattice");
     let f = DeformationGradient::from_stretches([1.1, 0.9, 1.05]).expect("a state");
@@ -163,7 +163,7 @@ fn kernel_methods_on_bravais_lattices_pass_the_battery() {
 }
 
 #[test]
-fn kernel_methods_on_the_honeycomb_pass_the_battery_in_equilibrium() {
+fn kernel_methods_on_the_honeycomb_pass_the_scheme_checks_in_equilibrium() {
     let material = ModifiedMooneyRivlin::default();
     let points = vec![
         (SVector::from([0.0, 0.0]), 0.5),

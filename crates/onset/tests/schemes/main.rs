@@ -1,4 +1,4 @@
-//! Discretizations by their forces: a battery of checks for every scheme, and closed forms.
+//! Discretizations by their forces: general checks for every scheme, and closed forms.
 
 mod amplification;
 mod battery;

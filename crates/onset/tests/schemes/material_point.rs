@@ -75,7 +75,7 @@ fn lame() -> (f64, f64) {
 }
 
 #[test]
-fn every_formulation_passes_the_battery_with_every_function_in_every_dimension() {
+fn every_formulation_passes_the_scheme_checks_with_every_function_in_every_dimension() {
     fn checked<const D: usize>(per_side: &[usize], functions: &[GridFunctions]) {
         for per_side in per_side {
             for functions in functions.iter().copied() {
@@ -379,7 +379,7 @@ struct Bar {
     cells: i32,
     /// Current distance of the nodes.
     spacing: f64,
-    /// Position in units of the spacing, velocity and stretch.
+    /// Position in units of the spacing, velocity and stretch of each particle.
     particles: Vec<[f64; 3]>,
     volume: f64,
 }
@@ -568,7 +568,7 @@ fn grid_velocities_have_all_frequencies_of_the_particles_except_the_zero_frequen
     checked::<3>();
 }
 
-/// Flutter between the points of a grid that is as coarse as it can be for cells with eight particles in 3D.
+/// Flutter between the points of the coarsest admissible grid for cells with eight particles in 3D.
 #[test]
 fn flutter_of_material_points_in_3d_is_found() {
     let choices = MaterialPointChoices {

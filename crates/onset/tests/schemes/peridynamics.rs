@@ -90,7 +90,7 @@ fn half_reciprocal_vectors<const D: usize>(crystal: &Crystal<D>) -> Vec<SVector<
 }
 
 #[test]
-fn every_model_passes_the_battery_in_every_dimension() {
+fn every_model_passes_the_scheme_checks_in_every_dimension() {
     let penalty = ZeroEnergyControl::Penalty { coefficient: 0.7 };
     let hourglass = ZeroEnergyControl::Hourglass { coefficient: 0.7 };
     let tensor = ZeroEnergyControl::StiffnessTensor { coefficient: 0.3 };
@@ -306,7 +306,7 @@ fn the_penalty_lifts_the_zero_energy_modes_of_families_in_proportion_to_its_coef
 }
 
 #[test]
-fn long_waves_of_correspondence_agree_with_any_material_with_and_without_control() {
+fn long_waves_of_correspondence_peridynamics_agree_with_any_material_with_and_without_control() {
     fn checked<const D: usize>(crystal: &Crystal<D>, horizon: f64) {
         for control in [
             ZeroEnergyControl::None,

@@ -171,7 +171,7 @@ fn a_supercell_given_as_a_basis_has_the_spacing_of_its_lattice() {
     assert!((centered.spacing() - 0.5_f64.cbrt()).abs() < 1e-12);
 }
 
-/// Cells are counted in 32 bits, and 1e19 has no digits after the decimal point: such distant particles were mistaken for neighbors.
+/// Cells are counted in 32 bits, and 1e19 has no digits after the decimal point, so that such distant particles were mistaken for neighbors.
 #[test]
 fn particles_far_from_their_cell_are_rejected() {
     let with = |place: f64| KernelMethodChoices {

@@ -86,7 +86,7 @@ fn all_updated(radius: f64) -> Vec<UpdatedSphChoices> {
 }
 
 #[test]
-fn total_lagrangian_sph_passes_the_battery() {
+fn total_lagrangian_sph_passes_the_scheme_checks() {
     let material = ModifiedMooneyRivlin::default();
     let pairs = ShearForces::Pairs { coefficient: 1.07 };
     for corrected in [false, true] {
@@ -175,7 +175,7 @@ fn pairwise_shear_leaves_no_zero_energy_mode() {
 }
 
 #[test]
-fn every_form_of_updated_sph_passes_the_battery() {
+fn every_form_of_updated_sph_passes_the_scheme_checks() {
     let material = ModifiedMooneyRivlin::default();
     for choices in all_updated(2.3) {
         let f = stretched([1.1, 0.9, 1.05]);
@@ -328,7 +328,7 @@ fn all_forms_are_equal_without_stress() {
     }
 }
 
-/// In the reference state the matrix is real and as symmetric as the lattice: the eigenvalue iteration does not converge by itself.
+/// In the reference state the matrix is real and as symmetric as the lattice, so that the eigenvalue iteration does not converge by itself.
 #[test]
 fn a_supercell_in_the_reference_state_has_the_frequencies_of_the_folded_waves() {
     let choices = UpdatedSphChoices {
@@ -489,7 +489,7 @@ fn artificial_stress_is_rejected_for_the_difference_form() {
 }
 
 #[cfg(feature = "serde")]
-/// Branches of one particle per cell that meet along lines in 3D are complex in tubes around these lines, 1e-4 of the zone wide.
+/// Branches of one particle per cell that meet along lines in 3D are complex in tubes around these lines, with a diameter of 1e-4 of the zone.
 #[test]
 fn flutter_in_pockets_between_grid_points_in_3d_is_found() {
     let choices = UpdatedSphChoices {

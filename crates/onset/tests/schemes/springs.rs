@@ -153,7 +153,7 @@ fn long_waves_have_the_stiffness_of_two_springs_in_series() {
 }
 
 #[test]
-fn springs_pass_the_battery() {
+fn springs_pass_the_scheme_checks() {
     let chain = Chain::of_two([1.0, 3.0], [2.0, 0.7], 0.0);
     assert_scheme(
         &chain,

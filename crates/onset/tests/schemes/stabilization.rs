@@ -18,7 +18,7 @@ use std::f64::consts::PI;
 
 const KERNEL: Kernel = Kernel::QuarticSpline;
 
-/// `W`, `W'`, `W''` of the normalized kernel at a distance in one dimension.
+/// Values `W`, `W'`, `W''` of the normalized kernel at a distance in one dimension.
 fn kernel(radius: f64, distance: f64) -> [f64; 3] {
     let x = SVector::<f64, 1>::new(distance);
     let weight = KERNEL.weight(&x, radius, &SMatrix::identity());
@@ -190,7 +190,7 @@ fn with_artificial_stress(radius: f64, epsilon: f64) -> UpdatedSphChoices {
 }
 
 #[test]
-fn methods_with_artificial_stress_pass_the_battery() {
+fn methods_with_artificial_stress_pass_the_scheme_checks() {
     let material = ModifiedMooneyRivlin::default();
     for momentum in [MomentumForm::Symmetric, MomentumForm::Mean] {
         let choices = UpdatedSphChoices {
@@ -458,7 +458,7 @@ fn viscosity_damps_every_wave_of_a_stable_state_without_shifting_the_onset() {
 }
 
 #[test]
-fn methods_with_viscosity_and_velocity_smoothing_pass_the_battery() {
+fn methods_with_viscosity_and_velocity_smoothing_pass_the_scheme_checks() {
     let material = ModifiedMooneyRivlin::default();
     let chain = updated(
         crystal::<1>(LatticeKind::Chain),

@@ -1,4 +1,4 @@
-//! Velocity transfers of the material point method: steps of linear waves, and an independent code that takes these steps.
+//! Velocity transfers of the material point method: steps of linear waves, compared with an independent code that performs these steps.
 
 use crate::battery::assert_scheme;
 use nalgebra::{Complex, SMatrix, SVector};
@@ -68,7 +68,7 @@ fn stepped<const D: usize>(
 }
 
 #[test]
-fn every_transfer_passes_the_battery_with_the_gradients_of_functions_and_with_moments() {
+fn every_transfer_passes_the_scheme_checks_with_the_gradients_of_functions_and_with_moments() {
     let material = ModifiedMooneyRivlin::default();
     for (gradients, transfer) in BOTH.into_iter().flat_map(|own| ALL.map(|t| (own, t))) {
         for functions in [GridFunctions::Gimp, GridFunctions::CubicSpline] {
@@ -316,7 +316,7 @@ fn points_on_faces_with_linear_functions_and_invalid_shares_and_orders_are_rejec
     }
 }
 
-/// Explicit nonlinear code for a periodic patch of grid with material points. It shares only the law with the library.
+/// Explicit nonlinear code for a periodic patch of the grid with material points. It shares only the law with the library.
 struct Code<'a, const D: usize> {
     material: &'a dyn Hyperelastic,
     transfer: Transfer,
@@ -334,7 +334,7 @@ struct Code<'a, const D: usize> {
     mass: f64,
 }
 
-/// A node near a point: number, vector from the point, weight and gradient.
+/// Node near a point: number, vector from the point, weight and gradient.
 type Seen<const D: usize> = (usize, SVector<f64, D>, f64, SVector<f64, D>);
 
 impl<const D: usize> Code<'_, D> {
@@ -469,7 +469,7 @@ struct Mode<const D: usize> {
     k: SVector<f64, D>,
     u: SVector<Complex<f64>, D>,
     factor: Complex<f64>,
-    /// Velocities of points over displacements of nodes.
+    /// Ratio of the velocities of points to the displacements of nodes.
     speed: Complex<f64>,
 }
 
@@ -623,7 +623,7 @@ fn seeded(transfer: Transfer, gradients: GridGradients) -> MaterialPointChoices 
     }
 }
 
-/// Checks that the code, with steps of a fraction of the largest stable step, agrees with the prediction to a millionth.
+/// Checks that the code, with steps that are a fraction of the largest stable step, agrees with the prediction to one part in a million.
 fn assert_predicted<const D: usize>(
     transfer: Transfer,
     gradients: GridGradients,
@@ -795,7 +795,7 @@ fn the_step_of_an_isolated_point_follows_from_its_change_of_volume() {
     assert!((alone.expect("no stress") / expected - 1.0).abs() < 1e-12);
 }
 
-/// Factors of all waves at some wave vectors of the plane, for a step.
+/// Amplification factors of all waves in a time step, at some wave vectors of the plane.
 fn factors(waves: &TransferredWaves<2>, step: f64) -> Vec<Complex<f64>> {
     let each = (0..25).flat_map(|n| {
         let place = SVector::from([f64::from(n % 5), f64::from(n / 5)]);
@@ -879,7 +879,7 @@ fn fmpm_of_high_order_has_the_waves_of_the_consistent_mass_matrix() {
     }
 }
 
-/// Largest stable step of unstressed points on a chain, in units of the grid spacing over the sound speed.
+/// Largest stable step of unstressed points on a chain, in units of the grid spacing divided by the sound speed.
 fn largest_step_of_a_chain(per_side: usize, functions: GridFunctions, transfer: Transfer) -> f64 {
     let material = ModifiedMooneyRivlin::default();
     let rest = DeformationGradient::identity();

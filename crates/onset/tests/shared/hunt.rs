@@ -1,6 +1,6 @@
 //! Tests on random cases; `cargo xtask hunt` runs any number of cases.
 
-/// The seed, and the number of cases: a few in the tests.
+/// Seed and number of cases, which is small in the tests.
 pub fn hunted(cases: usize) -> (u64, usize) {
     let number = |name: &str| std::env::var(name).ok()?.parse::<u64>().ok();
     let seed = number("ONSET_SEED").unwrap_or(1);
@@ -8,7 +8,7 @@ pub fn hunted(cases: usize) -> (u64, usize) {
     (seed, asked.unwrap_or(cases))
 }
 
-/// The seeds of random cases. Without a seed of the environment, seeds of cases that a search got wrong once come first.
+/// Seeds of random cases. Without a seed in the environment, they start with the seeds of cases for which an earlier search was wrong.
 #[allow(dead_code)]
 pub fn seeds(cases: usize, mended: &[u64]) -> Vec<u64> {
     let (seed, cases) = hunted(cases);

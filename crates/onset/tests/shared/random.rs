@@ -1,8 +1,8 @@
-//! Random numbers, the same in every run.
+//! Random numbers that are the same in every run.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-/// Numbers spread evenly over `(-1, 1)`: a linear congruential generator (Knuth's constants).
+/// Numbers distributed evenly over `(-1, 1)`: a linear congruential generator (Knuth's constants).
 pub struct Random(u64);
 
 impl Random {
@@ -21,7 +21,7 @@ impl Random {
         (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
-    /// A rotation about a random axis.
+    /// Rotation about a random axis.
     pub fn rotation(&mut self) -> Matrix3<f64> {
         let axis = Vector3::from_fn(|_, _| self.number());
         *Rotation3::new(axis * 3.0).matrix()

@@ -1,4 +1,4 @@
-//! `D(k)` against the derivative of the discrete forces on one particle of the infinite body under a plane wave.
+//! Comparison of `D(k)` with the derivative of the discrete forces on one particle of the infinite body under a plane wave.
 
 use crate::{CUBIC, discretization, state};
 use nalgebra::{Matrix3, Vector3};
@@ -19,7 +19,7 @@ struct Body {
     particles: Vec<(Vector3<f64>, Vector3<f64>)>,
 }
 
-/// Quartic spline over its value at the particle, and its gradient at `relative` from the particle.
+/// Quartic spline divided by its value at the particle, and its gradient at `relative` from the particle.
 fn weight(relative: &Vector3<f64>, radius: f64) -> Option<(f64, Vector3<f64>)> {
     let q = relative.norm() / radius;
     (q < 1.0).then(|| {
@@ -53,7 +53,7 @@ impl Body {
         }
     }
 
-    /// Shepard functions at a place among particles displaced by `u`: particle, value, gradient.
+    /// Shepard functions at a point among particles displaced by `u`: particle, value, gradient.
     fn shapes(&self, place: &Vector3<f64>, u: &[Vector3<f64>]) -> Vec<(usize, f64, Vector3<f64>)> {
         let seen: Vec<_> = self
             .particles

@@ -22,7 +22,7 @@ fn any() -> impl Strategy<Value = KernelMethodChoices> {
         .prop_map(|(kind, frame, quadrature)| discretization(kind, frame, quadrature))
 }
 
-/// The same lattice by other primitive vectors.
+/// Lattice described by other primitive vectors.
 fn with_vectors(
     discretization: &KernelMethodChoices,
     vectors: &Matrix3<f64>,

@@ -1,4 +1,4 @@
-//! Particles in three dimensions: dynamical matrices against the forces of displaced particles, and the search over the zone.
+//! Particles in three dimensions: dynamical matrices compared with the forces of displaced particles, and the search over the zone.
 
 mod forces;
 mod laws;

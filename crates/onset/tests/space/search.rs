@@ -1,4 +1,4 @@
-//! The search over the zone in 3D against dense grids.
+//! The search over the zone in 3D, compared with dense grids.
 
 use crate::{CUBIC, config, deformation, discretization, state};
 use nalgebra::{Matrix3, Vector3};

@@ -1,4 +1,4 @@
-//! Linear elasticity with a minimum, or its sign, known in closed form.
+//! Linear elasticity whose minimum, or its sign, is known in closed form.
 
 use crate::forms::{Random, acoustic, delta, isotropic, turned};
 use nalgebra::{Matrix3, Vector3};

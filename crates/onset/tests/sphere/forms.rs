@@ -30,7 +30,7 @@ pub fn delta(i: usize, j: usize) -> f64 {
     f64::from(u8::from(i == j))
 }
 
-/// Tensor in rotated axes.
+/// Tensor with respect to rotated axes.
 pub fn turned(t: &FourthOrder, r: &Matrix3<f64>) -> FourthOrder {
     let one = |t: &dyn Fn([usize; 4]) -> f64, place: usize, index: [usize; 4]| {
         let at = |a: usize| {

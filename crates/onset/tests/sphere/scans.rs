@@ -60,7 +60,7 @@ impl Fast {
     }
 }
 
-/// Best of a grid of directions over half the sphere, followed downhill in decreasing steps.
+/// Best direction of a grid over half the sphere, refined by descents with decreasing steps.
 fn scanned(t: &FourthOrder, rows: u32, columns: u32) -> f64 {
     let fast = Fast::new(t);
     let mut best = (f64::INFINITY, 0.0, 0.0);

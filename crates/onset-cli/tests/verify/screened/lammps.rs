@@ -1,7 +1,7 @@
 //! Runs of LAMMPS: plates of `smd/tlsph` between grips, and squares of `smd/ulsph` with a prescribed rim.
 //!
-//! Causes are known from variants in the code itself: a plate of 28 x 14 stays quiet in steps up to 0.76 and not in 0.79, a notched plate in 0.70 and
-//! not in 0.71. Hourglass control and half the step keep the other runs healthy.
+//! The causes are known from variants in the code itself: a plate of 28 x 14 particles stays quiet with steps up to 0.76 but not with 0.79, a notched
+//! plate with 0.70 but not with 0.71. The other runs stay healthy with hourglass control and half the step.
 
 use super::{Found, check, in_pairs, onset, screened, sets};
 use crate::{Place, program};

@@ -428,7 +428,7 @@ fn without_control() -> Vec<Variant> {
     ]
 }
 
-/// States beyond the loss of ellipticity of the law.
+/// States beyond the loss of ellipticity of the material.
 ///
 /// In plane strain the Blatz-Ko law loses it where the ratio of the stretches is 2 + sqrt(3) (Knowles and Sternberg, J. Elasticity 5 (1975)
 /// 341). The law of Saint-Venant and Kirchhoff loses it in transverse waves under uniaxial strain below sqrt(nu / (1 - nu)) = 0.655.

@@ -1,6 +1,6 @@
 //! Causes that `onset screen` finds in runs whose cause follows from their construction.
 //!
-//! Each module makes its runs with one code and counts true and found causes. The page of the book includes these counts; `ONSET_SCREEN_TABLE` names a
+//! Each module runs one code and counts the true and the detected causes. The page of the book includes these counts; `ONSET_SCREEN_TABLE` names a
 //! file in which the rows of a code are replaced.
 
 mod lammps;
@@ -109,7 +109,7 @@ fn rows(code: &str, found: &[Found]) -> String {
     CAUSES.iter().filter_map(row).collect()
 }
 
-/// Requires nine of ten causes to be right, no false alarm in a healthy run, and the table of the book to have these counts.
+/// Requires that nine of ten causes are right, that no healthy run raises a false alarm, and that the table of the book has these counts.
 fn check(code: &str, found: &[Found]) {
     let rows = rows(code, found);
     let told = |run: &Found| format!("{}: {}\n", run.name, run.answer["sentence"]);

@@ -1,6 +1,6 @@
 //! Runs of PySPH: squares of updated SPH with a prescribed rim.
 //!
-//! Waves show at the same time in half the step, and artificial stress of 0.3 delays them to t = 44.9.
+//! With half the step the waves appear at the same time, and artificial stress of 0.3 delays them to t = 44.9.
 
 use super::{Found, check, in_pairs, screened, sets};
 use crate::{Place, program};

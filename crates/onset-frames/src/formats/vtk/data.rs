@@ -86,7 +86,7 @@ pub(super) fn values(
     Ok(values)
 }
 
-/// Decodes base64; padded pieces may follow each other.
+/// Decodes base64, which may consist of several padded pieces.
 fn base64(text: &[u8]) -> Option<Vec<u8>> {
     let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
     let (mut bits, mut count, mut padding) = (0u32, 0, 0);

@@ -18,9 +18,9 @@ use xml::Tag;
 const HINT: &str = "give .vtu or .vtp files, or a .pvd file that lists them; meshio and ParaView convert other formats";
 /// Vertex in the numbering of VTK.
 const VERTEX: u8 = 1;
-/// Number of bytes at the beginning of a file that are searched for its time before the whole file is read.
+/// Number of bytes at the beginning of a file that are searched for the time before the whole file is read.
 const HEAD: u64 = 1 << 16;
-/// Maximum number of files in which the pieces of one frame lie.
+/// Maximum number of files that contain the pieces of one frame.
 const MAX_PARTS: usize = 10_000;
 
 /// Role of an array.
@@ -62,7 +62,7 @@ struct Document {
     /// Files of a collection with their times.
     collection: Vec<(Option<f64>, PathBuf)>,
     encoding: Option<Encoding>,
-    /// Whether the file has its end, and a list nothing but files.
+    /// Whether the file is complete, and a list contains only files.
     is_whole: bool,
 }
 
@@ -71,9 +71,9 @@ fn read_file(path: &Path, reading: &Reading) -> Result<Vec<u8>, FrameError> {
     bytes.map_err(|error| FrameError::unreadable(path, error))
 }
 
-/// Arrays that are stored after the grid, by their places in the data.
+/// Arrays that are stored after the grid, with their offsets in the data.
 struct Appended {
-    /// Piece (or `None` for the field) and number of the array.
+    /// Piece (`None` for the field data) and number of the array.
     owner: (Option<usize>, usize),
     offset: usize,
 }
@@ -86,7 +86,7 @@ fn wrong(path: &Path, bytes: &[u8], at: usize, expected: &str) -> FrameError {
     FrameError::wrong(Place::line(path, line as u64), expected, HINT)
 }
 
-/// Reads the tags of a file. With `is_head` the file may be cut off.
+/// Reads the tags of a file. With `is_head` the file may be truncated.
 fn document(path: &Path, bytes: &[u8], is_head: bool) -> Result<Document, FrameError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut own = Document::default();
@@ -271,7 +271,7 @@ fn encoding(tag: &Tag, path: &Path) -> Result<Encoding, FrameError> {
     })
 }
 
-/// Sets the places of appended arrays: each ends where the next begins.
+/// Sets the ranges of appended arrays: each ends where the next begins.
 fn place_appended(
     own: &mut Document,
     appended: Vec<Appended>,
@@ -340,7 +340,7 @@ struct Grids {
     plan: Plan,
 }
 
-/// Values of a frame by columns, and its cells.
+/// Values of a frame by columns, with its cells.
 #[derive(Default)]
 struct Values {
     columns: Vec<Vec<f64>>,
@@ -371,7 +371,7 @@ pub(crate) fn open(paths: &[PathBuf], reading: &Reading) -> Result<Opened, Frame
             stamps.push(Stamp { time, step: None });
         } else if !own.is_whole {
             ignored.push(format!(
-                "{} is cut off or damaged: some of the files that it lists are left out",
+                "{} is cut off or damaged: some of the files that it lists are skipped",
                 path.display()
             ));
         }
@@ -447,7 +447,7 @@ pub(crate) fn open(paths: &[PathBuf], reading: &Reading) -> Result<Opened, Frame
     })
 }
 
-/// First grid of a file, which may be in the file of a piece.
+/// First grid of a file, which may be stored in the file of a piece.
 fn grid(
     path: &Path,
     reading: &Reading,

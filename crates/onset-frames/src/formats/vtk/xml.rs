@@ -34,7 +34,7 @@ fn find(bytes: &[u8], from: usize, what: &[u8]) -> Option<usize> {
     found.map(|place| from + place)
 }
 
-/// Next tag from a place; `Ok(None)` at the end, `Err` with the place of a broken tag.
+/// Next tag after a position; `Ok(None)` at the end, `Err` with the position of an invalid tag.
 pub(super) fn next(bytes: &[u8], mut from: usize) -> Result<Option<Tag>, usize> {
     loop {
         let rest = bytes.get(from..).unwrap_or_default();

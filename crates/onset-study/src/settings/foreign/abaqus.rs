@@ -253,7 +253,7 @@ pub(crate) fn fields(line: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// A word in capitals without spaces; Abaqus ignores case and spaces, except between quotation marks, which are left out.
+/// A word in capitals without spaces; Abaqus ignores case and spaces, except between quotation marks, which are removed.
 fn word(text: &str) -> String {
     let parts = text.split('"').enumerate().map(|(n, part)| match n % 2 {
         0 => part
@@ -299,8 +299,8 @@ impl Block<'_> {
 
     /// Compressibilities as the program takes them, with a note if it replaces zeros.
     ///
-    /// CalculiX replaces `D_i` below 1e-10 by `(0.1/mu)^i`. A term with a much larger `D_i` than `D_1` vanishes in rounding, which is how its decks leave
-    /// out terms.
+    /// CalculiX replaces `D_i` below 1e-10 by `(0.1/mu)^i`. A term with a much larger `D_i` than `D_1` vanishes in rounding, so that its decks omit
+    /// terms in this way.
     fn filled(&self, shear: f64, compressibilities: &[f64]) -> (Vec<f64>, Option<String>) {
         let mut own = compressibilities.to_vec();
         if self.program != Program::Calculix {
@@ -522,7 +522,7 @@ fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
             format!(
                 "*HYPERFOAM has POISSON={nu} in addition to constants; Abaqus takes POISSON with TEST DATA INPUT only"
             ),
-            "leave POISSON out: the Poisson's ratios nu1, nu2, ... are the last constants (after mu1, alpha1, mu2, alpha2, ...), and zero where they are missing",
+            "omit POISSON: the Poisson's ratios nu1, nu2, ... are the last constants (after mu1, alpha1, mu2, alpha2, ...), and zero where they are missing",
         ));
     }
     let n = block.count("N", 3)?;

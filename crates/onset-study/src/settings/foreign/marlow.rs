@@ -5,7 +5,7 @@
 //! points.
 //!
 //! Between the points `w` is a cubic that is monotone where the points are (F. N. Fritsch and J. Butland, *SIAM J. Sci. Stat. Comput.* 5 (1984) 300).
-//! The energy has two continuous derivatives, and meets the test exactly at the points. Before the first point and after the last one `w` is
+//! The energy has two continuous derivatives, and reproduces the test exactly at the points. Before the first point and after the last point `w` is
 //! extrapolated along its tangent.
 
 use super::law::{Energy, ForeignLaw, Volume};
@@ -77,7 +77,7 @@ pub(super) fn law(
             return Err(Trouble::new(
                 line,
                 format!("POISSON is {nu}; expected a number above -1 and below 0.5"),
-                "leave POISSON out for an incompressible material",
+                "omit POISSON for an incompressible material",
             ));
         }
     };
@@ -101,7 +101,7 @@ pub(super) fn law(
     Ok(law)
 }
 
-/// The points of the table by `x`, with a first one at `x = 0`.
+/// The points of the table by `x`, with an additional first point at `x = 0`.
 fn knots(line: usize, test: Test, data: &[(usize, &str)]) -> Result<Vec<Knot>, Trouble> {
     let mut points: Vec<(f64, f64)> = Vec::new();
     let mut sense = 0.0;
@@ -123,7 +123,7 @@ fn knots(line: usize, test: Test, data: &[(usize, &str)]) -> Result<Vec<Knot>, T
             return Err(Trouble::new(
                 *own,
                 "the table has tension and compression, which determine the same energy twice",
-                "leave out one of them, because Marlow's form needs a single test",
+                "omit one of them, because Marlow's form needs a single test",
             ));
         }
         sense = strain.signum();

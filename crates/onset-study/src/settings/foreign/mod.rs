@@ -68,7 +68,7 @@ impl FromStr for Program {
 }
 
 impl Program {
-    /// All programs, in the order of lists.
+    /// All programs, in the order in which they are listed.
     pub const ALL: [Self; 8] = [
         Self::Abaqus,
         Self::Ansys,
@@ -254,7 +254,7 @@ pub fn law_of(
             origin(),
             "the block and --set material.model name different laws",
         )
-        .hint("leave out one of them"));
+        .hint("omit one of them"));
     }
     Ok(law.reading(set, name, text))
 }
@@ -301,7 +301,7 @@ impl Trouble {
         }
     }
 
-    /// No material of the wanted name has a law that is read.
+    /// Returns the error that no material of the requested name has a supported law.
     fn no_such_material(wanted: &str, names: &[impl AsRef<str>]) -> Self {
         let names: Vec<String> = names.iter().map(|name| quoted(name.as_ref())).collect();
         Self::new(
@@ -320,7 +320,7 @@ impl Trouble {
     }
 }
 
-/// Name of a material in a text; names with spaces or commas stand in quotes.
+/// Name of a material in a text, quoted if it contains spaces or commas.
 fn quoted(name: &str) -> String {
     match name.contains([' ', ',']) {
         true => format!("\"{name}\""),

@@ -30,7 +30,7 @@ const FELUPE: &[Model] = &[
     ("van_der_waals", kilian),
 ];
 
-/// Models of felupe without an equal energy here, and the reason.
+/// Models of felupe without an equivalent energy in this program, and the reason.
 const FELUPE_REFUSED: &[(&str, &str)] = &[
     (
         "alexander",
@@ -88,7 +88,7 @@ struct Statement<'t> {
     models: Vec<(usize, &'static Model)>,
 }
 
-/// Reads a material of a text, by default the first one.
+/// Reads a material of a text, by default the first material.
 pub(super) fn read(
     program: Program,
     text: &str,
@@ -473,7 +473,7 @@ impl Call {
             Some(bulk) => Err(Trouble::new(
                 self.line,
                 format!("bulk is {bulk}; expected a positive number"),
-                "leave bulk out for an incompressible material",
+                "omit bulk for an incompressible material",
             )),
         }
     }

@@ -25,7 +25,7 @@ pub(super) struct Chosen {
 }
 
 impl Chosen {
-    /// Material in words, behind the title of its law.
+    /// Description of the material, which follows the title of its law.
     pub fn told(&self) -> String {
         let name = match self.name.as_str() {
             "" => String::new(),

@@ -347,7 +347,7 @@ impl Sheet {
     }
 }
 
-/// Constants of a polynomial in the given order; lacks the law if there are others.
+/// Constants of a polynomial in the given order. Refuses the law if it has other constants.
 pub(super) fn ordered(
     constants: &[((usize, usize), f64)],
     powers: &[(usize, usize)],
@@ -364,7 +364,7 @@ pub(super) fn ordered(
     }
 }
 
-/// Highest sum of powers, and whether the energy is of the first invariant only.
+/// Largest sum of the powers, and whether the energy depends on the first invariant only.
 pub(super) fn order(constants: &[((usize, usize), f64)]) -> (usize, bool) {
     let powers = constants.iter().map(|(powers, _)| *powers);
     let order = powers.clone().map(|(i, j)| i + j).max().unwrap_or(1);

@@ -37,7 +37,7 @@ pub(crate) struct Preset {
     pub(crate) note: &'static str,
 }
 
-/// All presets, in the order of lists.
+/// All presets, in the order in which they are listed.
 pub(crate) const PRESETS: &[Preset] = &[
     lammps_smd_tlsph::PRESET,
     lammps_smd_ulsph::PRESET,
@@ -53,7 +53,7 @@ pub(crate) const PRESETS: &[Preset] = &[
     taichi_mpm88::PRESET,
 ];
 
-/// Names of all presets, in the order of lists.
+/// Names of all presets, in the order in which they are listed.
 pub fn preset_names() -> impl Iterator<Item = &'static str> {
     PRESETS.iter().map(|preset| preset.name)
 }

@@ -173,9 +173,8 @@ impl Study {
         };
         let refused = |name: &str, origin: &Origin| {
             let message = format!("{name} is given, and {why}");
-            Err(SettingError::new(origin.clone(), message).hint(format!(
-                "leave out {name}, or set material.plane = \"strain\""
-            )))
+            Err(SettingError::new(origin.clone(), message)
+                .hint(format!("omit {name}, or set material.plane = \"strain\"")))
         };
         for number in settings.dimension() + 1..=3 {
             let name = format!("state.stretch-{number}");

@@ -152,8 +152,8 @@ impl Study {
         names.map(|name| format!("material.{name}")).collect()
     }
 
-    /// Writes the study as a file with every key that has an effect. Equivalent studies are written identically, independent of defaults that were
-    /// left out and of comments.
+    /// Writes the study as a file with every key that has an effect. Equivalent studies are written identically, independent of omitted defaults and
+    /// of comments.
     pub fn document(&self) -> String {
         let mut text = format!("title = {}\n", toml::Value::from(self.title.as_str()));
         let mut varied: Vec<String> = self

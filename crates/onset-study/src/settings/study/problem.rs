@@ -97,7 +97,7 @@ impl Settings {
             origin.clone(),
             format!("`{name}` is {set}; the code computes with {word}"),
         )
-        .hint(format!("leave `{name}` out ({})", key.meaning)))
+        .hint(format!("omit `{name}` ({})", key.meaning)))
     }
 }
 
@@ -122,7 +122,7 @@ impl MaterialSettings {
                 let origin = Origin::CommandLine(format!("--set {assignment}"));
                 let message = format!("`{key}` has no effect: this command uses only the law");
                 return Err(SettingError::new(origin, message).hint(format!(
-                    "leave `{key}` out; state, path, dispersion, modes, tune and limit read it"
+                    "omit `{key}`; state, path, dispersion, modes, tune and limit read it"
                 )));
             }
             settings.assign(assignment)?;

@@ -18,7 +18,7 @@ fn error(text: &str) -> String {
     }
 }
 
-/// Study with two axes; the second one varies the given quantity.
+/// Study with two axes; the second axis varies the given quantity.
 fn with_axis(before: &str, quantity: &str, range: &str) -> String {
     format!(
         "{before}[[axes]]\nquantity = \"stretch-1\"\nrange = [0.5, 2]\nstates = 4\n\
@@ -51,7 +51,7 @@ fn a_study_is_read_with_all_its_parts() {
 }
 
 #[test]
-fn the_first_axis_runs_fastest() {
+fn the_first_axis_varies_fastest() {
     let study = study(PLANE);
     let second = study.coordinates(1);
     assert_eq!(
@@ -369,7 +369,7 @@ fn a_refinement_stride_larger_than_a_tile_is_refused() {
 }
 
 #[test]
-fn keys_without_effect_are_refused_with_their_place_and_their_conditions() {
+fn keys_without_effect_are_refused_with_their_position_and_their_conditions() {
     assert_refused(
         &format!("discretization.current-lattice = \"regular\"\n{PLANE}"),
         &[

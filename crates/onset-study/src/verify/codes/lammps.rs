@@ -79,7 +79,7 @@ pub(super) fn seed(case: &Case) -> String {
     )
 }
 
-/// Commands that strain all particles by affine velocities without forces, and leave them without velocity at time zero.
+/// Commands that strain all particles by affine velocities without forces, and set their velocities to zero at time zero.
 ///
 /// `runs` lists the strain rates along the axes, relative to the positions at the start of each run, and its number of steps.
 pub(super) fn strained(runs: &[([f64; 2], usize)]) -> String {

@@ -1,7 +1,7 @@
 //! Bond-based peridynamics of LAMMPS' package PERI (`pair_style peri/pmb`).
 //!
-//! Its contact forces measure reference distances across a periodic boundary without wrapping them. A deformed periodic box therefore has spurious
-//! contact at the boundary, and decks are limited to the reference configuration.
+//! The contact forces of the code use distances across a periodic boundary without wrapping. A deformed periodic box therefore has spurious contact
+//! at the boundary, and decks are limited to the reference configuration.
 //!
 //! Source: Parks, Lehoucq, Plimpton, Silling, Comput. Phys. Commun. 179 (2008) 777; `pair_peri_pmb.cpp`.
 

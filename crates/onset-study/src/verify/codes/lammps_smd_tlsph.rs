@@ -27,18 +27,18 @@ const NAME: &str = "lammps-smd-tlsph";
 const RATE: &str = "hypoelastic-green-naghdi";
 /// Number of steps in the first of the two runs that lead to a state.
 const RAMP_STEPS: usize = 20;
-/// Number of iterations for the stretch at the end of the first run; each leaves about a tenth of the error.
+/// Number of iterations for the stretch at the end of the first run; each iteration reduces the error to about a tenth.
 const STRETCH_ITERATIONS: usize = 40;
 /// Range of stretches that the two runs can reach.
 const STRETCH_RANGE: [f64; 2] = [0.4, 2.0];
-/// Range of volume ratios outside which the code deletes particles.
+/// Range of volume ratios that the code accepts; it deletes particles outside this range.
 const VOLUME_RATIO_RANGE: [f64; 2] = [0.2, 2.0];
 
 /// Constitutive model that a deck selects.
 enum Elasticity {
     /// Linear elasticity, integrated from strain rates.
     Linear(Isotropic),
-    /// Equation of state, as a function of the volume.
+    /// Equation of state as a function of the volume.
     Pressure(Volumetric),
 }
 
@@ -52,28 +52,25 @@ fn refused(what: impl Into<String>, hint: &str) -> VerifyError {
 
 fn elasticity(problem: &Problem, f: &DeformationGradient) -> Result<Elasticity, VerifyError> {
     if problem.dimension() != 2 {
-        return Err(refused(
-            "decks are planar",
-            "leave out discretization.lattice",
-        ));
+        return Err(refused("decks are planar", "omit discretization.lattice"));
     }
     if f.components()[2][2] != 1.0 {
         return Err(refused(
             "planar decks have an out-of-plane stretch of 1",
-            "leave out the third stretch",
+            "omit the third stretch",
         ));
     }
     if problem.settings.material.plane() != Plane::Strain {
         return Err(refused(
             "planar decks are in plane strain",
-            "leave out material.plane",
+            "omit material.plane",
         ));
     }
     let jacobian = f.jacobian();
     if !(VOLUME_RATIO_RANGE[0] < jacobian && jacobian < VOLUME_RATIO_RANGE[1]) {
         return Err(refused(
             format!(
-                "the code deletes particles with the volume ratio {jacobian}: outside of {} to {}",
+                "the code deletes particles with the volume ratio {jacobian}: outside the range from {} to {}",
                 VOLUME_RATIO_RANGE[0], VOLUME_RATIO_RANGE[1]
             ),
             "choose another state",

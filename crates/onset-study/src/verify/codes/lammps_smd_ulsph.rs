@@ -1,8 +1,8 @@
 //! Updated-Lagrangian SPH of LAMMPS' package SMD (`pair_style smd/ulsph`) with strength, and a density integrated by continuity.
 //!
-//! Particles can obtain a deviator by motion only. The deck therefore starts with one step at affine velocities, with all forces switched off and a
-//! shear modulus so large that the displacements are negligible. Affine velocities do not fit a periodic box, and at a free face the code does not
-//! reproduce their gradient: the block of such a state has a held rim.
+//! Particles can obtain a deviatoric stress only by motion. The deck therefore starts with one step at affine velocities, with all forces switched
+//! off and a shear modulus so large that the displacements are negligible. Affine velocities do not fit a periodic box, and at a free face the code
+//! does not reproduce their gradient: the block of such a state has a held rim.
 //!
 //! Source: `pair_smd_ulsph.cpp`, `fix_smd_integrate_ulsph.cpp`: velocity gradients are computed from velocities extrapolated from the last step. The
 //! volume integrated from them is used one step later, the deviator in the same step. The deviator is rotated against the spin: `s' = 2 mu dev D - W
@@ -23,7 +23,7 @@ use std::path::Path;
 pub(super) struct UpdatedSmd {
     name: &'static str,
     title: &'static str,
-    /// Whether gradients, and with them the stress, are corrected.
+    /// Whether gradients, and therefore the stress, are corrected.
     is_corrected: bool,
 }
 
@@ -42,7 +42,8 @@ pub(super) const CORRECTED: UpdatedSmd = UpdatedSmd {
 const SPIN_FACTORS: [f64; 2] = [-1.0, 1.0];
 /// Factor on the shear modulus in the step that sets the deviator; displacements scale with its reciprocal.
 const PRESTRESS_STIFFNESS_FACTOR: f64 = 1e10;
-/// Width of the held rim, in interaction ranges: particles within one range have a wrong gradient near a face, and act on particles within the next.
+/// Width of the held rim, in interaction ranges: particles within one range of a face have a wrong gradient, and act on particles within the next
+/// range.
 const RIM_INTERACTION_RANGES: f64 = 2.0;
 
 /// Pressure, deviator and shear modulus of the law at the state, if its stress rate is a Jaumann rate.
@@ -61,7 +62,7 @@ fn rates(
     if problem.dimension() != 2 || f.components()[2][2] != 1.0 {
         return Err(refused(
             "decks are planar, with an out-of-plane stretch of 1",
-            "leave out the third stretch",
+            "omit the third stretch",
         ));
     }
     let law = &*problem.material;
@@ -88,7 +89,7 @@ fn rates(
     Ok(own)
 }
 
-/// Returns true if particles start with a deviator.
+/// Returns true if particles start with a deviatoric stress.
 fn is_prestressed(own: &JaumannRates) -> bool {
     own.deviator != [0.0; 3]
 }
@@ -207,7 +208,7 @@ fn input(code: &UpdatedSmd, deck: &Deck<'_>) -> Result<String, VerifyError> {
     ))
 }
 
-/// Remarks on both variants; the last one applies to the corrected variant only.
+/// Remarks on both variants; the last remark applies only to the corrected variant.
 const REMARKS: [&str; 3] = [
     "density is integrated half a step late, which amplifies waves of sound at the rate omega^2 dt/4",
     "the deviator is rotated against the spin, s' = 2 mu dev D - W s + s W: it does not rotate with the material (material.spin=-1)",

@@ -50,7 +50,7 @@ pub struct ListedCode {
     pub is_periodic: bool,
     /// Choices that the code fixes.
     pub dialect: &'static [Settled],
-    /// Further deviations, one sentence each.
+    /// Other deviations, one sentence each.
     pub remarks: &'static [&'static str],
 }
 

@@ -1,4 +1,4 @@
-//! Any other code: particles in, positions out, in CSV or extended XYZ.
+//! Decks for any other code: input as a table of particles, output as positions in CSV or extended XYZ.
 //!
 //! `particles.csv` lists number, reference position, position, velocity, mass and volume of each particle. The code writes positions: either
 //! `wave.csv` with the columns `time,id,x,y,z` after the line `# onset case MARK`, or `wave.xyz` in extended XYZ with `Time`, `case` and `Properties`
@@ -115,7 +115,7 @@ pub(super) fn read_csv(text: &str, mut projector: Projector<'_>) -> Result<Recor
     Ok(projector.finish(is_cut))
 }
 
-/// Ends a frame that is not the last one.
+/// Ends a frame that is not the last frame.
 fn end_frame(
     projector: &mut Projector<'_>,
     line: usize,

@@ -1,6 +1,7 @@
 //! Updated SPH of solids in PySPH: the equations of Gray, Monaghan and Swift with their artificial stress.
 //!
-//! Pressures depend on the density, and deviators follow the Jaumann rate. The particles of a deck start with the deviator of the state.
+//! Pressures depend on the density, and deviatoric stresses follow the Jaumann rate. The particles of a deck start with the deviatoric stress of the
+//! state.
 //!
 //! Source: Ramachandran and others, ACM Trans. Math. Softw. 47 (2021) 34; `pysph/sph/integrator.py`, `pysph/sph/solid_mech/basic.py`.
 
@@ -34,7 +35,7 @@ fn rates(problem: &Problem, f: &DeformationGradient) -> Result<JaumannRates, Ver
     if problem.dimension() != 2 || f.components()[2][2] != 1.0 {
         return Err(refused(
             "decks are planar, with an out-of-plane stretch of 1",
-            "set discretization.lattice=square, and leave out the third stretch",
+            "set discretization.lattice=square, and omit the third stretch",
         ));
     }
     let own = JaumannRates::of(&*problem.material, f, 1.0).map_err(MethodError::from)?;

@@ -7,9 +7,9 @@ use nalgebra::{SMatrix, SVector};
 
 /// Side lengths of the region of long waves, in reciprocal vectors, where the scaled measure is a quotient of small numbers.
 ///
-/// In cones the remainders of the polynomials are larger, but narrow cones start with more boxes in the rest of the zone.
+/// In cones the remainders of the polynomials are larger, but narrow cones require more initial boxes in the rest of the zone.
 const CONE_LENGTHS: [f64; 2] = [0.125, 0.25];
-/// Largest fraction of the box budget for the initial boxes.
+/// Largest fraction of the box budget that the initial boxes may use.
 const INITIAL_BOX_SHARE: f64 = 0.05;
 
 /// Coordinates of a box.
@@ -133,8 +133,8 @@ impl<const D: usize> Cell<D> {
         phases
     }
 
-    /// Bound of the remainder of these derivatives from the fifth order on, and the contribution of the second derivatives with respect to each
-    /// variable.
+    /// Bound of the remainder of these derivatives, starting with the fifth order, and the contribution of the second derivatives with respect to
+    /// each variable.
     pub(super) fn cone_rest(&self, cone: usize, m: usize, along: &[f64; D]) -> (f64, [f64; D]) {
         let (p, rates, spread) = self.across(cone, along);
         let half = &self.half;

@@ -15,13 +15,13 @@ use std::iter;
 const SMALLEST_HALF_SIDE: f64 = 1e-9;
 /// Minimum number of affordable boxes in one, two and three dimensions. A smaller budget gives no useful bound.
 const MINIMUM_BOXES: [usize; 3] = [64, 256, 2048];
-/// Factor between the gaps that are tried for a remaining box.
+/// Ratio of successive gaps that are tried for a remaining box.
 const GAP_FACTOR: f64 = 4.0;
 /// Work between two comparisons with the smallest known value, in units of [`Pencil::cost`].
 const BATCH_WORK: usize = 40_000;
 /// Minimum and maximum number of boxes between two comparisons with the smallest known value.
 const BATCH_BOXES: [usize; 2] = [16, 256];
-/// Work that is worth distributing over the cores, in units of [`Pencil::cost`]: about a millisecond.
+/// Work that justifies distribution over the cores, in units of [`Pencil::cost`]: about a millisecond.
 const PARALLEL_WORK: usize = 15_000;
 
 /// Result of a cover of the zone.
@@ -48,15 +48,15 @@ pub(in crate::bloch) struct Question<'a, const D: usize> {
     pub(in crate::bloch) budget: usize,
     /// Evaluates the measure at a wave vector.
     pub(in crate::bloch) value: &'a dyn Fn(&SVector<f64, D>) -> f64,
-    /// Descends from a wave vector with its value to a bottom.
+    /// Descends from a wave vector with a known value to a local minimum.
     #[allow(clippy::type_complexity)]
     pub(in crate::bloch) descended: &'a dyn Fn((f64, SVector<f64, D>)) -> (f64, SVector<f64, D>),
 }
 
 /// Covers the zone with boxes in which no value is lower than the smallest known value by more than the gap.
 ///
-/// Boxes without a proof are divided. If the center of a box is lower, a descent from there gives the new smallest value. `None` if the budget is too
-/// small for any bound.
+/// Boxes without a proof are divided. If the value at the center of a box is lower, a descent from there gives the new smallest value. `None` if the
+/// budget is too small for any bound.
 pub(super) fn cover<const D: usize>(
     pencil: &Pencil<D>,
     question: &Question<'_, D>,
@@ -112,7 +112,7 @@ struct Tested<const D: usize> {
     cell: Cell<D>,
     bends: [f64; D],
     sign: Sign,
-    /// Polynomials of a box that is lower in its center: a smaller known value can change the sign.
+    /// Polynomials of a box whose center has a lower value; a smaller known value can change the sign.
     local: Option<Local<D>>,
 }
 
@@ -128,7 +128,7 @@ impl<const D: usize> Tested<D> {
         }
     }
 
-    /// Sign of the box, relative to values found meanwhile and by a descent from its center.
+    /// Sign of the box relative to the smallest value, including values found in the meantime and by a descent from its center.
     fn sign_below(
         &self,
         found: &mut Covered<D>,
@@ -174,7 +174,7 @@ impl<const D: usize> Covered<D> {
     }
 }
 
-/// Number of boxes that are compared with the same value.
+/// Number of boxes that are compared with the same smallest value.
 fn at_once<const D: usize>(pencil: &Pencil<D>) -> usize {
     let [least, most] = BATCH_BOXES;
     (BATCH_WORK / pencil.cost()).clamp(least, most)
@@ -233,7 +233,7 @@ fn divided<const D: usize>(cell: Cell<D>, mut bends: [f64; D], divisions: usize)
     parts
 }
 
-/// Lower bound of all values, including the remaining boxes.
+/// Lower bound of all values, including the values in the remaining boxes.
 fn below<const D: usize>(
     pencil: &Pencil<D>,
     question: &Question<'_, D>,

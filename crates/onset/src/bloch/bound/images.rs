@@ -6,7 +6,8 @@ use crate::lattice::{Fractional, Symmetry};
 
 /// Weights of the components. Among wave vectors with the same spectrum, only the vector with the smallest weighted sum is examined.
 ///
-/// They are powers of the reciprocal plastic number, which no integers relate, so that only the identity leaves all sums unchanged.
+/// They are powers of the reciprocal plastic number, which satisfy no relation with integer coefficients, so that only the identity leaves all sums
+/// unchanged.
 const WEIGHTS: [f64; 3] = [1.0, 0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 /// Rounding error of components.
 const COMPONENT_ROUNDING: f64 = 1e-12;
@@ -32,10 +33,11 @@ impl<const D: usize> Images<D> {
         Self(maps.split_off(2))
     }
 
-    /// Returns true if an image of a box of the examined half also lies in this half and has a smaller weighted sum, or an equal one at the rim.
+    /// Returns true if an image of a box in the examined half also lies in this half and has a smaller weighted sum, or an equal sum at the rim.
     ///
-    /// A bound on all boxes without such an image then holds for all wave vectors: the sum of an omitted wave vector falls from image to image, and
-    /// the number of images is finite. On planes, or within rounding, where the sum is constant, the bound follows from the neighborhood.
+    /// A bound on all boxes without such an image then holds for all wave vectors: the weighted sum of an omitted wave vector decreases from image to
+    /// image, and the number of images is finite. On planes of a constant sum, or within rounding of them, the bound follows from the
+    /// neighborhood.
     pub(super) fn are_before(&self, cell: &Cell<D>) -> bool {
         self.0.iter().any(|map| match cell.chart {
             Chart::Zone => is_before_in_zone(map, cell),
@@ -138,7 +140,7 @@ mod tests {
         x.iter().zip(WEIGHTS).map(|(x, weight)| x * weight).sum()
     }
 
-    /// Fraction of boxes of one size that are examined. Asserts that each corner of an omitted box has an image with a smaller sum.
+    /// Fraction of equally large boxes that are examined. Asserts that each corner of an omitted box has an image with a smaller sum.
     fn examined_share<const D: usize>(
         lattice: &BravaisLattice<D>,
         group: &[Symmetry<D>],

@@ -8,7 +8,7 @@ use std::ops::{Add, Mul};
 /// `b <= a`, third derivatives with respect to `a`, `b <= a` and `c <= b`.
 const CUBIC_PARTS: usize = 20;
 
-/// Number of derivatives up to the fourth order in three variables, filled up to a multiple of a vector register.
+/// Number of derivatives up to the fourth order in three variables, padded to a multiple of a vector register.
 pub(super) const FILLED: usize = 40;
 
 /// Number of coefficients in `D` variables up to the second order.
@@ -106,7 +106,7 @@ pub(super) const fn derivatives<const D: usize>() -> [Derivative; FILLED] {
     derivatives
 }
 
-/// Number of derivatives up to the fourth order in `D` variables, filled up to a multiple of a vector register.
+/// Number of derivatives up to the fourth order in `D` variables, padded to a multiple of a vector register.
 pub(super) const fn filled<const D: usize>() -> usize {
     let fourths = D * (D + 1) * (D + 2) * (D + 3) / 24;
     (parts::<D>() + fourths).next_multiple_of(8)
@@ -124,7 +124,7 @@ pub(super) fn products<const D: usize>(x: &[f64; D]) -> [f64; FILLED] {
     products
 }
 
-/// Factor of each derivative in a polynomial whose variables are scaled with the half sides of a box.
+/// Factor of each derivative in a polynomial whose variables are scaled by the half sides of a box.
 pub(super) fn monomials<const D: usize>(half: &[f64; D]) -> [f64; FILLED] {
     let mut monomials = [0.0; FILLED];
     monomials[0] = 1.0;

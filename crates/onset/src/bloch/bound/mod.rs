@@ -31,16 +31,16 @@ use crate::lattice::BravaisLattice;
 use nalgebra::SVector;
 use pencil::Pencil;
 
-/// Accepted difference between the bound and the minimum of a measure, over the scale of the measure. It is well above rounding.
+/// Accepted difference between the bound and the minimum of a measure, relative to the scale of the measure. It is well above rounding.
 pub(super) const GAP: f64 = 4e-7;
-/// Largest useful difference between the bound and the minimum, over the scale of the measure. A bound farther below is discarded.
+/// Largest useful difference between the bound and the minimum, relative to the scale of the measure. Lower bounds are discarded.
 pub(super) const WIDEST_GAP: f64 = 0.1;
 /// Maximum work for the bound of the scaled measure, in units of [`Pencil::cost`]: about two seconds of one core.
 pub(super) const BUDGET: usize = 25_000_000;
 
-/// Divisor of the budget if only the Hermitian part is bounded, whose bound may lie far below the measure.
+/// Divisor of the budget if only the Hermitian part is bounded, whose bound may be far below the measure.
 const PART_BUDGET_DIVISOR: usize = 4;
-/// Accepted relative difference if only the Hermitian part is bounded, because more digits would be useless.
+/// Accepted relative difference if only the Hermitian part is bounded; more digits would be useless.
 const PART_GAP: f64 = 1e-4;
 /// First steps of descents, as a fraction of the reciprocal vectors.
 const DESCENT_STEP: f64 = 0.02;
@@ -78,8 +78,8 @@ fn cover<const D: usize>(
     }
 }
 
-/// Bounds the measure by the smallest eigenvalue of the Hermitian part, because no real part is smaller (Bendixson). This eigenvalue is not a value of
-/// the measure, so that no wave vector is returned.
+/// Bounds the measure by the smallest eigenvalue of the Hermitian part, which no real part of an eigenvalue is below (Bendixson). This eigenvalue is
+/// not a value of the measure, so that no wave vector is returned.
 fn by_hermitian_part<const D: usize>(
     pencil: &Pencil<D>,
     question: &Question<'_, D>,

@@ -11,7 +11,7 @@ use crate::lattice::{BravaisLattice, Fractional, Symmetry};
 use nalgebra::{DMatrix, DMatrixView, SMatrix, SVector};
 use std::f64::consts::TAU;
 
-/// Largest sum that vanishes except for rounding, over the sizes of its terms.
+/// Largest sum that vanishes except for rounding, relative to the magnitudes of its terms.
 const VANISHING_SUM_RATIO: f64 = 1e-9;
 
 /// Additional cost of a phase in a cone, in units of [`Pencil::cost`].
@@ -164,7 +164,7 @@ impl<const D: usize> Pencil<D> {
         in_space * (D + 1) / 4
     }
 
-    /// Work for any box. In cones phases cost more, and with relaxing particles there are three sums.
+    /// Work for any box. Phases are more expensive in cones, and relaxing particles require three sums.
     pub(super) fn cost_on(&self, cell: &Cell<D>) -> usize {
         let sums = if self.basis.free.is_some() { 3 } else { 1 };
         match cell.chart {
@@ -340,7 +340,7 @@ impl Basis {
     }
 }
 
-/// A Hermitian matrix in the basis of free and other displacements.
+/// A Hermitian matrix in the basis of free and remaining displacements, by blocks.
 struct Blocks<const D: usize> {
     free: MatrixJet<D>,
     mixed: MatrixJet<D>,

@@ -11,7 +11,7 @@ pub(super) const HIGHEST_DERIVATIVE: usize = 4;
 
 /// Largest `|x|` for the power series of the moments; the recursion would cancel there.
 const SERIES_ARGUMENT: f64 = 1.5;
-/// Number of terms of the power series; the last one is below rounding.
+/// Number of terms of the power series; the last term is below rounding.
 const SERIES_TERMS: usize = 18;
 
 /// Moments `int_0^1 u^n exp(i u x) du` of a phase.
@@ -120,7 +120,7 @@ fn weight(m: usize, n: usize) -> f64 {
 
 /// Bound of the remainder of a Taylor polynomial of fourth order of `f_m` within distances `h` and `g` of its center.
 ///
-/// `t` and `p` are bounds of `|t|` and `|p|`. It is the bound of the fifth derivative along `(h, g)`, over `5!`.
+/// The arguments `t` and `p` are bounds of `|t|` and `|p|`. The result is the bound of the fifth derivative along `(h, g)`, divided by `5!`.
 pub(super) fn beyond(m: usize, [t, h]: [f64; 2], [p, g]: [f64; 2]) -> f64 {
     let w = |n: usize| weight(m, n);
     // `(t + e h)(p + e g) = x + e y + e^2 z`; the terms of `phi` in `e^3`, `e^4` and `e^5`.
@@ -154,7 +154,7 @@ mod tests {
     use super::{Derivatives, HIGHEST_DERIVATIVE, bends, beyond, derivatives};
     use crate::algebra::Complex;
 
-    /// `f_m` from its definition, for arguments without cancellation.
+    /// Function `f_m` from its definition, for arguments without cancellation.
     fn direct(m: usize, t: f64, p: f64) -> Complex {
         let x = Complex::new(0.0, t * p);
         let rest = match m {

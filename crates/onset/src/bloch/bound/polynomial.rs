@@ -72,7 +72,7 @@ impl<const D: usize> Polynomial<D> {
 
     /// Returns true if all Bernstein coefficients are positive definite; the polynomial is a mean of them. For polynomials of second order.
     ///
-    /// The test is sharp for linear polynomials, even if their slopes do not commute. For curved ones a sum of squares is sharper.
+    /// The test is sharp for linear polynomials, even if their slopes do not commute. For curved polynomials a sum of squares is sharper.
     fn is_a_mean(&self) -> bool {
         let mut coefficient = self.0.part(0).into_owned();
         (0..3_usize.pow(D as u32)).all(|number| {
@@ -141,8 +141,8 @@ impl<const D: usize> Polynomial<D> {
     /// Polynomial of the soft vectors alone, which is positive definite only if the whole polynomial is; `None` if this construction fails.
     ///
     /// The eigenvectors of `G_0` are divided into soft and stiff ones. `A` contains the stiff eigenvalues, and `B_a` couples stiff with soft vectors.
-    /// `R(u) = (1, sum_a u_a W_a)` with `W_a = -A^-1 B_a` rotates the soft vectors so that the coupling `F = (G R)_stiff` with the stiff ones is of
-    /// second order. With `E = R* G R`, `G` is positive definite if `E - F* G_stiff^-1 F` is. Since `G_stiff >= (1 - rho) A`, the second term is
+    /// `R(u) = (1, sum_a u_a W_a)` with `W_a = -A^-1 B_a` rotates the soft vectors so that the coupling `F = (G R)_stiff` with the stiff vectors is
+    /// of second order. With `E = R* G R`, `G` is positive definite if `E - F* G_stiff^-1 F` is. Since `G_stiff >= (1 - rho) A`, the second term is
     /// below `|A^-1/2 F|^2 / (1 - rho)`. For nearly incompressible solids, this separates soft from stiff branches up to the third order.
     fn of_soft(&self) -> Option<Self> {
         let eigen = hermitian_eigen(self.0.part(0).into_owned())?;
@@ -174,7 +174,7 @@ impl<const D: usize> Polynomial<D> {
     }
 }
 
-/// A polynomial in the eigenvectors of its center value, with the indices of soft and stiff vectors and the stiffnesses of the latter.
+/// A polynomial in the eigenvectors of its center value, with the indices of soft and stiff vectors and the stiffnesses of the stiff vectors.
 struct Frame {
     whole: Parts,
     soft: Vec<usize>,

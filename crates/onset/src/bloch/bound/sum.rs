@@ -15,13 +15,13 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::f64::consts::TAU;
 
-/// Block of a pair of particles; half of it if both particles coincide.
+/// Block of a pair of particles; half of the block if both particles coincide.
 #[derive(Clone, Debug)]
 struct Bond<const D: usize> {
     from: usize,
     to: usize,
     cell: [i32; D],
-    /// `b_i . R` for the reciprocal vectors.
+    /// Products `b_i . R` for the reciprocal vectors.
     along: [f64; D],
     block: SMatrix<f64, D, D>,
 }
@@ -31,7 +31,7 @@ const fn most_entries<const D: usize>() -> usize {
     2 * D * D
 }
 
-/// Rounding error of the blocks, over the sum of their norms. Smaller violations of a symmetry are ignored.
+/// Rounding error of the blocks, relative to the sum of their norms. Smaller violations of a symmetry are ignored.
 const BLOCK_ROUNDING: f64 = 1e-13;
 
 impl<const D: usize> Bond<D> {
@@ -108,7 +108,7 @@ pub(super) struct PhaseSum<const D: usize> {
     entries: Vec<f64>,
     /// Largest lattice coordinate of a cell.
     reach: usize,
-    /// `b_i . r` from one site to another.
+    /// Products `b_i . r` for the vectors from one site to another.
     offsets: Vec<[f64; D]>,
     /// Bounds of the second derivatives with respect to each component.
     bends: [f64; D],
@@ -129,7 +129,7 @@ const fn signs<const D: usize>() -> [[f64; FILLED]; 2] {
 }
 
 impl<const D: usize> PhaseSum<D> {
-    /// Builds the sum of a system: its blocks over the square roots of the masses, divided by `unit`.
+    /// Builds the sum of a system: its blocks divided by the square roots of the masses and by `unit`.
     pub(super) fn of_system(
         sum: &BlochSum<D>,
         crystal: &Crystal<D>,
@@ -421,7 +421,7 @@ impl<const D: usize> PhaseSum<D> {
     }
 }
 
-/// Vectorized evaluation in the zone for the instruction set of the machine. A closure would not be inlined there.
+/// Vectorized evaluation in the zone for the instruction set of the machine. It is a struct because a closure would not be inlined.
 struct InZone<'a, const D: usize>(&'a PhaseSum<D>, &'a Cell<D>);
 
 impl<const D: usize> NullaryFnOnce for InZone<'_, D> {

@@ -1,7 +1,7 @@
-//! A small set of wave vectors; for any tangent, at least one lies in the well of the extreme.
+//! Selection of a few wave vectors such that, for any tangent, at least one of them lies in the well of the extreme.
 //!
-//! With `w_JL = g_i A_iJkL g_k`, `min lambda(A : H) = min_g min_H w(g) : H`. For each polarization `g` this is a linear function of `H`, and an
-//! extreme point of the set of all `H(k)` minimizes it. Each region of the zone keeps enough of these points that one of them lies close to the
+//! With `w_JL = g_i A_iJkL g_k`, `min lambda(A : H) = min_g min_H w(g) : H`. For each polarization `g` this is a linear function of `H`, which is
+//! minimized at an extreme point of the set of all `H(k)`. Each region of the zone keeps enough of these points that one of them lies close to the
 //! extreme for every sampled direction `w`.
 
 use super::sums::{Polynomial, Sums};
@@ -19,18 +19,18 @@ const EVEN_DIRECTIONS: usize = 3000;
 const SOFT_ANGLES: usize = 48;
 /// Ratios `r` of the directions of soft modes.
 const SOFT_RATIOS: [f64; 6] = [0.0, 1e-3, 1e-2, 0.1, -1e-2, -0.1];
-/// Largest distance of a kept point from the extreme, as a fraction of the extreme.
+/// Largest relative distance of a kept point from the extreme.
 const EXTREME_TOLERANCE: f64 = 3e-4;
 /// Additional distance of a kept point, as a fraction of the largest moment.
 const MOMENT_TOLERANCE: f64 = 1e-6;
-/// Additional distance in a valley of nearly zero energy, as a fraction of the largest moment. There, the depth says little about the height of grid
-/// points above the bottom.
+/// Additional distance in a valley of nearly zero energy, as a fraction of the largest moment. In such a valley the depth is a poor measure of the
+/// height of grid points above the bottom.
 const VALLEY_MOMENT_TOLERANCE: f64 = 2e-4;
 /// Largest value in a valley, as a fraction of the largest moment.
 const VALLEY_VALUE_RATIO: f64 = 1e-5;
 /// Radius of a region as a phase; wells are usually wider.
 const REGION_PHASE: f64 = 0.55;
-/// Relative difference of symmetric images: smaller differences of values, over the largest moment, are rounding.
+/// Relative tolerance for symmetric images: smaller differences of values, relative to the largest moment, are rounding errors.
 const IMAGE_TOLERANCE: f64 = 1e-10;
 
 /// Largest height of a point above the lowest value at which a descent can still lead lower. `scale` is the largest value.

@@ -94,7 +94,7 @@ impl<S: Simd, const MIRRORED: bool> Contraction<S, MIRRORED> {
         parts
     }
 
-    /// Smaller eigenvalue, or minus the larger one: `sign * (D_11 + D_22) / 2 - root`.
+    /// Smaller eigenvalue, or the negative of the larger eigenvalue: `sign * (D_11 + D_22) / 2 - root`.
     #[inline(always)]
     pub(super) fn branch(&self, h: [Pack<S>; 3], sign: Pack<S>) -> Pack<S> {
         let [mean, half, mixed] = self.parts(h);

@@ -8,11 +8,11 @@ use pulp::{Simd, WithSimd};
 const SAMPLED_DIRECTIONS: usize = 16;
 /// Number of Newton steps.
 const NEWTON_STEPS: usize = 6;
-/// Largest relative height of the second well above the first at which it is followed too.
+/// Largest relative height of the second well above the first at which a descent also follows the second.
 const RIVAL_WELL_HEIGHT: f64 = 0.2;
 /// Largest last step of a converged descent, in the doubled angle (radians).
 const STEP_TOLERANCE: f64 = 1e-6;
-/// Relative rounding error of a slope, over the value.
+/// Rounding error of a slope, relative to the value.
 const SLOPE_ROUNDING: f64 = 1e-13;
 
 /// `H(k) / |k|_h^2` for long waves: `h0 + hc cos t + hs sin t` in the doubled angle `t`, for each entry.
@@ -118,7 +118,7 @@ struct Ring<S: Simd> {
     parts: [[Pack<S>; 3]; 3],
 }
 
-/// Smaller eigenvalue with its derivatives with respect to the angle.
+/// Smaller eigenvalue on the ring with its derivatives with respect to the angle.
 struct OnRing<S: Simd> {
     value: Pack<S>,
     slope: Pack<S>,
@@ -150,7 +150,7 @@ impl<S: Simd> Ring<S> {
         }
     }
 
-    /// Value, cosine and sine after Newton steps, taken only downward, and the magnitude of the last step.
+    /// Value, cosine and sine after descending Newton steps, and the magnitude of the last step.
     #[inline(always)]
     fn descended(&self, start: [Pack<S>; 3]) -> ([Pack<S>; 3], Pack<S>) {
         let [_, mut cosine, mut sine] = start;

@@ -2,7 +2,8 @@
 //!
 //! If all quadrature points have the same deformation, `D(k) = A : H(k)` with the gradient moments `H_JL(k) = 1/m sum_q V_q conj(B_qJ) B_qL`, which
 //! depend neither on the material nor on the state. In the plane and with inversion centers, `H(k)` is real and thus a point in three dimensions. The
-//! smallest eigenvalue of `A : H` is concave and the largest one convex in `H`, so that only extreme points of the set of all `H(k)` matter.
+//! smallest eigenvalue of `A : H` is concave in `H` and the largest eigenvalue is convex, so that only extreme points of the set of all `H(k)`
+//! matter.
 //!
 //! 1. A few grid points near extreme points are selected once, as candidates for all tangents (`candidates`).
 //! 2. For each tangent, the best candidate of each region of the zone is found (`scan`).
@@ -51,7 +52,7 @@ const NEWTON_STEPS: usize = 12;
 /// Number of states that are processed together; their columns fit into the cache.
 const BATCH_STATES: usize = 1024;
 
-/// Gradient moments of a planar Lagrangian method over the zone. They serve all states with one method.
+/// Gradient moments of a planar Lagrangian method over the zone, valid for all states of the method.
 #[derive(Clone, Debug)]
 pub struct GradientMoments<const D: usize> {
     matrix: DynamicalMatrix<D>,
@@ -67,7 +68,7 @@ pub struct GradientMoments<const D: usize> {
     long: LongMoments,
     /// Rounding error of the scaled moments of long waves.
     long_noise: f64,
-    /// True if a wave with alternating neighbors causes no strain, so that it has zero energy at any state.
+    /// True if a wave with alternating neighbors causes no strain, so that it is a zero-energy mode at any state.
     misses_alternating: bool,
     /// Unit of the moments.
     moment_unit: f64,
@@ -149,7 +150,7 @@ fn has_no_strain<const D: usize>(
 impl<const D: usize> GradientMoments<D> {
     /// Computes the moments of a method. `speed_squared` is the `c^2` of the scaled measure.
     ///
-    /// `None` if `D(k)` is not a contraction with a single tangent, or not planar and real: for Eulerian kernels, an interpolated background, or
+    /// `None` if `D(k)` is not the contraction with a single tangent, or is not planar and real: for Eulerian kernels, an interpolated background, or
     /// quadrature points without an inversion center.
     ///
     /// # Errors
@@ -308,7 +309,7 @@ impl<const D: usize> GradientMoments<D> {
         extremes
     }
 
-    /// Softest wave among the bottom of the zone and the long-wave limit, by the rule that chooses among waves of equal measures: its measure times
+    /// Softest wave among the bottom of the zone and the long-wave limit, by the rule that selects among waves with equal measures: its measure times
     /// `c^2`, its wave vector or direction, and whether it is the limit.
     fn chosen(
         &self,
@@ -476,7 +477,7 @@ struct Batch<'a, const D: usize> {
 }
 
 impl<const D: usize> Batch<'_, D> {
-    /// Lowest bottom of each tangent; infinite if it is not below the limit.
+    /// Lowest bottom of each tangent; infinite if it is not below the long-wave limit.
     fn bottoms<const MIRRORED: bool>(
         &self,
         objective: Objective,

@@ -16,20 +16,20 @@ const APPROACH_STEPS: usize = 2;
 const APPROACH_PHASE: f64 = 0.15;
 /// Longest Newton step, as a phase.
 const LONGEST_STEP_PHASE: f64 = 0.6;
-/// Largest Newton step, as a phase, of a converged descent: quadratic convergence then leaves less than rounding.
+/// Largest Newton step, as a phase, of a converged descent: a further quadratic step reduces the error below rounding.
 const STEP_TOLERANCE_PHASE: f64 = 1e-4;
 /// Largest decrease, relative to the value, of a converged descent.
 const DECREASE_TOLERANCE: f64 = 1e-8;
-/// Phase of the longest wave that is searched; the limit covers longer waves.
+/// Phase of the longest wave that is sampled; longer waves are represented by the limit.
 const LONG_WAVE_PHASE: f64 = LONG_WAVE_FRACTION * TAU;
-/// Largest phase at which a slope towards `k = 0` means that the long-wave limit is the nearest bottom.
+/// Largest phase at which a slope toward `k = 0` means that the long-wave limit is the nearest minimum.
 const LIMIT_BASIN_PHASE: f64 = 0.6;
 
-/// The descent ended in a smooth minimum.
+/// End of a descent in a smooth minimum.
 pub(super) const END_SETTLED: f64 = 0.0;
-/// The descent cannot fall below its floor.
+/// End of a descent that cannot fall below its floor.
 pub(super) const END_BEATEN: f64 = 1.0;
-/// The descent failed and needs the general Newton method.
+/// End of a descent that failed and needs the general Newton method.
 pub(super) const END_FAILED: f64 = 2.0;
 
 /// Starts and floors of descents; after the descent, their ends. Padded to a multiple of [`LARGEST_LANES`].
@@ -37,9 +37,9 @@ pub(super) const END_FAILED: f64 = 2.0;
 pub(super) struct Descents {
     /// Phases `k.a_1` and `k.a_2`.
     pub(super) phases: [Vec<f64>; 2],
-    /// Indices of the candidates at which they start.
+    /// Indices of the candidates at which the descents start.
     pub(super) candidates: Vec<usize>,
-    /// Values that a descent must fall below.
+    /// Upper limits of the values that a descent must reach.
     pub(super) floors: Vec<f64>,
     /// Objective at the end.
     pub(super) values: Vec<f64>,
@@ -78,7 +78,7 @@ pub(super) struct Refine<'a, const D: usize, const MIRRORED: bool> {
     pub(super) sums: &'a Sums,
     pub(super) candidates: &'a Candidates<D>,
     pub(super) columns: &'a Columns,
-    /// 1 for the smaller eigenvalue, -1 for minus the larger one.
+    /// Sign of the objective: 1 for the smaller eigenvalue, -1 for the negative of the larger eigenvalue.
     pub(super) sign: f64,
     /// True if the eigenvalue is divided by the lattice Laplacian.
     pub(super) scaled: bool,
@@ -228,7 +228,7 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
         end.write(&mut descents.ends, group);
     }
 
-    /// Returns true if the objective falls towards long waves and their limit is known to be lower.
+    /// Returns true if the objective falls toward long waves and their limit is known to be lower.
     #[inline(always)]
     fn falls_to_the_limit(
         &self,
@@ -329,12 +329,12 @@ impl<S: Simd, const MIRRORED: bool> Objective<'_, S, MIRRORED> {
 
 struct NewtonStep<S: Simd> {
     step: [Pack<S>; 2],
-    /// Squared length of the step before it is shortened.
+    /// Squared length of the step before it is limited.
     square: Pack<S>,
     is_convex: Mask<S>,
 }
 
-/// Newton step with the magnitudes of the principal curvatures, so that it leads down; at most `LONGEST_STEP_PHASE` long.
+/// Newton step with the magnitudes of the principal curvatures, so that it is a descent step; its length is limited to `LONGEST_STEP_PHASE`.
 #[inline(always)]
 fn newton_step<S: Simd>(local: &Local<Pack<S>>) -> NewtonStep<S> {
     let number = |value: f64| local.value.constant(value);

@@ -7,7 +7,8 @@ use pulp::{Simd, WithSimd};
 
 /// Largest ratio of the lowest to the largest value at which wells are narrow compared with the grid spacing.
 const NARROW_WELL_RATIO: f64 = 1e-3;
-/// Additional height, as a fraction of the lowest value, of regions that are followed if wells are narrow: descents then lead further down.
+/// Additional height, as a fraction of the lowest value, of regions in which descents start if wells are narrow; these descents then reach lower
+/// values.
 const NARROW_WELL_MARGIN: f64 = 0.05;
 
 /// Additional margin for narrow wells. It is smaller than the reserve in the threshold of the scan.
@@ -22,7 +23,7 @@ fn rivalry(lowest: f64, scale: f64) -> f64 {
 /// Index of a tangent and index of a candidate.
 pub(super) type Start = (usize, usize);
 
-/// Starts of descents: the best candidate of each tangent, and candidates of other regions that may lead lower.
+/// Starts of descents: the best candidate of each tangent, and candidates of other regions that may lead to lower values.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Starts {
     pub(super) best: Vec<Start>,
@@ -33,9 +34,9 @@ pub(super) struct Starts {
 pub(super) struct Scan<'a, const D: usize, const MIRRORED: bool> {
     pub(super) candidates: &'a Candidates<D>,
     pub(super) columns: &'a Columns,
-    /// 1 for the smaller eigenvalue, -1 for minus the larger one.
+    /// Sign of the objective: 1 for the smaller eigenvalue, -1 for the negative of the larger eigenvalue.
     pub(super) sign: f64,
-    /// Value that each tangent must fall below.
+    /// Upper limits of the values that the tangents must reach.
     pub(super) limits: &'a [f64],
     /// Largest value of each tangent, padded like the columns.
     pub(super) scales: &'a [f64],

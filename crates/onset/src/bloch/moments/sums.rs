@@ -59,20 +59,20 @@ pub(super) struct Local<T> {
 
 /// Degree of a [`Polynomial`].
 const DEGREE: usize = 4;
-/// Number of its coefficients.
+/// Number of coefficients of a [`Polynomial`].
 pub(super) const COEFFICIENTS: usize = (DEGREE + 1) * (DEGREE + 2) / 2;
 
 /// Polynomials of fourth order of `H_11`, `H_12`, `H_22` near some phases: coefficients of `d_1^m d_2^n` in the differences, by `n` and then by `m`.
 pub(super) type Polynomial = [[f64; COEFFICIENTS]; 3];
 
-/// Polynomials at several places.
+/// Polynomials at several points.
 pub(super) struct Near<S: Simd> {
     coefficients: [[Pack<S>; COEFFICIENTS]; 3],
     phases: [Pack<S>; 2],
 }
 
 impl<S: Simd> Near<S> {
-    /// Collects the polynomials of one place for each lane of a register.
+    /// Collects the polynomials of one point for each lane of a register.
     #[inline(always)]
     pub(super) fn of(
         simd: S,
@@ -101,7 +101,7 @@ impl<S: Simd> Near<S> {
         }
     }
 
-    /// `H_11`, `H_12`, `H_22` with their derivatives at the places themselves.
+    /// Moments `H_11`, `H_12`, `H_22` with their derivatives at the points themselves.
     #[inline(always)]
     pub(super) fn local(&self) -> [Local<Pack<S>>; 3] {
         let two = self.phases[0].constant(2.0);

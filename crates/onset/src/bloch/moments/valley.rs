@@ -1,6 +1,6 @@
 //! Valleys of `omega^2(k)` with nearly zero energy, in methods with weakly controlled modes.
 //!
-//! A valley has several minima of similar depth, and the state decides which is lowest. All of the lowest grid points are therefore kept, and
+//! A valley has several minima of similar depth, and the state determines the lowest of them. All of the lowest grid points are therefore kept, and
 //! descents start from well separated points.
 
 use super::contraction::Coefficients;
@@ -98,7 +98,7 @@ impl<const D: usize> Valley<D> {
         best
     }
 
-    /// Returns true if two wave vectors, also up to sign, are farther apart than the usual width of a well.
+    /// Returns true if two wave vectors, also up to sign, are separated by more than the usual width of a well.
     fn are_apart(&self, k: &SVector<f64, D>, other: &SVector<f64, D>) -> bool {
         let lattice = &self.lattice;
         let apart = |difference: SVector<f64, D>| {

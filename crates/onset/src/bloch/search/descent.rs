@@ -21,11 +21,11 @@ const EDGE_INTERVALS: usize = 24;
 const EDGE_TOLERANCE: f64 = 1e-6;
 /// Length of a converged Newton step, relative to the longest reciprocal vector.
 const STEP_TOLERANCE: f64 = 1e-9;
-/// Smallest determinant of a clearly positive planar curvature, over the square of its trace; a heuristic value.
+/// Smallest determinant of a clearly positive planar curvature, relative to the square of its trace; a heuristic value.
 pub(super) const CONVEXITY_RATIO: f64 = 1e-6;
 
 impl<const D: usize> ZoneSearch<D> {
-    /// Bottom of the deepest well. The descent in a well that will not reach below `floor` ends early.
+    /// Bottom of the deepest well. The descent in a well whose bottom is not below `floor` ends early.
     pub(super) fn bottom(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -83,8 +83,8 @@ impl<const D: usize> ZoneSearch<D> {
         }
     }
 
-    /// Starts between the origin and the first grid points, along the softest long wave. A well that opens at the origin is narrow in angle, so that
-    /// the grid may miss it.
+    /// Starts between the origin and the first grid points, along the softest long wave. A well that opens at the origin covers a small angle, so
+    /// that the grid may miss it.
     fn long_starts(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -240,7 +240,7 @@ impl<const D: usize> ZoneSearch<D> {
             .min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// End of the descent from a wave vector; a descent that will not reach below `floor` ends early.
+    /// End of the descent from a wave vector; a descent that cannot fall below `floor` ends early.
     pub(super) fn settled(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -252,8 +252,8 @@ impl<const D: usize> ZoneSearch<D> {
         self.descend(matrix, objective, (value, start), floor).1
     }
 
-    /// Returns true if the objective is evaluated at a wave vector. Long waves are represented by their limit, and a zone that is not periodic is not
-    /// left.
+    /// Returns true if the objective is evaluated at a wave vector. Long waves are represented by their limit, and wave vectors outside a zone that
+    /// is not periodic are excluded.
     pub(in crate::bloch) fn is_sought(&self, objective: Objective, k: &SVector<f64, D>) -> bool {
         let too_long =
             objective == Objective::Scaled && k.norm() < LONG_WAVE_FRACTION * self.longest();
@@ -270,7 +270,7 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// Newton's method on a function of the wave vector, which is `None` outside its domain.
     ///
-    /// The flag is true if the method ended in a smooth minimum, or on its way to a minimum above `floor`.
+    /// The flag is true if the method ended in a smooth minimum, or is converging to a minimum above `floor`.
     pub(in crate::bloch) fn newton(
         &self,
         expansion: &impl Fn(&SVector<f64, D>) -> Option<Taylor<f64, D>>,
@@ -415,7 +415,7 @@ impl<const D: usize> ZoneSearch<D> {
 
 /// Newton step, at most a tenth of `longest`, and whether the curvature is positive.
 ///
-/// Negative principal curvatures are replaced by their magnitudes, so that the step leads down. At a saddle it follows the direction of negative
+/// Negative principal curvatures are replaced by their magnitudes, so that it is a descent step. At a saddle it follows the direction of negative
 /// curvature.
 pub(super) fn newton_step<const D: usize>(
     slope: &SVector<f64, D>,
@@ -516,8 +516,8 @@ pub(super) fn principal<const D: usize>(
     (values, axes)
 }
 
-/// Point of [`RAY_STEPS`] at which a descent starts: the first local minimum, or the last point of a branch that falls below zero along the whole ray.
-/// Other branches that fall beyond the ray are covered by the grid.
+/// Point of [`RAY_STEPS`] at which a descent starts: the first local minimum, or the last point of a branch that falls below zero along the whole
+/// ray. Branches that fall beyond the ray are covered by the grid.
 pub(super) fn first_dip(value: impl Fn(usize) -> f64) -> Option<usize> {
     let last = RAY_STEPS.len() - 1;
     let rises = |n: usize| match n == last {
@@ -527,8 +527,8 @@ pub(super) fn first_dip(value: impl Fn(usize) -> f64) -> Option<usize> {
     (0..=last).find(|n| (*n == 0 || value(*n - 1) >= value(*n)) && rises(*n))
 }
 
-/// Minimum of a function on a convex face in three dimensions, given by its corners in order. The lowest of the points between center and rim starts
-/// a search along the face.
+/// Minimum of a function on a convex face in three dimensions, given by its corners in order. The search along the face starts at the lowest of the
+/// points between center and rim.
 fn minimum_on_face<const D: usize>(
     corners: &[SVector<f64, D>],
     at: &impl Fn(&SVector<f64, D>) -> Candidate<D>,

@@ -41,7 +41,7 @@ pub(super) struct Grid<const D: usize> {
 /// Grid point that is lower than its neighbors.
 pub(super) struct Well<const D: usize> {
     pub(super) start: Candidate<D>,
-    /// Height of the highest neighbor above the point. The bottom of a quadratic well is at most a quarter of it below the point.
+    /// Height of the highest neighbor above the point. The bottom of a quadratic well is below the point by at most a quarter of this height.
     pub(super) relief: f64,
 }
 
@@ -54,7 +54,7 @@ struct GridSpectrum {
     lowest: Zeros,
     highest: Zeros,
     discriminant: Zeros,
-    /// Minus the growth rate of complex branches. Empty for a real `D` in the plane, where it follows from the other values.
+    /// Negative growth rate of complex branches. Empty for a real `D` in the plane, where it follows from the other values.
     slowness: Zeros,
     /// Squared norm of the antisymmetric part, for a real `D` in three dimensions.
     asymmetry: Zeros,
@@ -90,7 +90,7 @@ impl GridSpectrum {
         }
     }
 
-    /// Minus the growth rates of complex branches; in the plane, `omega^2` is `Re omega^2 +- i sqrt(-p)`.
+    /// Negative growth rates of complex branches; in the plane, `omega^2` is `Re omega^2 +- i sqrt(-p)`.
     fn slowness(&self) -> Cow<'_, [f64]> {
         if !self.slowness.is_empty() {
             return Cow::Borrowed(&self.slowness);
@@ -103,8 +103,8 @@ impl GridSpectrum {
         pairs.map(slowness).collect()
     }
 
-    /// Measure of the separation of branches. In three dimensions, the discriminant over the sixth power of the distance of the outer branches, which
-    /// can vary by orders of magnitude over the zone.
+    /// Measure of the separation of branches. In three dimensions, the discriminant divided by the sixth power of the distance of the outer branches,
+    /// which can vary by orders of magnitude over the zone.
     fn relative_discriminants<const D: usize>(&self) -> Cow<'_, [f64]> {
         let known = self.known(Objective::Discriminant);
         if D < 3 {
@@ -230,7 +230,7 @@ impl<const D: usize> ZoneSearch<D> {
         } else {
             points_per_period * 4 * matrix.effective_reach().clamp(4, 32) / 3
         };
-        // A multiple of six places M, X and K on the grid.
+        // With a multiple of six the points M, X and K lie on the grid.
         let resolution = resolution.next_multiple_of(6);
         let resolution = if D == 3 {
             resolution.min(48)
@@ -383,8 +383,8 @@ impl<const D: usize> Grid<D> {
 
     /// Grid points near which two branches may cross, and their spacing in grid steps.
     ///
-    /// With a discriminant, these are the points at which it is small compared with its neighbors, one of each symmetry class. Without it, these are
-    /// all points of a grid that is not too fine. Points around which no complex pair can grow faster than `rival` are omitted.
+    /// With a discriminant, these are the points at which it is small compared with its neighbors, one of each symmetry class. Without a
+    /// discriminant, these are all points of a moderately fine grid. Points around which no complex pair can grow faster than `rival` are omitted.
     pub(super) fn near_crossings(
         &self,
         has_discriminant: bool,
@@ -436,7 +436,7 @@ impl<const D: usize> Grid<D> {
     }
 }
 
-/// Vectorized evaluation for the instruction set of the machine. A closure would not be inlined there.
+/// Vectorized evaluation for the instruction set of the machine. It is a struct because a closure would not be inlined.
 struct OfPlanar<'a> {
     entries: &'a PlanarEntries,
     laplacian: &'a [f64],
@@ -469,7 +469,7 @@ impl NullaryFnOnce for MarkLow<'_> {
     }
 }
 
-/// Marks the points of a line that are no higher than their neighbors on the lines `beside`. The ends of the line can be marked wrongly.
+/// Marks the points of a line that are no higher than their neighbors on the lines `beside`. The marks at the ends of the line may be wrong.
 #[inline(always)]
 fn mark_low(line: &[f64], beside: &[&[f64]], below: f64, is_low: &mut [bool]) {
     let n = line.len();

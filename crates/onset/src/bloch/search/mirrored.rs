@@ -1,8 +1,8 @@
 //! Search over the zone of a planar matrix with a mirror line.
 //!
 //! The spectrum is computed at a quarter of the wave vectors of the zone. The lattice Laplacian need not have the mirror symmetry, so that the scaled
-//! measure is computed at each wave vector and at its image. One pass over a few grid lines at a time finds the wells of all objectives. Newton's
-//! method with exact derivatives then follows several wells simultaneously in the lanes of a vector register (`steps`).
+//! measure is computed at each wave vector and at its image. A single pass over the grid, a few lines at a time, finds the wells of all objectives.
+//! Newton's method with exact derivatives then follows several wells simultaneously in the lanes of a vector register (`steps`).
 
 use super::descent::{first_dip, newton_step, principal};
 use super::steps::{Places, Stepper, Steps};
@@ -52,7 +52,7 @@ const _: () = assert!(matches!(OBJECTIVES[HIGHEST], (Objective::Highest, false))
 /// Both objectives of the lowest branch are evaluated together along the ray of soft long waves.
 const _: () = assert!(2 * RAY_STEPS.len() <= LANES);
 
-/// Search for one objective, with the floor that its minimum must reach to matter. The scaled measure lacks the factor `1 / c^2`.
+/// Search for one objective, with a floor: minima above the floor are irrelevant. The scaled measure lacks the factor `1 / c^2`.
 #[derive(Clone, Copy)]
 pub(super) struct Request {
     pub(super) objective: Objective,
@@ -74,13 +74,13 @@ struct Well {
 struct Descent {
     objective: Objective,
     place: [f64; 2],
-    /// Last place that was lower than all earlier ones, and the step from there.
+    /// Last position that was lower than all earlier positions, and the step from it.
     last: [f64; 2],
     step: [f64; 2],
     value: f64,
     /// Known bottom of the same valley.
     bottom: Option<[f64; 2]>,
-    /// True if it ended in a valley or near a crossing of branches, where the grid can miss wells.
+    /// True if the descent ended in a valley or near a crossing of branches, where the grid can miss wells.
     is_intricate: bool,
     state: State,
 }
@@ -88,11 +88,11 @@ struct Descent {
 #[derive(Clone, Copy, PartialEq)]
 enum State {
     Running,
-    /// Ended in a smooth minimum, with its direction if it is a valley.
+    /// The descent ended in a smooth minimum, with its direction if it is a valley.
     Settled(Option<[f64; 2]>),
-    /// Abandoned on the way to a minimum that is too high.
+    /// The descent was abandoned because its minimum is too high.
     Left,
-    /// Newton's method does not lead down.
+    /// Newton's method does not descend.
     Lost,
 }
 
@@ -117,7 +117,7 @@ pub(super) struct Mirrored {
     wells: Vec<Well>,
     /// Phases along the mirror lines of one grid step along the softest long wave.
     soft: [f64; 2],
-    /// Minus the largest `Re omega^2` on the grid.
+    /// Negative of the largest `Re omega^2` on the grid.
     lowest: f64,
     /// Rounding error of the discriminant, negative.
     rounding: f64,
@@ -126,8 +126,8 @@ pub(super) struct Mirrored {
 }
 
 impl Mirrored {
-    /// Sweeps over the grid and finds all wells that may reach below the floors of the requests. `soft` contains the phases of the primitive vectors
-    /// in the softest long wave.
+    /// Sweeps over the grid and finds all wells whose bottoms may lie below the floors of the requests. `soft` contains the phases of the primitive
+    /// vectors in the softest long wave.
     pub(super) fn new<const D: usize>(
         lattice: &BravaisLattice<D>,
         sums: MirrorSums,
@@ -173,7 +173,7 @@ impl Mirrored {
         -self.lowest
     }
 
-    /// Follows the wells of real objectives that may reach below their floors. The values of the bottoms come from fast sums.
+    /// Follows the wells of real objectives whose bottoms may lie below their floors. The values of the bottoms come from fast sums.
     pub(super) fn follow(&mut self, requests: &[Request]) {
         let mut descents = self.along_soft(requests);
         for request in requests {
@@ -196,7 +196,7 @@ impl Mirrored {
         self.keep(&others);
     }
 
-    /// Follows the wells of the discriminant and the pockets of complex branches, except where growth is less than half of the rival's rate.
+    /// Follows the wells of the discriminant and the pockets of complex branches, except where the growth rate is less than half of the rival's rate.
     pub(super) fn follow_flutter(&mut self, rival: f64) {
         let request = Request {
             objective: Objective::Discriminant,
@@ -332,15 +332,15 @@ impl Mirrored {
         }
     }
 
-    /// Distance of a place from the origin in grid steps.
+    /// Distance of a position from the origin in grid steps.
     fn steps_from_origin(&self, place: [f64; 2]) -> f64 {
         let [u, v] = self.waves.steps;
         (place[0].abs() / u).max(place[1].abs() / v)
     }
 }
 
-/// Values that descents must fall below: the floor of the request and the lowest value of other descents. For the discriminant only the floor counts,
-/// because all its wells are needed.
+/// Upper limits of the values that descents must reach: the floor of the request and the lowest value of other descents. For the discriminant only
+/// the floor counts, because all its wells are needed.
 struct Floors([f64; 5]);
 
 impl Floors {
@@ -405,7 +405,8 @@ impl Descent {
         }
     }
 
-    /// One step of Newton's method from the values at the place reached. If the place is higher than the last one, the step is shortened instead.
+    /// Performs one step of Newton's method from the values at the current position. If this position is higher than the last position, the step is
+    /// shortened instead.
     fn proceed(&mut self, here: &Steps, lane: usize, floor: f64, search: &Mirrored) {
         let reach = search.sums.reach;
         let length =
@@ -418,7 +419,7 @@ impl Descent {
         if value.is_nan() || value >= self.value {
             self.step = [0.25 * self.step[0], 0.25 * self.step[1]];
             if length(self.step) < STEP_TOLERANCE_PHASE {
-                // The value belongs to the last place.
+                // The value belongs to the last position.
                 self.place = self.last;
                 self.state = State::Lost;
             } else {
@@ -466,7 +467,7 @@ impl Descent {
     }
 }
 
-/// Direction of a valley, if the curvatures differ by a large factor.
+/// Direction of a valley, if the two curvatures differ by a large factor.
 fn valley(curvature: &Matrix2<f64>) -> Option<[f64; 2]> {
     let ([high, low], [_, along]) = principal(curvature);
     (low.abs() < VALLEY_CURVATURE_RATIO * high.abs()).then_some([along[0], along[1]])
@@ -595,7 +596,7 @@ impl Sweep<'_> {
         }
     }
 
-    /// Records a well of the grid if it may reach below its floor.
+    /// Records a well of the grid if its bottom may lie below the floor.
     fn record(&mut self, number: usize, at: [usize; 2], ring: &[f64]) {
         let around = |number: usize| {
             let lines = [at[1] + 2, at[1], at[1] + 1];
@@ -665,14 +666,14 @@ fn range(values: &[f64]) -> (f64, f64) {
 
 /// Expected square of the largest growth rate `Im omega` of a pair `omega^2 = h +- i sqrt(-p)`.
 ///
-/// `p <= 0` is the expected discriminant. The mean `h` is taken lower than all neighboring means, by the range of these means.
+/// The expected discriminant is `p <= 0`. The estimate of the mean `h` is lowered below all neighboring means by the range of these means.
 fn fastest_growth(p: f64, means: &[f64]) -> f64 {
     let (least, most) = range(means);
     let mean = least - (most - least);
     0.5 * ((mean * mean - p).sqrt() - mean)
 }
 
-/// Lowest of the eight neighbors of each point of a group on the second of three lines, without its first point.
+/// Lowest of the eight neighbors of each point of a group on the second of three lines; the first point of the lines is excluded.
 #[inline(always)]
 fn lowest_around<S: Simd>(simd: S, lines: &[&[f64]; 3], group: usize) -> Pack<S> {
     let width = lines[1].len() - 2;

@@ -39,8 +39,8 @@ use std::sync::{Arc, OnceLock};
 
 /// Tolerance for zero of scaled measures, as a multiple of the rounding error of the long-wave stiffness.
 const ROUNDING_FACTOR: f64 = 4.0;
-/// Largest scaled measure of a nearly unstable state. Wells that may reach below it are followed to their bottoms, so that the measure is accurate
-/// along a path that approaches instability.
+/// Largest scaled measure of a nearly unstable state. Wells whose bottoms may be lower are followed, so that the measure is accurate along a path
+/// that approaches instability.
 const SOFT_MEASURE: f64 = 1e-3;
 /// Growth rate of the slowest flutter that counts, as a fraction of sound speed over particle spacing. Slower growth is rounding of complex
 /// eigenvalues.
@@ -50,7 +50,7 @@ const FLUTTER_TOLERANCE: f64 = 1e-7;
 const SLOW_DIVERGENCE: f64 = 0.05;
 /// Smallest tolerance of scaled measures: a few times `f64::EPSILON`, the rounding error of `c^2` itself.
 const MINIMUM_TOLERANCE: f64 = 1e-15;
-/// Largest squared wave speed over `c^2` that is zero to rounding, where no sum of force constants gives a better estimate.
+/// Largest squared wave speed over `c^2` that counts as zero to rounding, if sums of force constants give no better estimate.
 const ZERO_SPEED_SQUARED: f64 = 1e-13;
 /// Largest wave number of a long wave, as a fraction of a reciprocal vector. The limit `k -> 0` represents such waves.
 pub(in crate::bloch) const LONG_WAVE_FRACTION: f64 = 1e-3;
@@ -61,7 +61,8 @@ const FOLLOWED_POCKETS: usize = 16;
 /// Distances from `k = 0` of starts along the softest or fastest growing long waves, in grid steps. The grid can miss wells that open there, because
 /// they are narrow in angle.
 const RAY_STEPS: [f64; 4] = [0.15, 0.35, 0.7, 1.2];
-/// Distances of [`RAY_STEPS`] with a shorter one, for softness that needs the relaxation of the particles of a cell and is lost at shorter waves.
+/// Distances of [`RAY_STEPS`] preceded by a shorter distance, for soft waves that require the relaxation of the particles of a cell and disappear at
+/// shorter wavelengths.
 pub(in crate::bloch) const RELAXED_RAY_STEPS: [f64; 5] =
     [0.05, RAY_STEPS[0], RAY_STEPS[1], RAY_STEPS[2], RAY_STEPS[3]];
 /// Grid points per period of the fastest phase, to find a witness of instability.
@@ -99,9 +100,10 @@ pub(in crate::bloch) enum Objective {
     /// A function that is negative where `omega^2` is complex.
     ///
     /// If `D` is real, this is the discriminant: `((D11 - D22)/2)^2 + D12 D21` in the plane, and `a^3 - h^2`, of degree six, in three dimensions.
-    /// Unlike the imaginary part it is smooth. If `D` is complex, `omega^2` is complex almost everywhere, and the objective is minus the growth rate.
+    /// Unlike the imaginary part it is smooth. If `D` is complex, `omega^2` is complex almost everywhere, and the objective is the negative growth
+    /// rate.
     Discriminant,
-    /// Minus the growth rate of a mode with complex `omega^2`.
+    /// Negative growth rate of a mode with complex `omega^2`.
     Growth,
 }
 
@@ -157,7 +159,7 @@ fn discriminant<const D: usize>(
 impl<const D: usize> ZoneSearch<D> {
     /// Creates the search for a method at a state, with the `c^2` of the scaled measure.
     ///
-    /// `None` when the lattice degenerates in floating point.
+    /// Returns `None` if the lattice degenerates in floating point.
     pub fn new(method: &Method<D>, f: &DeformationGradient, speed_squared: f64) -> Option<Self> {
         let home = method.home_map(f);
         let to_reference = home.transpose();
@@ -255,7 +257,7 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// Like `summary`, except that flutter which grows more slowly than the divergence of a state may be omitted.
     ///
-    /// Flutter of long waves is then omitted too, unless `includes_long_waves` requests it.
+    /// Slow flutter of long waves is then also omitted, unless `includes_long_waves` requests it.
     pub(crate) fn extremes(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -273,7 +275,7 @@ impl<const D: usize> ZoneSearch<D> {
         self.found(matrix, Flutter::All, true)
     }
 
-    /// Growth rate that flutter must exceed to matter; zero if all flutter is requested.
+    /// Growth rate that flutter must exceed to be relevant; zero if all flutter is requested.
     pub(in crate::bloch) fn rival(
         &self,
         sought: Flutter,
@@ -406,8 +408,8 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// Like `stability`, with the softest mode of a stable state if its scaled measure is at most `soft`.
     ///
-    /// `beside`: all growing wave vectors of neighboring states. They are tried first, and then the coarse grid is skipped, because it would decide
-    /// few of the remaining states.
+    /// The argument `beside` contains all growing wave vectors of neighboring states. They are tried first, and the coarse grid is then skipped,
+    /// because it would decide few of the remaining states.
     pub(crate) fn judgment(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -572,7 +574,7 @@ impl<const D: usize> ZoneSearch<D> {
 
     /// Limit `k -> 0` of the scaled measure, minimized over all directions.
     ///
-    /// Infinite if a translation raises the energy, because then no long wave becomes soft.
+    /// The limit is infinite if a translation raises the energy, because then no long wave becomes soft.
     pub fn long_wave_limit(&self, matrix: &DynamicalMatrix<D>) -> Mode<D> {
         let limit = self.long_wave_mode(&matrix.long_wave_stiffness());
         if self.rest(matrix, 0.0).omega_squared.re > matrix.noise() {
@@ -651,7 +653,7 @@ impl<const D: usize> ZoneSearch<D> {
         FLUTTER_TOLERANCE * self.speed_over_spacing(sites)
     }
 
-    /// Sound speed over particle spacing, for cells of `sites` particles. 1/time.
+    /// Sound speed divided by particle spacing, for cells of `sites` particles. 1/time.
     fn speed_over_spacing(&self, sites: usize) -> f64 {
         let side = self.reference().vectors().column(0).norm();
         self.speed_squared.sqrt() * (sites as f64).powf(1.0 / D as f64) / side
@@ -771,7 +773,7 @@ impl<const D: usize> ZoneSearch<D> {
         self.value(matrix, objective, &Sample::with(matrix, *k, d))
     }
 
-    /// Returns true if a wave on the grid flutters noticeably. Only its existence matters, so that the best grid point suffices.
+    /// Returns true if a wave on the grid flutters noticeably. Only its existence is needed, so that the best grid point suffices.
     fn grid_flutters(&self, matrix: &DynamicalMatrix<D>, wells: &Wells<D>) -> bool {
         let Wells::Grid(grid) = wells else {
             return false;
@@ -785,9 +787,9 @@ impl<const D: usize> ZoneSearch<D> {
         lowest < 0.0 && self.fluttering_mode(matrix, &k).is_some_and(grows)
     }
 
-    /// A noticeably fluttering mode, or `None`. `fastest` then maximizes its growth rate.
+    /// A mode with noticeable flutter, or `None`. `fastest` then maximizes its growth rate.
     ///
-    /// With a `rival`, `None` also if no flutter can grow faster than this rate.
+    /// With a `rival`, the result is also `None` if no flutter can grow faster than this rate.
     fn flutter(
         &self,
         matrix: &DynamicalMatrix<D>,
@@ -1035,7 +1037,7 @@ impl Flutter {
     }
 }
 
-/// Smaller of two scaled measures: one of the long-wave limit or of a wave vector, and one of another wave vector.
+/// Smaller of two scaled measures: of the long-wave limit or a wave vector, and of another wave vector.
 fn lower<const D: usize>(
     least: (f64, Option<SVector<f64, D>>),
     (value, k): Candidate<D>,
@@ -1051,7 +1053,7 @@ fn lower<const D: usize>(
 enum Wells<const D: usize> {
     /// Wells of a grid, not yet followed.
     Grid(Box<Grid<D>>),
-    /// Wells of a matrix with a mirror line, with the known bottoms; initially only of the real objectives.
+    /// Wells of a matrix with a mirror line, with the known bottoms; initially only the wells of the real objectives.
     Mirrored(Box<Mirrored>),
 }
 

@@ -8,7 +8,7 @@ use crate::lattice::{BravaisLattice, HARMONICS, Mirror, MirrorWaves};
 use nalgebra::{Matrix2, Vector2};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Phase of the longest wave that is sampled; the limit covers longer waves.
+/// Phase of the longest wave that is sampled; longer waves are represented by the limit.
 const LONG_WAVE_PHASE: f64 = 5e-3;
 /// Distance from the origin, in grid steps, within which the discriminant is not searched; it vanishes there with the fourth power of `k`.
 const ORIGIN_RANGE_STEPS: f64 = 0.5;
@@ -164,7 +164,7 @@ pub(super) struct Stepper {
     grid: [f64; 2],
 }
 
-/// Objectives at several wave vectors, one at each, with the Newton steps from there.
+/// Values of the objectives at several wave vectors, one objective at each, with the Newton steps from there.
 pub(super) struct Steps {
     /// Value, and derivatives with respect to `u`, `v`, `uu`, `uv`, `vv`; the value is infinite where the objective is not defined.
     taylor: [Lanes; 6],
@@ -175,17 +175,17 @@ pub(super) struct Steps {
     distance: Lanes,
 }
 
-/// Several wave vectors with the objective at each.
+/// Several wave vectors with the requested objective at each.
 pub(super) struct Places {
     pub(super) count: usize,
     u: Lanes,
     v: Lanes,
-    /// Objectives by their numbers.
+    /// Requested objectives, by number.
     sought: Lanes,
 }
 
 impl Places {
-    /// Collects up to [`LANES`] places.
+    /// Collects up to [`LANES`] wave vectors.
     pub(super) fn new(places: impl Iterator<Item = (Objective, [f64; 2])>) -> Self {
         let mut all = Self {
             count: 0,
@@ -284,7 +284,7 @@ impl Stepper {
         }
         let is_growth = is(sought, Objective::Growth);
         if is_growth.any() {
-            // Minus the square of the growth rate of a complex pair, `(h - sqrt(h^2 - p)) / 2`. It continues smoothly to real branches and is
+            // Negative square of the growth rate of a complex pair, `(h - sqrt(h^2 - p)) / 2`. It continues smoothly to real branches and is
             // positive there.
             let determinant = Jet([zero; 6]).minus(p).plus_product(mean, mean);
             let growth = mean.minus(&determinant.root());
@@ -462,7 +462,7 @@ mod tests {
         Objective::Growth,
     ];
 
-    /// Compares with the matrix itself and its finite differences, and with the Newton step from these derivatives.
+    /// Compares the values with the matrix itself, and the derivatives and Newton steps with finite differences.
     #[test]
     fn objectives_along_the_mirror_lines_and_their_derivatives_agree_with_the_matrix() {
         let (mut random, mut steep, mut certain) = (7_u64, 0, 0);

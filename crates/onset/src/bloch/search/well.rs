@@ -55,9 +55,9 @@ pub(crate) fn neighbors<const D: usize>(
 /// Largest number of rounds of the refinement of a minimum.
 const ROUNDS: usize = 64;
 
-/// Refines a local minimum. Each round takes a Newton step with finite differences, which leads downhill at negative curvature, or the best point of
-/// the stencil. The steps shrink once the minimum is within the stencil. `at` evaluates several points at a time; `steps` are the initial steps, as
-/// columns.
+/// Refines a local minimum. Each round takes either a Newton step with finite differences, which is a descent step even at negative curvature, or the
+/// best point of the stencil. The steps shrink once the minimum is within the stencil. `at` evaluates several points at a time; `steps` are the
+/// initial steps, as columns.
 pub(crate) fn settled<const D: usize>(
     at: &impl Fn(&[SVector<f64, D>]) -> Vec<f64>,
     start: (f64, SVector<f64, D>),
@@ -146,7 +146,7 @@ pub(crate) fn settled_along<const D: usize>(
     best
 }
 
-/// Newton step with the magnitudes of the curvatures instead of the curvatures, so that it leads along a valley and not up to a ridge.
+/// Newton step with the magnitudes of the curvatures, so that it leads along a valley and not up to a ridge.
 fn downhill(hessian: DMatrix<f64>, gradient: &DVector<f64>) -> Option<DVector<f64>> {
     let is_finite = hessian.iter().chain(gradient).all(|x| x.is_finite());
     let eigen =

@@ -12,7 +12,7 @@ const FREE_STIFFNESS_FRACTION: f64 = 1e-10;
 /// Rounding error of a lattice sum, in units of `f64::EPSILON` times its largest terms. A heuristic value.
 const SUM_ROUNDING_FACTOR: f64 = 1024.0;
 
-/// Inverse of a matrix, or its pseudoinverse if some displacements are free of energy. Free displacements meet no force and take no part in the
+/// Inverse of a matrix, or its pseudoinverse if some displacements are free of energy. Free displacements cause no force and do not contribute to the
 /// relaxation.
 fn inverse(matrix: DMatrix<Complex>) -> DMatrix<Complex> {
     let largest = |matrix: &DMatrix<Complex>| matrix.iter().map(|z| z.norm()).fold(0.0, f64::max);
@@ -82,8 +82,8 @@ impl<const D: usize> WaveSystem<D> {
 
     /// Long-wave stiffness with two estimates of its rounding error.
     ///
-    /// The first covers the sums, in which the forces of relaxing particles cancel others. The second adds the error of `D0`, which `G = D0^-1` turns
-    /// into `G dD0 G`.
+    /// The first estimate covers the sums, in which the forces of relaxing particles cancel others. The second estimate adds the error of `D0`, which
+    /// `G = D0^-1` changes to `G dD0 G`.
     pub(super) fn long_waves(&self) -> (Stiffness<D>, [f64; 2]) {
         let relaxation = self.relaxation();
         (

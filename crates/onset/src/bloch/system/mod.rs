@@ -22,17 +22,17 @@ use crate::method::MethodError;
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::borrow::Cow;
 
-/// Smallest eigenvalue of the mass matrix, relative to the mass of a cell, that counts as a mass; smaller values are rounding.
+/// Smallest eigenvalue of the mass matrix, relative to the mass of a cell, that counts as nonzero; smaller values are rounding errors.
 const VANISHING_MASS_FRACTION: f64 = 1e-9;
 
 /// Linearized equations of motion of a discretization at a homogeneous state.
 #[derive(Clone, Debug)]
 pub struct WaveSystem<const D: usize> {
     crystal: Crystal<D>,
-    /// Stiffness `K`: minus the derivative of the forces with respect to the displacements. Force/length.
+    /// Stiffness `K`: the negative derivative of the forces with respect to the displacements. Force/length.
     stiffness: BlochSum<D>,
     mass: Mass<D>,
-    /// Damping `C`: minus the derivative of the forces with respect to the velocities. Force/velocity.
+    /// Damping `C`: the negative derivative of the forces with respect to the velocities. Force/velocity.
     damping: Option<BlochSum<D>>,
     /// Smoothing `T` of the velocities, `du/dt = T v`.
     drift: Option<BlochSum<D>>,

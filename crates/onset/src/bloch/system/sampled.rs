@@ -1,8 +1,8 @@
 //! Matrices of plane waves at many wave vectors.
 //!
-//! A search needs spectra at many wave vectors, and one branch with its derivatives at a few. [`Sampled`] is its interface to a system. For small cells
-//! with lumped masses a [`FlatSum`] computes eight wave vectors at a time, without heap matrices for each of them. All other systems implement it
-//! themselves.
+//! A search needs spectra at many wave vectors, and one branch with its derivatives at a few wave vectors. [`Sampled`] is the interface through which
+//! it evaluates a system. For small cells with lumped masses a [`FlatSum`] computes eight wave vectors at a time, without heap matrices for each of
+//! them. All other systems implement the interface themselves.
 
 use super::expansion::MatrixExpansion;
 use super::spectrum::general_eigenvalues;
@@ -19,10 +19,10 @@ use crate::real::{LANES, Lanes, Real, Work};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::collections::BTreeMap;
 
-/// Minimum number of degrees of freedom of a large cell. Each of its eigenvalue problems is worth a core, and fewer descents start.
+/// Minimum number of degrees of freedom of a large cell. Each of its eigenvalue problems is solved on a separate core, and fewer descents start.
 pub(super) const LARGE_CELL_SIZE: usize = 24;
 
-/// Largest number of rows of a single spectrum that is computed in lanes. For larger matrices the empty lanes cost too much.
+/// Largest number of rows for which a single spectrum is computed in lanes. For larger matrices the empty lanes are too expensive.
 const LONE_ROWS: usize = 4;
 
 /// Matrix of plane waves that is evaluated at many wave vectors.
@@ -55,7 +55,7 @@ impl Spectra {
     }
 }
 
-/// Index of the value with a number in increasing order.
+/// Index of the value with the given number in increasing order.
 fn numbered(count: usize, value: impl Fn(usize) -> f64, number: usize) -> Option<usize> {
     let mut numbers: Vec<usize> = (0..count).collect();
     sort_by_value(&mut numbers, |n| value(*n));
@@ -110,9 +110,9 @@ struct Bond {
 
 /// Lattice sum of blocks with the phases of their cells, in flat arrays.
 ///
-/// Phases of sites within a cell are left out: they transform the coordinates and change no eigenvalue. The real part of a block is multiplied by the
-/// factor of the cosine, the imaginary part by the factor of the sine. For Hermitian systems only the upper triangle is summed, and a pair of
-/// equal sites represents both directions.
+/// Phases of sites within a cell are omitted: they transform the coordinates and change no eigenvalue. The real part of a block is multiplied by the
+/// factor of the cosine, the imaginary part by the factor of the sine. For Hermitian systems only the upper triangle is summed, and a pair of equal
+/// sites represents both directions.
 struct FlatSum<'a, const D: usize> {
     system: &'a WaveSystem<D>,
     size: usize,
@@ -125,7 +125,7 @@ struct FlatSum<'a, const D: usize> {
     bonds: Vec<Bond>,
     /// Factors of each entry of each bond, by rows.
     factors: Vec<[f64; 2]>,
-    /// Smoothing of the velocities, from the right.
+    /// Smoothing of the velocities, multiplied from the right.
     drift: Option<Box<FlatSum<'a, D>>>,
 }
 

@@ -82,7 +82,7 @@ impl<const D: usize> WaveSystem<D> {
         self.modes_of(k, |values| (0..values.len()).collect())
     }
 
-    /// Undamped modes at a wave vector with the numbers that `chosen` selects from the values of `omega^2`.
+    /// Undamped modes at a wave vector whose numbers `chosen` selects from the values of `omega^2`.
     pub(crate) fn modes_of(
         &self,
         k: &SVector<f64, D>,

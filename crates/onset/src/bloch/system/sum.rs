@@ -269,7 +269,7 @@ impl<const D: usize> BlochSum<D> {
         }
     }
 
-    /// Phases of the cells: products of powers, unless the basis is so oblique that the powers outnumber the cells.
+    /// Phases of the cells, as products of powers unless the basis is so oblique that the powers outnumber the cells.
     fn cell_phases(&self, phase: impl Fn(&SVector<f64, D>) -> Complex) -> Vec<Complex> {
         let cells = self.cells.iter();
         if D * self.reach > self.cells.len() {
@@ -297,7 +297,7 @@ impl<const D: usize> BlochSum<D> {
         scaled
     }
 
-    /// Returns the sum in lattice coordinates of another basis. `inverse` maps the present lattice coordinates to the new ones and has integer
+    /// Returns the sum in lattice coordinates of another basis. `inverse` maps the present lattice coordinates to the new coordinates and has integer
     /// entries.
     pub(super) fn relabeled(&self, inverse: &SMatrix<f64, D, D>, crystal: &Crystal<D>) -> Self {
         let blocks = self.terms.iter().map(|term| {

@@ -34,7 +34,7 @@ use std::sync::{Arc, OnceLock};
 
 /// Grid points per period of the fastest phase. A heuristic value; the division of boxes finds wells between the points.
 const POINTS_PER_PERIOD: usize = 10;
-/// Tolerance for zero, as a multiple of the rounding error of lattice sums. Force constants also carry the rounding error of their shape functions,
+/// Tolerance for zero, as a multiple of the rounding error of lattice sums. Force constants also contain the rounding error of their shape functions,
 /// which is several times larger.
 const ROUNDING_FACTOR: f64 = 16.0;
 /// Noise factor: at the smallest wave number tested for growth, the long-wave limit predicts this multiple of the rounding error.
@@ -56,7 +56,7 @@ const FOLLOWED_GROWTH_RATIO: f64 = 0.7;
 const FOLLOWED_SHELL_RATIO: f64 = 0.4;
 /// Relative tolerance of squared frequencies: a wave that is no lower than the wave at `k = 0` is replaced by it.
 const EQUAL_FREQUENCY_TOLERANCE: f64 = 1e-9;
-/// Distance from a known bottom, in grid steps, within which a descent that ends no lower has reached the same bottom.
+/// Distance from a known bottom, in grid steps, within which a descent that does not reach a lower value has found the same bottom.
 const KNOWN_BOTTOM_STEPS: f64 = 0.02;
 /// Number of times that boxes are halved.
 const BOX_DIVISIONS: usize = 2;
@@ -66,10 +66,10 @@ const TRACKED_BRANCHES: usize = 3;
 const HUGE_CELL_SIZE: usize = 96;
 /// Change of a branch within half a grid step, as a fraction of its change within a whole step. It exceeds one half because branches curve.
 const HALF_STEP_CHANGE: f64 = 0.6;
-/// Grid points along a reciprocal vector with damping, where each value takes the eigenvalues of many time steps. The extreme time steps belong to
-/// short waves, which vary slowly over the zone.
+/// Number of grid points along a reciprocal vector with damping, where each value requires the eigenvalues for many time steps. The extreme time
+/// steps belong to short waves, which vary slowly over the zone.
 const DAMPED_GRID_POINTS: usize = 12;
-/// Wells followed to their bottoms with damping.
+/// Number of wells that are followed to their bottoms with damping.
 const DAMPED_WELLS: usize = 4;
 /// Sizes of rings around `k = 0` for the search for crossings of branches, in units of the largest shell of long waves.
 const RING_SIZES: [f64; 8] = [1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 0.06];
@@ -78,10 +78,10 @@ const VALLEY_WIDTHS: [f64; 3] = [0.1, 1e-2, 1e-3];
 /// Half the side of the cube of points around `k = 0`, in grid steps: the largest shell of long waves.
 const SHELL_STEPS: usize = 4;
 
-/// Objective of the lowest branches at a wave vector, lowest first; infinite where there are fewer.
+/// Values of the objective for the lowest branches at a wave vector, lowest first; infinite if there are fewer branches.
 type Branches = [f64; TRACKED_BRANCHES];
 
-/// Branches at long waves, which are not sampled.
+/// Placeholder for the branches of long waves, which are not sampled.
 const UNKNOWN: Branches = [f64::INFINITY; TRACKED_BRANCHES];
 
 /// Value of the objective, and its wave vector.
@@ -94,9 +94,9 @@ enum Objective {
     Scaled,
     /// Real part `Re omega^2` of the lowest branch.
     Lowest,
-    /// Minus the real part, `-Re omega^2`, of the highest branch.
+    /// Negative real part, `-Re omega^2`, of the highest branch.
     Highest,
-    /// Minus the growth rate of complex `omega^2`.
+    /// Negative growth rate of complex `omega^2`.
     Growth,
     /// The function of the wave vector in [`Sweep::function`].
     Function,
@@ -111,7 +111,7 @@ impl<const D: usize> ZoneSearch<D> {
         self.found_of(system, Flutter::All, false)
     }
 
-    /// Minimum over the zone of a function that depends on the waves of a system, and its wave vector. Long waves are left out.
+    /// Minimum over the zone of a function that depends on the waves of a system, and its wave vector. Long waves are excluded.
     pub(crate) fn least_of(
         &self,
         system: &WaveSystem<D>,
@@ -360,7 +360,7 @@ struct Softest<const D: usize> {
 struct Effort {
     /// Number of grid wells that are followed to their bottoms.
     wells: usize,
-    /// Number of boxes that are divided each time.
+    /// Number of boxes that are divided in each round.
     boxes: usize,
     /// Number of smallest boxes that start a descent.
     leaves: usize,
@@ -368,7 +368,7 @@ struct Effort {
     pockets: usize,
     /// Number of points between halved steps at which pockets are predicted.
     finer: usize,
-    /// True if one spectrum is worth a core. Then only the lowest wave along a ray is followed, and each bottom is followed only once.
+    /// True if one spectrum occupies one core. Then only the lowest wave along a ray is followed, and each bottom is followed only once.
     is_large: bool,
 }
 
@@ -398,9 +398,9 @@ impl Effort {
 /// Box of wave vectors around a center.
 struct Region<const D: usize> {
     center: SVector<f64, D>,
-    /// Objective of the lowest branches at the center.
+    /// Values of the objective for the lowest branches at the center.
     branches: Branches,
-    /// Branch that can fall lowest in the box, its estimated lower limit from the slope, and its expected minimum.
+    /// Branch with the lowest estimated values in the box, its estimated lower limit from the slope, and its expected minimum.
     branch: usize,
     bound: f64,
     expected: f64,
@@ -442,9 +442,9 @@ impl Fall {
         }
     }
 
-    /// Fall within half a grid step to both sides, from the changes over the whole steps ahead and behind.
+    /// Fall within half a grid step in both directions, from the changes over the whole steps ahead and behind.
     ///
-    /// The expected fall follows from the parabola through the three points if it is a valley; otherwise the change is linear.
+    /// The expected fall follows from the parabola through the three points if it is convex; otherwise the change is linear.
     fn between(ahead: f64, behind: f64) -> Self {
         let steepest = ahead.abs().max(behind.abs());
         let (slope, curvature) = (0.5 * (ahead - behind).abs(), ahead + behind);
@@ -934,14 +934,14 @@ impl<'a, const D: usize> Sweep<'a, D> {
         Some(covered)
     }
 
-    /// Returns true if a wave with complex `omega^2` grows noticeably. Only its existence matters, so that one such grid point suffices.
+    /// Returns true if a wave with complex `omega^2` grows noticeably. Only its existence is needed, so that one such grid point suffices.
     fn flutters(&self) -> bool {
         let threshold = self.search.flutter_threshold(self.system.sites());
         let is_sampled = || -self.fastest_sampled().0 > threshold;
         !self.system.is_hermitian() && (is_sampled() || self.flutter(0.0, 0.0).is_some())
     }
 
-    /// Largest growth rate of complex `omega^2` on the grid and at `k = 0`, with its wave vector; the value has a minus sign.
+    /// Largest growth rate of complex `omega^2` on the grid and at `k = 0`, with its wave vector; the value is negative.
     fn fastest_sampled(&self) -> Candidate<D> {
         let fastest = |spectrum: &[Complex]| complex_growth(spectrum).fold(0.0, f64::min);
         let waves = half(&self.waves).into_iter().zip(self.spectra().iter());
@@ -996,7 +996,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .map(|(_, k)| self.fluttering(&k))
     }
 
-    /// Objective of the lowest branches at a wave vector, lowest first, from its spectrum.
+    /// Values of the objective for the lowest branches at a wave vector, lowest first, from its spectrum.
     fn branches(
         &self,
         objective: Objective,
@@ -1035,7 +1035,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         self.branches_at(objective, &[*k])[0][0]
     }
 
-    /// Objective of the lowest branches at wave vectors whose spectra are not yet known.
+    /// Values of the objective for the lowest branches, at wave vectors whose spectra are not yet known.
     fn branches_at(&self, objective: Objective, wave_vectors: &[SVector<f64, D>]) -> Vec<Branches> {
         let all = wave_vectors.iter();
         if objective == Objective::Function {
@@ -1049,8 +1049,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
 
     /// Scaled measure `omega^2 / (c^2 |k|_h^2)` of a squared frequency.
     ///
-    /// Rounding of `omega^2`, which does not decrease with the wave vector, counts as zero. Otherwise zero-energy modes would seem to grow for long
-    /// waves.
+    /// Rounding errors of `omega^2`, which do not decrease with the wave vector, count as zero. Otherwise zero-energy modes would seem to grow for
+    /// long waves.
     fn scaled(&self, k: &SVector<f64, D>, omega_squared: f64) -> f64 {
         let scale = self.search.speed_squared() * self.search.reference().laplacian(k);
         scaled(omega_squared, ROUNDING_FACTOR * self.system.noise(), scale)
@@ -1178,8 +1178,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
         self.along_valley(least_of_all(ends))
     }
 
-    /// Minimum of the function near the end of a descent. Descents take long steps along the ray from `k = 0` and short steps across it, and the
-    /// reverse, because a pocket of growing waves can be a narrow sector, or a narrow part of a ring.
+    /// Minimum of the function near the end of a descent. Descents take long steps along the ray from `k = 0` and short steps across it, and vice
+    /// versa, because a pocket of growing waves can be a narrow sector, or a narrow part of a ring.
     fn along_valley(&self, mut best: Candidate<D>) -> Candidate<D> {
         let length = best.1.norm();
         if length == 0.0 || !best.0.is_finite() {
@@ -1214,7 +1214,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .collect()
     }
 
-    /// Starts of descents along a ray, given one grid step along it. In large cells only the lowest of them.
+    /// Starts of descents along a ray, given one grid step along it. In large cells only the lowest start.
     fn along_ray(&self, objective: Objective, step: &SVector<f64, D>) -> Vec<Candidate<D>> {
         let ray = RELAXED_RAY_STEPS.each(|steps| step * steps);
         let values = self.branches_at(objective, &ray);
@@ -1237,15 +1237,15 @@ impl<'a, const D: usize> Sweep<'a, D> {
 
     /// Wave vectors near a point of high symmetry, in one dimension only.
     ///
-    /// Folded branches that nearly cross there bend within a fraction of a grid step. In higher dimensions their number would be comparable to the
-    /// size of the grid.
+    /// Folded branches that nearly cross there have strong curvature within a fraction of a grid step. In higher dimensions the number of such wave
+    /// vectors would be comparable to the size of the grid.
     fn beside(&self, k: &SVector<f64, D>) -> impl Iterator<Item = SVector<f64, D>> {
         let step = self.search.reference().reciprocal().column(0) / self.waves.resolution() as f64;
         let near = RELAXED_RAY_STEPS.each(|share| [k - step * share, k + step * share]);
         near.into_iter().flatten().filter(|_| D == 1)
     }
 
-    /// Differences of an objective that are rounding. Zero-energy modes have many wells of rounding.
+    /// Largest difference of an objective that is a rounding error. Zero-energy modes have many wells that are due to rounding.
     fn margin(&self, objective: Objective) -> f64 {
         let noise = ROUNDING_FACTOR * self.system.noise();
         let scale = self.search.speed_squared() * self.search.largest_laplacian();
@@ -1369,8 +1369,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
 
     /// Follows a branch from a start to its bottom.
     ///
-    /// Newton's method comes first; if it does not end in a smooth minimum, a search with finite differences follows. The descent ends early if it
-    /// will not fall below `floor`, or at a known bottom.
+    /// Newton's method is tried first; if it does not end in a smooth minimum, a search with finite differences follows. The descent ends early if it
+    /// cannot fall below `floor`, or at a known bottom.
     fn followed(
         &self,
         objective: Objective,
@@ -1532,7 +1532,7 @@ fn chosen<const D: usize>(regions: &mut Vec<Region<D>>, below: f64, most: usize)
     regions.truncate(most);
 }
 
-/// Minus the growth rates of complex `omega^2`; zero for real ones.
+/// Negative growth rates of complex `omega^2`; zero for real values.
 fn complex_growth(spectrum: &[Complex]) -> impl Iterator<Item = f64> {
     spectrum
         .iter()
@@ -1570,7 +1570,7 @@ fn shell<const D: usize>() -> impl Iterator<Item = SVector<f64, D>> {
     centered.filter(|place| place.amax() == SHELL_STEPS as f64)
 }
 
-/// Orthonormal vectors, the first of them along a given vector.
+/// Orthonormal vectors, the first of them parallel to a given vector.
 fn orthonormal<const D: usize>(along: &SVector<f64, D>) -> [SVector<f64, D>; D] {
     let mut found: [SVector<f64, D>; D] = array_of(|_| SVector::zeros());
     found[0] = along.normalize();
@@ -1602,7 +1602,7 @@ fn largest_of_particles<const D: usize>(displacements: &DVector<Complex>) -> SVe
     best.try_normalize(0.0).unwrap_or(best)
 }
 
-/// NaN mode for an eigenvalue iteration that has not converged.
+/// Mode of NaN values for an eigenvalue iteration that has not converged.
 fn no_mode(size: usize) -> (Complex, DVector<Complex>) {
     let nan = Complex::new(f64::NAN, f64::NAN);
     (nan, DVector::repeat(size, nan))

@@ -11,25 +11,25 @@ use super::{Axes, Blocks, Minimum, dot, spread, symmetric_minimum};
 use crate::algebra::{Complex, Deviator, Each, array_of, eigenvalues, sort_by_value};
 use nalgebra::{Matrix3, SMatrix};
 
-/// Number of directions from where the real part is minimized.
+/// Number of directions at which descents of the real part start.
 const STARTS: usize = 4;
 /// Number of directions that are followed to the largest imaginary part.
 const FLUTTERING: usize = 4;
 /// Initial step of a descent.
 const INITIAL_STEP: f64 = 0.1;
-/// Smallest step until the best directions are known.
+/// Smallest step before the best directions are known.
 const COARSE_STEP: f64 = 1e-3;
 /// Smallest step of the final descent to a minimum.
 const FINEST_STEP: f64 = 1e-9;
 /// Largest expected decrease of the real part by steps finer than [`COARSE_STEP`], for a stiffness of magnitude one.
 const FINE_STEP_DECREASE: f64 = 1e-4;
-/// Real parts that differ by less belong to symmetric images of one direction.
+/// Largest difference between the real parts of symmetric images of one direction.
 const IMAGE_TOLERANCE: f64 = 1e-13;
 /// Largest number of triangles of a cover.
 const BUDGET: usize = 6_000;
-/// Largest number of covers that may find a lower value.
+/// Largest number of covers that may lead to a lower value.
 const COVERS: usize = 8;
-/// Distances of the bound below the value found. The next one is tried if the previous bound cannot be shown.
+/// Distances of the bound below the smallest value found. The next distance is tried if the previous bound cannot be proved.
 const RESOLUTIONS: [f64; 3] = [1e-8, 1e-4, 1e-2];
 
 type Blocks3 = [[Matrix3<f64>; 3]; 3];
@@ -103,7 +103,7 @@ pub(super) fn descended_direction<const D: usize>(blocks: &Blocks<D>) -> Axes<f6
     found(&in_three_dimensions(blocks)).1
 }
 
-/// Direction of the largest imaginary part found; some direction if all eigenvalues are real.
+/// Direction of the largest imaginary part found; an arbitrary direction if all eigenvalues are real.
 pub(in crate::continuum) fn fluttering_direction<const D: usize>(blocks: &Blocks<D>) -> Axes<f64> {
     let blocks = in_three_dimensions(blocks);
     let discriminant = |n: &Axes<f64>| discriminant(&combined(&blocks, n, n));
@@ -143,7 +143,7 @@ pub(in crate::continuum) fn fluttering_direction<const D: usize>(blocks: &Blocks
     best.map_or([1.0, 0.0, 0.0], |best| best.1)
 }
 
-/// Discriminant of the characteristic polynomial up to a factor: negative if two eigenvalues are complex.
+/// Discriminant of the characteristic polynomial up to a factor; negative if two eigenvalues are complex.
 fn discriminant(tensor: &Matrix3<f64>) -> f64 {
     Deviator::of(&array_of(|e| tensor[(e / 3, e % 3)])).discriminant()
 }

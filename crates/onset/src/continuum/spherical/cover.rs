@@ -26,7 +26,7 @@ pub(crate) enum Cover<Rest = ()> {
     Open(Rest),
 }
 
-/// Faces of the octahedron that contain all directions up to sign: one if the coordinate planes are mirror planes, else four.
+/// Faces of the octahedron that contain all directions up to sign: one if the coordinate planes are mirror planes, otherwise four.
 pub(crate) fn octants(is_orthotropic: bool) -> Vec<Triangle> {
     let signs: &[[f64; 2]] = if is_orthotropic {
         &[[1.0, 1.0]]

@@ -8,7 +8,7 @@ use super::form::Form;
 use super::{Axes, dot};
 use crate::algebra::{Each, array_of, symmetric_eigen};
 
-/// Largest number of steps. A few suffice unless the minimum is flat, where steps shrink by no more than a third each.
+/// Largest number of steps. A few steps suffice unless the minimum is flat, where each step reduces the distance by no more than a third.
 const DESCENT_STEPS: usize = 200;
 /// Rounding error of a form of magnitude one.
 const FORM_ROUNDING: f64 = 4.0 * f64::EPSILON;

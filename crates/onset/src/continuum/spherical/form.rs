@@ -10,7 +10,7 @@ const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 /// Number of minors `H_iJ H_kL - H_iL H_kJ`.
 pub(crate) const MINORS: usize = 9;
 
-/// Minor `H_iJ H_kL - H_iL H_kJ` by the positions of its four components, `(i J, k L)` and `(i L, k J)`.
+/// Minor `H_iJ H_kL - H_iL H_kJ`, given by the positions of its four components, `(i J, k L)` and `(i L, k J)`.
 pub(crate) fn minor(m: usize) -> [(usize, usize); 2] {
     let ((i, k), (j, l)) = (PAIRS[m / 3], PAIRS[m % 3]);
     [(3 * i + j, 3 * k + l), (3 * i + l, 3 * k + j)]
@@ -37,7 +37,7 @@ impl<R: Real> Form<R> {
         Form(self.0.map(|row| row.map(&number)))
     }
 
-    /// Component at two positions.
+    /// Component at two index positions.
     pub(crate) fn at(&self, p: usize, q: usize) -> R {
         self.0[p][q]
     }

@@ -2,7 +2,7 @@
 //!
 //! The search descends from the best of some directions. Its result is compared with the bound by null Lagrangians ([`polyconvexity`]), which holds
 //! for all directions together and is usually attained. If it is not attained, the sphere is divided into triangles ([`cover`]) until all of them are
-//! above the value found, or the budget is exhausted.
+//! proved to be above the smallest value, or the budget is exhausted.
 
 mod asymmetric;
 mod cover;
@@ -26,16 +26,16 @@ use nalgebra::SMatrix;
 /// Vector in three-dimensional space.
 pub(crate) type Axes<R> = [R; 3];
 
-/// Largest gap between the value found and a bound that counts as closed, in units of the largest component.
+/// Largest gap between the smallest value and a bound that counts as closed, in units of the largest component.
 const RESOLUTION: f64 = 1e-10;
-/// Largest number of triangles on the sphere. If the lowest waves have equal speed along a whole curve of directions, no number suffices: the gap
+/// Largest number of triangles on the sphere. If the lowest waves have the same speed along a whole curve of directions, no number suffices: the gap
 /// decreases only with the square of the size of the triangles along the curve.
 const BUDGET: usize = 4_000;
-/// Largest number of covers that may find a lower value.
+/// Largest number of covers that may lead to a lower value.
 const COVERS: usize = 20;
-/// Tolerance of the symmetry of the blocks of a stiffness of magnitude one.
+/// Tolerance for the symmetry of the blocks of a stiffness of magnitude one.
 const SYMMETRIC: f64 = 1e-13;
-/// Number of directions from where a descent starts.
+/// Number of directions at which descents start.
 const STARTS: usize = 1;
 
 /// Minimum of a stiffness of magnitude one.

@@ -2,8 +2,9 @@
 //!
 //! The minors `H_iJ H_kL - H_iL H_kJ` vanish at `H = g (x) N`, so any multiple of them can be added to the form `H . T H` without changing an
 //! acoustic tensor. If the form with some multiples is at least `level |H|^2` for *all* `H`, every acoustic eigenvalue is at least the level, since
-//! `|g (x) N| = 1`. (The quadratic energy is then polyconvex with that margin.) The best level is a concave problem in nine multiples; a barrier
-//! method follows its central path. In two dimensions the bound is always attained. In three it usually is; otherwise the sphere has to be divided.
+//! `|g (x) N| = 1`. (The quadratic energy is then polyconvex with that margin.) Finding the best level is a concave problem in nine multiples; a
+//! barrier method follows its central path. In two dimensions the bound is always attained. In three dimensions it usually is; otherwise the sphere
+//! has to be divided.
 
 use super::Axes;
 use super::form::{Form, MINORS, minor};
@@ -44,7 +45,7 @@ pub(crate) fn bound(form: &Form<f64>, target: f64) -> Bound {
 /// nine divided by the weight.
 struct Path<'a> {
     form: &'a Form<f64>,
-    /// Indices of the minors that take part.
+    /// Indices of the minors that are used.
     minors: Vec<usize>,
     level: f64,
     factors: [f64; MINORS],
@@ -83,7 +84,7 @@ impl<'a> Path<'a> {
         16.0 * f64::EPSILON * trace
     }
 
-    /// Takes a step. Returns false if converged or if the target cannot be reached.
+    /// Performs a step. Returns false if the iteration has converged or the target cannot be reached.
     fn advance(&mut self, target: f64) -> bool {
         let count = 1 + self.minors.len();
         let x = &self.inverse;
@@ -176,7 +177,7 @@ impl<'a> Path<'a> {
         is_positive_definite(&self.form.lowered(level, &factors))
     }
 
-    /// Takes a fraction of a step if `S` stays positive definite and the objective exceeds `least`.
+    /// Performs a fraction of a step if `S` remains positive definite and the objective exceeds `least`.
     fn moved(&mut self, step: &[f64; UNKNOWNS], share: f64, least: f64) -> bool {
         let (level, factors) = self.after(step, share);
         let Some((inverse, logarithm)) = inverted(&self.form.lowered(level, &factors)) else {
@@ -191,8 +192,8 @@ impl<'a> Path<'a> {
     }
 }
 
-/// Direction `N` of the dyad `g (x) N` nearest to the softest `H`. In the limit `S^-1` has no other part if the minimum is unique and the bound
-/// attained.
+/// Direction `N` of the dyad `g (x) N` nearest to the softest `H`. In the limit `S^-1` consists of this dyad alone if the minimum is unique and the
+/// bound is attained.
 fn suggestion(inverse: &[[f64; 9]; 9]) -> Axes<f64> {
     // Power iteration for the dominant eigenvector, which need not be accurate.
     let mut h: [f64; 9] = array_of(|p| 1.0 + 0.1 * p as f64);

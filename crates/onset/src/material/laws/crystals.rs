@@ -74,7 +74,7 @@ pub(in super::super) const ORTHOTROPIC: Law = Law {
             return Err(MaterialError::Parameter {
                 name: "c11",
                 value: p[0],
-                expected: "elastic constants that are positive definite together, so that every strain has positive energy".to_owned(),
+                expected: "elastic constants that form a positive definite stiffness, so that every strain has positive energy".to_owned(),
             });
         }
         boxed(Ok(Crystal(QuadraticForm::new(constants, p[9]))))

@@ -183,8 +183,8 @@ impl Volumetric for Tait {
     }
 }
 
-/// Number of points of the rule that integrates the entropy of shocks. The integrand has no singularity, and the error is below rounding from
-/// compressions near the pole to tenfold expansions.
+/// Number of points of the rule that integrates the entropy of shocks. The integrand has no singularity, and the error is below rounding for volumes
+/// from compressions near the pole to tenfold expansions.
 const POINTS: usize = 16;
 
 /// Isentrope of the Mie-Grueneisen equation through the reference configuration.

@@ -2,11 +2,11 @@
 
 use crate::real::{Real, Side};
 
-/// The series is used for smaller arguments: there ten terms leave less than rounding.
+/// Largest argument for which the series is used; the error after ten terms is below rounding.
 const SERIES_LIMIT: f64 = 0.1;
 const TERMS: u32 = 10;
 
-/// Function `exp(x) - 1 - x`, accurate for small `x` too, where it is `x^2 / 2`.
+/// Function `exp(x) - 1 - x`, also accurate for small `x`, where it is `x^2 / 2`.
 ///
 /// ```text
 /// x^2/2 (1 + x/3 (1 + x/4 (1 + ...)))

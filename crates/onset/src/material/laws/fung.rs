@@ -82,7 +82,7 @@ pub(in super::super) const ORTHOTROPIC: Law = Law {
             return Err(MaterialError::Parameter {
                 name: "b11",
                 value: p[1],
-                expected: "coefficients b11 to b66 that are positive definite together, so that every strain has positive energy".to_owned(),
+                expected: "coefficients b11 to b66 that form a positive definite matrix, so that every strain has positive energy".to_owned(),
             });
         }
         boxed(Ok(Orthotropic {

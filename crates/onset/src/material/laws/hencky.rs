@@ -21,7 +21,7 @@ pub(in super::super) const LAW: Law = Law {
             "bulk modulus",
         ),
     ],
-    domain: "all J > 0; metals and polymers at small to moderate strains; loses strong ellipticity at moderate ones",
+    domain: "all J > 0; metals and polymers at small to moderate strains; loses strong ellipticity at moderate strains",
     symmetry: Symmetry::Isotropic,
     stressed_reference: None,
     small_strains: "shear modulus mu, bulk modulus kappa",

@@ -46,7 +46,7 @@ pub(in super::super) const LAW: Law = Law {
             "angle between axis 1 and the fibers, on both sides",
         ),
     ],
-    domain: "all J > 0; arteries, fibers that bear compression as they bear tension",
+    domain: "all J > 0; arteries; the fibers resist compression as well as tension",
     symmetry: Symmetry::Orthotropic,
     stressed_reference: None,
     small_strains: "shear modulus mu and bulk modulus kappa of the matrix, and 4 k1 (a a - 1/3)(a a - 1/3) of each family",
@@ -57,8 +57,8 @@ pub(in super::super) const LAW: Law = Law {
 
 pub(in super::super) const SWITCHED: Law = Law {
     name: "holzapfel-gasser-ogden-switch",
-    formula: "as holzapfel-gasser-ogden; fibers with x < 0 bear nothing",
-    domain: "all J > 0; arteries, fibers that bear no compression; at x = 0 the tangent is that of x > 0",
+    formula: "as holzapfel-gasser-ogden; fibers with x < 0 carry no stress",
+    domain: "all J > 0; arteries; the fibers do not resist compression; at x = 0 the tangent equals the limit from x > 0",
     small_strains: "as holzapfel-gasser-ogden for stretched fibers, and in the reference configuration itself; the matrix alone if they \
                     are shortened",
     make: |p| boxed(Ok(HolzapfelGasserOgden::new(p, true))),

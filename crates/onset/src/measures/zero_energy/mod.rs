@@ -1,8 +1,8 @@
 //! Search for all zero-energy modes: the wave vectors at which the strain operator has a kernel.
 //!
-//! The zone is divided into parts. A part is done if bounds on the strain operator exclude such a wave vector, or if it lies in the neighborhood of a
-//! root of Newton's method that is provably the only one there. Lines of zero-energy modes are traced from one of their wave vectors. Next to lines
-//! and surfaces the division ends at a small size.
+//! The zone is divided into parts. A part needs no further division if bounds on the strain operator exclude such a wave vector, or if it lies in the
+//! neighborhood of a root of Newton's method that is provably the only one there. Lines of zero-energy modes are traced from one of their wave
+//! vectors. Next to lines and surfaces the division ends at a small size.
 
 mod places;
 mod root;
@@ -23,10 +23,10 @@ const FIRST_PART: f64 = 0.25;
 const NEWTON_PART: f64 = 0.13;
 const LINE_PARTS: [f64; 3] = [1.0 / 256.0, 1.0 / 128.0, 1.0 / 64.0];
 const SMALLEST_PART: f64 = 1e-9;
-/// Distance within which roots near a root with vanishing slopes are identified with it, in units of the shortest reciprocal vector.
+/// Distance within which roots are identified with a nearby root with vanishing slopes, in units of the shortest reciprocal vector.
 const MULTIPLE_ROOT_DISTANCE: f64 = 0.02;
-/// Roots near a wave vector with coordinates that are multiples of `ROUNDING_FRACTION`, in units of the reciprocal vectors, are rounded to it. Multiple roots
-/// are known only to the root of the rounding error.
+/// Distance, in units of the reciprocal vectors, within which roots are rounded to a wave vector with coordinates that are multiples of
+/// `ROUNDING_FRACTION`. Multiple roots are known only to the square root of the rounding error.
 const ROUNDING_DISTANCE: f64 = 1e-4;
 const ROUNDING_FRACTION: f64 = 1.0 / 24.0;
 /// Distance at which the continuation of a root is tested, in units of the shortest reciprocal vector.
@@ -34,21 +34,21 @@ const CONTINUATION_DISTANCE: f64 = 0.02;
 /// Length of the steps along a line, in units of the smallest parts next to it, and largest correction of a step, relative to its length.
 const STRIDE: f64 = 2.0;
 const LARGEST_CORRECTION: f64 = 0.45;
-/// Wave vectors of high symmetry, where lines often meet: multiples of this fraction of the reciprocal vectors.
+/// Fraction of the reciprocal vectors whose multiples are the wave vectors of high symmetry, where lines often meet.
 const SYMMETRIC: f64 = 0.25;
-/// Sine of the smallest angle between different directions.
+/// Sine of the smallest angle between directions that count as different.
 const LEAST_SINE: f64 = 0.1;
-/// Distance within which a wave vector belongs to a zero-energy mode, in units of the reciprocal vectors.
+/// Distance within which a wave vector is identified with a zero-energy mode, in units of the reciprocal vectors.
 const POINT_DISTANCE: f64 = 1e-3;
 /// Largest strain of a zero-energy mode, relative to its amplitude, if the wave vector is known to the square root of rounding.
 const ZERO_STRAIN: f64 = 1e-4;
-/// Largest cost of the division, in terms of sums; some seconds.
+/// Largest cost of the division, in units of one evaluation of the sums; a few seconds.
 const BUDGET: f64 = 2e8;
 /// Fraction of the budget that remains for roots in the last parts.
 const LAST_PARTS_BUDGET: f64 = 0.1;
 /// Cost of Newton's method and of evaluating the root, in units of one matrix.
 const NEWTON_COST: f64 = 6.0;
-/// Largest distance of neighboring wave vectors of a line or surface, in units of the smallest parts next to it.
+/// Largest distance between wave vectors of a line or surface that count as neighbors, in units of the smallest parts next to it.
 const NEIGHBORS: f64 = 6.0;
 /// Number of descents to the shortest wave of a line or surface. They start at the shortest known roots.
 const SHORTEST_STARTS: usize = 12;
@@ -145,8 +145,8 @@ impl<'a, const D: usize> ZeroModes<'a, D> {
 
     /// Returns true if a wave vector of the first zone, known to the square root of rounding, has a zero-energy mode.
     ///
-    /// It is then near a single wave vector with zero-energy modes, or its strain is small and lines, surfaces or an incomplete search allow a
-    /// zero-energy mode. Other waves with small strain are weakly controlled.
+    /// The wave vector is then near a single wave vector with zero-energy modes, or its strain is small and lines, surfaces or an incomplete search
+    /// allow a zero-energy mode. Other waves with small strain are weakly controlled.
     pub(super) fn has(
         &self,
         k: &SVector<f64, D>,
@@ -223,7 +223,7 @@ impl<'a, const D: usize> Search<'a, D> {
         self.way(a, b).norm()
     }
 
-    /// Mode that all wave vectors have. `R` is analytic, so that three generic wave vectors decide.
+    /// Zero-energy mode that exists at all wave vectors. Since `R` is analytic, three generic wave vectors decide.
     fn everywhere(&self) -> Option<ZeroMode<D>> {
         let at = |place: &[f64; 3]| {
             let k = self.wave_vector(&SVector::from_fn(|i, _| place[i]));
@@ -241,7 +241,7 @@ impl<'a, const D: usize> Search<'a, D> {
         })
     }
 
-    /// Divides half of the zone until every part is decided. Returns true if that succeeds within the budget.
+    /// Divides half of the zone until every part is decided. Returns true if this succeeds within the budget.
     fn divide(&mut self) -> bool {
         self.add_symmetric();
         let mut parts: VecDeque<Part<D>> = self.first().into();
@@ -445,7 +445,7 @@ impl<'a, const D: usize> Search<'a, D> {
         }
     }
 
-    /// Returns true if there are roots close to a root along a direction.
+    /// Returns true if further roots exist close to a root along a direction.
     fn goes_on(&self, k: &SVector<f64, D>, way: &SVector<f64, D>) -> bool {
         let far = CONTINUATION_DISTANCE * self.shortest;
         self.rows.polished(&(k + way * far), 0.5 * far).is_some()
@@ -461,7 +461,7 @@ impl<'a, const D: usize> Search<'a, D> {
                 .any(|(a, b)| self.surface_places.has_within(near, k) || self.has_plane(k, &a, &b))
     }
 
-    /// Returns true if there are roots all around a root in the plane of two directions.
+    /// Returns true if roots exist in all directions around a root in the plane of two directions.
     fn has_plane(&self, k: &SVector<f64, D>, a: &SVector<f64, D>, b: &SVector<f64, D>) -> bool {
         let across = (b - a * a.dot(b)).normalize();
         let far = CONTINUATION_DISTANCE * self.shortest;
@@ -486,7 +486,7 @@ impl<'a, const D: usize> Search<'a, D> {
         !root.flat.is_empty() && nearest.as_ref().is_some_and(is_between)
     }
 
-    /// Zero-energy mode of a root, rigid translations at `k = 0` excluded; `None` if nothing is left.
+    /// Zero-energy mode of a root, excluding rigid translations at `k = 0`; `None` if no mode remains.
     fn mode(&self, root: &Root<D>, extent: Extent) -> Option<ZeroMode<D>> {
         let at_rest = root.wave_vector.norm() == 0.0;
         let translations = if at_rest { D } else { 0 };

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 /// Number of grid cells along each reciprocal vector.
 const CELLS: i32 = 64;
 
-/// Set of wave vectors, which are equal up to sign and reciprocal vectors.
+/// Set of wave vectors that are distinguished up to sign and reciprocal vectors.
 pub(super) struct Places<const D: usize> {
     lattice: BravaisLattice<D>,
     cells: HashMap<[i32; D], Vec<SVector<f64, D>>>,

@@ -78,13 +78,13 @@ impl<const D: usize> StrainRows<D> {
 ///
 /// where `s` is the smallest value of `|W* S U a|` over unit `n` and `a`.
 struct Surroundings {
-    /// `b`: bound on `|Q* S U|`.
+    /// Bound `b` on `|Q* S U|`.
     answer: f64,
-    /// `h`: bound on the Hermitian part of `Q* S O`.
+    /// Bound `h` on the Hermitian part of `Q* S O`.
     relative: f64,
-    /// `c`: bound on `|W* S O|`.
+    /// Bound `c` on `|W* S O|`.
     turned: f64,
-    /// `|O|`: inverse of the smallest nonzero singular value.
+    /// Norm `|O|`, the inverse of the smallest nonzero singular value.
     softness: f64,
 }
 
@@ -174,7 +174,7 @@ fn directional<const D: usize>(
     found
 }
 
-/// Descends from a direction to a stationary one by alternating minimization.
+/// Descends from a direction to a stationary direction by alternating minimization.
 ///
 /// For a vector `a` of the kernel the best direction is an eigenvector of `a* T_i* T_j a`. For a direction the best vector is an eigenvector of `sum
 /// n_i n_j T_i* T_j`.

@@ -1,9 +1,9 @@
-//! Lowest modes of a body in an actual state, in which each particle has another deformation.
+//! Lowest modes of a body in an actual state, in which particles have different deformations.
 //!
-//! The tangent `K` is minus the exact derivative of the forces on all particles at their actual positions. The modes satisfy `K u = omega^2 M u`, with the held
-//! particles fixed. With `A = M^-1/2 K M^-1/2` and a shift `s` below the spectrum, `(A - s)^-1` has the eigenvalues `1 / (omega^2 - s)`. They are largest
-//! for the lowest modes, so that a block Krylov method converges to these first. The shift is below the spectrum if all pivots of `A - s` are positive
-//! (the law of inertia); for an unsymmetric tangent the pivots of its symmetric part are taken.
+//! The tangent `K` is the negative exact derivative of the forces on all particles at their actual positions. The modes satisfy `K u = omega^2 M u`,
+//! with the held particles fixed. With `A = M^-1/2 K M^-1/2` and a shift `s` below the spectrum, `(A - s)^-1` has the eigenvalues `1 / (omega^2 -
+//! s)`. They are largest for the lowest modes, so that a block Krylov method converges to these first. The shift is below the spectrum if all pivots
+//! of `A - s` are positive (the law of inertia); for an unsymmetric tangent the pivots of its symmetric part are used.
 
 use super::factor::{Factors, NoFactors, Rows};
 use super::operator::isolated;
@@ -19,23 +19,23 @@ use crate::scheme::{Afresh, Discretization, MethodChoices, PeriodicPatch, update
 use nalgebra::{DMatrix, DVector, SMatrix, SVector, SymmetricEigen};
 use std::collections::BTreeMap;
 
-/// Smallest shift, and factor of the next one, over the largest entry of the matrix.
+/// Smallest shift relative to the largest entry of the matrix, and ratio of successive shifts.
 const SHIFTS: (f64, f64) = (1e-6, 10.0);
 /// Largest number of shifts.
 const TRIALS: i32 = 12;
-/// Vectors that are added to the Krylov space at a time: modes come in pairs and triples.
+/// Number of vectors that are added to the Krylov space at a time; it exceeds one because modes occur in pairs and triples.
 const BLOCK_SIZE: usize = 6;
 /// Largest number of vectors of the Krylov space.
 const VECTORS: usize = 160;
 /// Largest number of Krylov spaces.
 const SPACES: usize = 12;
-/// Residual over eigenvalue of `(A - s)^-1` at which a mode has converged.
+/// Ratio of residual to eigenvalue of `(A - s)^-1` at which a mode has converged.
 const RESIDUAL: f64 = 1e-8;
 /// Largest relative difference of mirrored entries of a symmetric tangent, and largest relative force on a free rigid motion.
 const SYMMETRIC: f64 = 1e-9;
-/// Largest number of particles: the search for neighbors takes time in proportion to its square.
+/// Largest number of particles; the time of the neighbor search is proportional to its square.
 const PARTICLES: usize = 50_000;
-/// A mode counts as a rigid motion if at least this fraction of it consists of rigid motions.
+/// Smallest fraction of rigid motions in a mode that counts as a rigid motion.
 const RIGID: f64 = 0.99;
 
 /// Body in an actual state.
@@ -45,11 +45,11 @@ pub struct ActualBody<'b> {
     pub particles: &'b [PlacedParticle],
     /// Current positions of the particles; length.
     pub positions: &'b [[f64; 3]],
-    /// Deformation gradients, which particles with kernels in current coordinates carry; `None` where they are unknown.
+    /// Deformation gradients carried by particles with kernels in current coordinates; `None` if they are unknown.
     pub deformations: &'b [Option<DeformationGradient>],
     /// Nodes of the elements, in the order of VTK; empty for methods without elements.
     pub elements: &'b [Vec<usize>],
-    /// Particles without displacements in the modes.
+    /// Whether each particle is held, without displacements in the modes.
     pub held: &'b [bool],
 }
 
@@ -58,7 +58,7 @@ pub struct ActualBody<'b> {
 pub struct ActualMode {
     /// Squared frequency `omega^2`, without viscosity; complex only for unsymmetric tangents. 1/time^2.
     pub squared: Complex,
-    /// Displacements of all particles; the largest has unit length.
+    /// Displacements of all particles, normalized so that the largest has unit length.
     pub displacements: Vec<[f64; 3]>,
 }
 
@@ -80,7 +80,7 @@ pub struct ActualModes {
     pub unknowns: usize,
     /// Whether the tangent is symmetric: forces have a potential.
     pub is_symmetric: bool,
-    /// Largest entry of the tangent over masses; 1/time^2.
+    /// Largest entry of the tangent divided by masses; 1/time^2.
     pub scale: f64,
 }
 
@@ -282,7 +282,7 @@ fn largest<const D: usize>(matrix: &Rows<D>) -> f64 {
     all.map(|(_, block)| block.amax()).fold(0.0, f64::max)
 }
 
-/// Largest difference of an entry and the mirrored one.
+/// Largest difference between an entry and its mirror image.
 fn asymmetry<const D: usize>(matrix: &Rows<D>) -> f64 {
     let mirrored = |from: usize, to: u32| {
         let row = &matrix.0[to as usize];
@@ -298,7 +298,7 @@ fn asymmetry<const D: usize>(matrix: &Rows<D>) -> f64 {
     most
 }
 
-/// Shift below all eigenvalues, with the factors there.
+/// Shift below all eigenvalues, with the factors for this shift.
 fn below_the_spectrum<const D: usize>(
     matrix: &Rows<D>,
     places: &[[f64; 3]],
@@ -458,7 +458,7 @@ fn largest_of_inverse<const D: usize>(
 struct Ritz {
     value: Complex,
     vector: Vec<f64>,
-    /// Residual over the eigenvalue.
+    /// Residual divided by the eigenvalue.
     missed: f64,
 }
 

@@ -9,21 +9,21 @@ use crate::scheme::Discretization;
 use crate::time_step::Stepping;
 use nalgebra::{DMatrix, DVector, SVector};
 
-/// Particles across the thinnest blocks. With two rows, gradients are far stiffer than with three, and such bodies are rarely intended.
+/// Number of particles across the thinnest blocks. With two rows, gradients are far stiffer than with three, and such bodies are rarely intended.
 const THINNEST: usize = 3;
 /// Largest number of particles along the sides of a block, in one to three dimensions.
 const MAXIMUM_SIDE: [usize; 3] = [16, 12, 8];
 /// Largest number of cells along the sides of a block, for methods without a moving body, whose stiffness matrix is assembled.
 const MAXIMUM_CELLS: [usize; 3] = [16, 12, 5];
 
-/// Safety factor of the smallest step: waves along faces of other lengths than in these blocks are faster by up to half a percent.
+/// Safety factor of the smallest step: waves along faces whose lengths differ from these blocks are faster by up to half a percent.
 const MARGIN: f64 = 0.98;
 
 /// Returns the smallest critical time step of free blocks in a homogeneous state, less two percent; time. `None` for methods whose forces are not
 /// defined for finite bodies.
 ///
-/// The blocks are from three particles thick to wider than the range of the forces and include corners, edges and faces. The step is computed, not
-/// proved: a particle that protrudes from a corner may need a smaller step.
+/// The sizes of the blocks range from three particles to more than the range of the forces, and include corners, edges and faces. The step is
+/// computed, not proved: a particle that protrudes from a corner may need a smaller step.
 pub(crate) fn step_of_free_blocks<const D: usize>(
     discretization: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
@@ -120,7 +120,7 @@ fn step_of_cells<const D: usize>(
     (step > 0.0 && step.is_finite()).then_some(step)
 }
 
-/// Law with the tangent of one state, `P = P_0 + A (F - F_0)`. A law that is a function of another program is evaluated only twice, not once for
+/// Law with the tangent of one state, `P = P_0 + A (F - F_0)`. A law that is a function of another program is then evaluated only twice, not once for
 /// each particle and each product of the iteration. The reference state keeps its exact response, which scales penalties and viscosities.
 struct LinearSolid<'a> {
     material: &'a dyn Hyperelastic,

@@ -27,7 +27,7 @@ pub struct Contact {
     pub stiffness: f64,
 }
 
-/// The pieces of a body and the particles in contact.
+/// Pieces of a body, with the particles in contact.
 pub(super) struct Pieces<const D: usize> {
     /// Contact force `c A_1111 h^(D-1)`; force.
     force: f64,
@@ -149,7 +149,7 @@ impl<const D: usize> Pieces<D> {
     /// Upper estimate of the contribution of contacts to `omega^2`; 1/time^2.
     ///
     /// A particle in a row touches the particles of another row that are closer than the spacing, which are 1, 3 and 5 in one, two and three
-    /// dimensions if rows are not compressed. It moves against them.
+    /// dimensions if rows are not compressed. Both rows move against each other.
     pub(super) fn stiffest(&self, lightest: f64) -> f64 {
         let touching = (2 * D - 1) as f64;
         2.0 * touching * self.force / (self.spacing * lightest)

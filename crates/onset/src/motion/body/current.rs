@@ -1,9 +1,8 @@
 //! Densities, stresses, accelerations and velocity gradients of particles with changing neighbors.
 //!
-//! Each particle sums over its neighbors in the order of their numbers. Eight consecutive particles are computed together, and blocks of them on all
-//! cores.
-//! Contributions of particles beyond the support are exactly zero. The results are therefore bitwise independent of the time of the neighbor search
-//! and of the number of cores.
+//! Each particle sums over its neighbors in the order of their numbers. Eight consecutive particles are computed together, and blocks of them in
+//! parallel on all cores. Contributions of particles beyond the support are exactly zero. The results are therefore bitwise independent of the time
+//! of the neighbor search and of the number of cores.
 
 use super::neighborhoods::{Look, Neighborhoods, PADDING_COORDINATE, Seen, number, tensor, vector};
 use super::parts::{field_parts, tensor_parts};
@@ -21,7 +20,7 @@ use crate::scheme::sph::{CurrentPairs, Laden, correction};
 use crate::scheme::{NoForce, determinant, inverse};
 use std::marker::PhantomData;
 
-/// Particles that one core computes at a time.
+/// Number of particles that one core computes at a time.
 const BLOCK: usize = 16 * LANES;
 
 type Vector<const D: usize> = [Lanes; D];
@@ -48,7 +47,7 @@ pub(super) struct CurrentEngine<'a, const D: usize> {
     /// Current volumes `m / rho`, and a buffer for their next values.
     spreads: Component,
     later: Component,
-    /// Contributions of the particles to pair forces; compare [`Laden`].
+    /// Contributions of the particles to pair forces, as in [`Laden`].
     reaches: Component,
     tensions: Tensors<D>,
     /// Tensile parts, if there is an artificial stress.
@@ -88,7 +87,7 @@ fn add_product<const D: usize>(sum: &mut Tensor<D>, a: &Vector<D>, b: &Vector<D>
     }
 }
 
-/// Returns `V_J grad W_IJ` with respect to `x_I`: minus the gradient along `x_J - x_I`.
+/// Returns `V_J grad W_IJ` with respect to `x_I`, the negative of the gradient along `x_J - x_I`.
 #[inline(always)]
 fn spread_slope<const D: usize>(spreads: &[f64], other: &Seen<D>) -> Vector<D> {
     let spread = -number(spreads, other.place);
@@ -113,7 +112,7 @@ struct Group {
 }
 
 impl Group {
-    /// Writes numbers into a block, with the number `beyond` as padding.
+    /// Writes numbers into a block, padded with the number `beyond`.
     #[inline(always)]
     fn put(&self, block: &mut [f64], numbers: Lanes, beyond: f64) {
         let own = &mut block[self.place..self.place + LANES];
@@ -147,7 +146,7 @@ fn groups(number: usize, count: usize) -> impl Iterator<Item = Group> {
     })
 }
 
-/// Sums over the neighbors of all particles. Trait methods instead of closures, so that they compile to vector instructions.
+/// Sums over the neighbors of all particles. Trait methods are used instead of closures, so that they compile to vector instructions.
 trait Sums<const D: usize>: Sync {
     /// Sum for one group of particles.
     type Sum;
@@ -190,7 +189,8 @@ struct Around<'s, const D: usize> {
 }
 
 impl<const D: usize> Around<'_, D> {
-    /// Sums over the neighbors of all particles and stores the results in blocks. The error belongs to the first particle without a result.
+    /// Computes the sums over the neighbors of all particles and stores the results in blocks. The error belongs to the first particle without a
+    /// result.
     fn sum<S: Sums<D>>(&self, sums: &S, blocks: Vec<S::Block>) -> Result<(), NoForce> {
         let measure = self.law.measure();
         let blocks = blocks.into_iter().enumerate().collect();
@@ -283,7 +283,7 @@ impl<'s, const D: usize> Sums<D> for Densities<'s> {
     }
 }
 
-/// Velocity gradients `L_I = sum_J V_J (w_J - w_I) (x) grad W_IJ K_I^-1`, and the quantity that is stored for each.
+/// Velocity gradients `L_I = sum_J V_J (w_J - w_I) (x) grad W_IJ K_I^-1`, and the quantity that is stored for each particle.
 struct Gradients<'s, L, const D: usize, const CORRECTED: bool> {
     around: Around<'s, D>,
     /// Current volumes `V` of the particles.
@@ -620,7 +620,7 @@ impl<'a, const D: usize> CurrentEngine<'a, D> {
         })
     }
 
-    /// Replaces the kernels, or stores the error if they do not exist.
+    /// Replaces the kernels, or stores the error if they cannot be computed.
     pub(super) fn settle(&mut self, law: Result<CurrentPairs<D>, MethodError>) {
         self.law = law;
         self.neighborhoods = Neighborhoods::new();

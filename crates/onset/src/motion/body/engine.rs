@@ -15,7 +15,7 @@ use crate::material::Hyperelastic;
 use crate::real::LANES;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Groups that one core computes at a time.
+/// Number of groups that one core computes at a time.
 const BLOCK: usize = 128;
 
 /// State of the particles for forces, with the results of the last evaluation.
@@ -297,7 +297,7 @@ struct Kicked<'s, 'f, const D: usize> {
     v: &'s mut [&'f mut [f64]; D],
 }
 
-/// No penalty against zero-energy modes.
+/// Option of no penalty against zero-energy modes.
 const NO_PENALTY: u8 = 0;
 /// Published form of the penalty.
 const PUBLISHED_PENALTY: u8 = 1;

@@ -61,11 +61,11 @@ pub enum BodyError {
     /// A number of a shape, a particle, a contact or a grip is outside of its admissible range.
     #[error("{what} is {value:?}; expected {expected}")]
     Number {
-        /// Name of the number, in words.
+        /// Description of the number.
         what: String,
         /// Value given by the user.
         value: f64,
-        /// Admissible values, in words.
+        /// Description of the admissible values.
         expected: &'static str,
     },
     /// Two particles have the same position.

@@ -1,20 +1,19 @@
 //! Direct solution of sparse linear systems of bodies: LU factors of dense fronts, in the order of a nested dissection.
 //!
-//! Separators divide the body into halves, and these further. Unknowns of the halves are eliminated before their separators. Each
-//! elimination is a dense operation on a front: the unknowns that are eliminated together, with all later unknowns coupled to them. A body of `n`
-//! particles in the plane has `n log n` nonzero factors. Pivots are chosen within a front only: the matrix should be positive definite, not
-//! necessarily symmetric.
+//! Separators divide the body into halves, and these recursively. Unknowns of the halves are eliminated before their separators. Each elimination is
+//! a dense operation on a front: the unknowns that are eliminated together, with all later unknowns coupled to them. A body of `n` particles in the
+//! plane has `n log n` nonzero factors. Pivots are chosen within a front only: the matrix should be positive definite, not necessarily symmetric.
 //!
 //! Source: George, SIAM J. Numer. Anal. 10 (1973) 345; Duff and Reid, ACM Trans. Math. Softw. 9 (1983) 302.
 
 use crate::cancel::checkpoint;
 use nalgebra::{Cholesky, DMatrix, DVector, DVectorView, SMatrix, SVector};
 
-/// Particles in a part that is not divided.
+/// Largest number of particles in a part that is not divided.
 const LEAF: usize = 48;
-/// Particles that are eliminated together.
+/// Largest number of particles that are eliminated together.
 const FRONT_SIZE: usize = 48;
-/// Largest number of factors.
+/// Largest number of entries of the factors.
 const FACTORS: usize = 300_000_000;
 
 /// Square matrix of blocks. The blocks of a row are in ascending order of their columns.
@@ -23,13 +22,13 @@ pub(super) struct Rows<const D: usize>(pub(super) Vec<Vec<(u32, SMatrix<f64, D, 
 /// Reason why a matrix has no factors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum NoFactors {
-    /// The symmetric part is not positive definite.
+    /// The symmetric part of the matrix is not positive definite.
     Indefinite,
     /// There are too many factors for the memory.
     TooMany,
 }
 
-/// Particles that are eliminated together, with the later particles that they are coupled to.
+/// Particles that are eliminated together, with the later particles that are coupled to them.
 struct Front {
     own: Vec<u32>,
     beyond: Vec<u32>,
@@ -59,7 +58,7 @@ struct Dissection<'d, const D: usize> {
 }
 
 impl<const D: usize> Dissection<'_, D> {
-    /// Appends the fronts of some particles, and returns the number of the last one.
+    /// Appends the fronts of some particles, and returns the number of the last front.
     fn dissect(&mut self, particles: Vec<u32>) -> Option<usize> {
         let (parts, rest) = self.divided(particles);
         let mut before: Vec<usize> = parts
@@ -73,7 +72,7 @@ impl<const D: usize> Dissection<'_, D> {
         before.last().copied()
     }
 
-    /// Two parts that are not coupled to each other, and their separator; for few particles no parts.
+    /// Two parts that are not coupled to each other, and their separator; no parts if there are few particles.
     fn divided(&mut self, mut particles: Vec<u32>) -> (Vec<Vec<u32>>, Vec<u32>) {
         if particles.len() <= LEAF {
             return (Vec::new(), particles);
@@ -231,7 +230,7 @@ impl<const D: usize> Factors<D> {
     }
 }
 
-/// Eliminates the unknowns of a front; also returns the matrix of the later ones.
+/// Eliminates the unknowns of a front; also returns the matrix of the later unknowns.
 fn eliminated<const D: usize>(
     own: &[u32],
     beyond: &[u32],
@@ -262,7 +261,7 @@ mod tests {
     use super::{Factors, NoFactors, Rows};
     use nalgebra::SMatrix;
 
-    /// Unsymmetric blocks between near places of a square lattice.
+    /// Unsymmetric blocks between nearby points of a square lattice.
     fn matrix(side: usize) -> (Rows<2>, Vec<[f64; 3]>) {
         let place = |n: usize| [(n % side) as f64, (n / side) as f64, 0.0];
         let places: Vec<[f64; 3]> = (0..side * side).map(place).collect();

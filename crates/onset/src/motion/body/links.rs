@@ -39,7 +39,7 @@ pub(super) struct Pair {
     pub(super) of: u8,
 }
 
-/// Neighbors of the particles of a group. Groups with equal neighbors share one stencil.
+/// Neighbors of the particles of a group. Groups with the same neighbors share one stencil.
 #[derive(Clone, Debug)]
 pub(super) struct Stencil<const D: usize> {
     /// Range of its pairs, first to one past the last.

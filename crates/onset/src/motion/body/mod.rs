@@ -11,18 +11,16 @@
 //! `F_I = 1 + (sum_J (u_J - u_I) (x) a_IJ) K_I^-1`, `T_I = P(F_I) K_I^-T`, `f_I = V_I sum_J (T_I + T_J) a_IJ`,
 //!
 //! and the penalty along bonds uses `F_I + F_J` in the same way. Particles are numbered along the rows of the lattice, so that most neighbors have
-//! the same offset in this order from one particle to the next.
-//! Eight consecutive particles form a group. For each kind of pair and each offset the group has one entry with a bit for every particle that has
-//! this pair.
-//! Groups with equal neighbors share one entry list: a body with any boundary needs as little memory per particle as the infinite lattice. Particles
-//! at arbitrary positions form groups with many entries of one bit.
+//! the same offset in this order from one particle to the next. Eight consecutive particles form a group. For each kind of pair and each offset the
+//! group has one entry with a bit for every particle that has this pair. Groups with the same neighbors share one entry list: a body with any
+//! boundary needs as little memory per particle as the infinite lattice. Particles at arbitrary positions form groups with many entries of one bit.
 //!
 //! Methods with kernels in current coordinates ([`Discretization::current_pairs`]) update the neighbors as particles move, and each particle carries
-//! its deformation gradient. They gather in the same way, with the neighbors of a group determined in each step.
+//! its deformation gradient. The sums are gathered in the same way, with the neighbors of a group determined in each step.
 //!
 //! Pieces of a body that are not neighbors of each other pass through each other, unless a [`Contact`] between them is defined.
 //!
-//! Time integration is by the leapfrog scheme (central differences), with one evaluation of the forces per step.
+//! Time integration uses the leapfrog scheme (central differences), with one evaluation of the forces per step.
 //!
 //! [`Discretization`]: crate::scheme::Discretization
 //! [`Discretization::current_pairs`]: crate::scheme::Discretization::current_pairs

@@ -53,8 +53,8 @@ pub trait BodyMotion {
     /// Returns the largest stable step at the current displacements; time. Without viscosity it is `2 / omega`.
     ///
     /// With viscosity it is the root of `omega^2 dt^2 + 2 c dt = 4`, with the largest eigenvalues of stiffness and damping over mass. The result is
-    /// below the exact step by a fraction of at most 3e-7, or by some percent at most for large bodies.
-    /// Particles of permanent grips are fixed, all others are free.
+    /// below the exact step by a fraction of at most 3e-7, or by a few percent for large bodies. Particles of permanent grips are fixed, all others
+    /// are free.
     ///
     /// The eigenvalues are bounded by a Krylov space and its residual, which is valid for symmetric matrices. The penalty makes the matrix of a body
     /// slightly unsymmetric.

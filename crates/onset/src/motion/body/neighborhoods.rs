@@ -28,7 +28,7 @@ pub(super) struct Neighborhoods<const D: usize> {
 
 /// One neighbor of each particle of a group.
 pub(super) struct Seen<const D: usize> {
-    /// Number of the neighbor of the first particle.
+    /// Index of the neighbor of the first particle.
     pub(super) place: usize,
     /// Vectors from the particles to these neighbors.
     pub(super) x: [Lanes; D],
@@ -38,13 +38,13 @@ pub(super) struct Seen<const D: usize> {
 
 // Closures would not compile to vector instructions, therefore explicit loops.
 
-/// Values of consecutive particles from an index on, with zeros as padding.
+/// Values of consecutive particles starting at an index, padded with zeros.
 #[inline(always)]
 pub(super) fn number(of: &[f64], place: usize) -> Lanes {
     Lanes::at(of, place, 0.0)
 }
 
-/// Vectors of consecutive particles from a place on.
+/// Vectors of consecutive particles starting at an index.
 #[inline(always)]
 pub(super) fn vector<const D: usize>(of: &[&[f64]; D], place: usize) -> [Lanes; D] {
     let mut own = [Lanes([0.0; LANES]); D];
@@ -54,7 +54,7 @@ pub(super) fn vector<const D: usize>(of: &[&[f64]; D], place: usize) -> [Lanes; 
     own
 }
 
-/// Tensors of consecutive particles from a place on.
+/// Tensors of consecutive particles starting at an index.
 #[inline(always)]
 pub(super) fn tensor<const D: usize>(of: &[[&[f64]; D]; D], place: usize) -> [[Lanes; D]; D] {
     let mut own = [[Lanes([0.0; LANES]); D]; D];

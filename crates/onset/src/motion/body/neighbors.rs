@@ -16,7 +16,7 @@ pub(super) struct Neighbors<const D: usize> {
     pairs: Vec<[u32; 2]>,
 }
 
-/// Squared distance of two places.
+/// Squared distance of two points.
 pub(super) fn squared<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
@@ -110,7 +110,7 @@ impl<'p, const D: usize> Cells<'p, D> {
         x.each(|x| (x / reach).floor().clamp(-MAX_CELL_NUMBER, MAX_CELL_NUMBER) as i64)
     }
 
-    /// Calls a function with the number of every particle near a place, in no particular order, including a particle at the place.
+    /// Calls a function with the number of every particle near a point, in no particular order, including a particle at the point.
     pub(super) fn near(&self, x: &[f64; D], mut tell: impl FnMut(u32)) {
         let home = Self::cell(x, self.reach);
         for code in 0..3_usize.pow(D as u32) {

@@ -19,7 +19,7 @@ use std::collections::{BTreeMap, HashSet};
 /// Largest number of particles in an assembled operator. Larger bodies are divided into boxes.
 const MAX_OPERATOR_PARTICLES: usize = 1500;
 
-/// Oscillation of a body that limits the time step of a scheme most.
+/// Oscillation of a body that limits the time step of a scheme.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyMode {
     /// Largest eigenvalue of the parts with the [weights](Stepping::weights) of the scheme; 1/time^2.
@@ -43,12 +43,13 @@ impl BodyMode {
     }
 }
 
-/// Returns the mode of a free body in a homogeneous state that limits the time step of a scheme most.
+/// Returns the mode of a free body in a homogeneous state that limits the time step of a scheme.
 ///
-/// The result is `None` for methods whose particles have no forces at arbitrary positions: finite elements, conforming integration, material points, and
-/// quadrature points other than the particles.
+/// The result is `None` for methods whose particles have no forces at arbitrary positions: finite elements, conforming integration, material points,
+/// and quadrature points other than the particles.
 ///
-/// Particles with `held` have no displacement. Bodies of more than 1500 particles are divided into overlapping boxes; the mode then vanishes outside of one box. Fastest modes are so local that the difference does not matter.
+/// Particles marked in `held` have no displacement. Bodies of more than 1500 particles are divided into overlapping boxes; the mode then vanishes
+/// outside one box. The fastest modes are so localized that the difference is negligible.
 ///
 /// # Errors
 /// [`BodyError`] if the method or the material cannot be evaluated for these particles.
@@ -103,14 +104,14 @@ pub(crate) fn fastest_mode<const D: usize>(
     Ok(fastest)
 }
 
-/// Part of a body: particles of a box, with all that they interact with.
+/// Part of a body: the particles of a box, with all particles that interact with them.
 struct Part {
     all: Vec<usize>,
     /// Whether a particle belongs to the box or its overlap, so that all of its forces are known.
     is_free: Vec<bool>,
 }
 
-/// Positions relative to the first particle in small fractions of the spacing, with volumes and the particles that can move.
+/// Positions relative to the first particle in small fractions of the spacing, with the volumes and the particles that can move.
 fn pattern<const D: usize>(
     particles: &[PlacedParticle],
     free: &[bool],
@@ -193,7 +194,7 @@ pub(super) fn isolated<const D: usize>(
 
 /// Rows of a sparse matrix of blocks, divided by the masses.
 struct Sparse<const D: usize> {
-    /// First entry of each row, and the number of all.
+    /// First entry of each row, and the total number of entries.
     starts: Vec<usize>,
     entries: Vec<(u32, SMatrix<f64, D, D>)>,
 }
@@ -255,10 +256,10 @@ impl<const D: usize> Stiffness<D> {
     }
 }
 
-/// `dv/dt = -(X + S + R) u - C v` of a body.
+/// Equations of motion `dv/dt = -(X + S + R) u - C v` of a body.
 struct Operator<const D: usize> {
     whole: Stiffness<D>,
-    /// `S + R`, and `R` alone.
+    /// Sum `S + R`, and `R` alone.
     carried: Option<(Stiffness<D>, Option<Stiffness<D>>)>,
     damping: Option<Sparse<D>>,
     unknowns: usize,

@@ -48,7 +48,7 @@ impl BodyQuantities {
         }
     }
 
-    /// Adds a particle by its mass, position, displacement, velocity, the velocity that moves it, and its volume ratio.
+    /// Adds a particle, given by its mass, position, displacement, velocity, the velocity that moves it, and its volume ratio.
     pub(super) fn count<const D: usize>(
         &mut self,
         mass: f64,

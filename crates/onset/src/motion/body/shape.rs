@@ -7,14 +7,14 @@ use nalgebra::SVector;
 
 /// Largest number of particles of a body.
 const PARTICLES: usize = 20_000_000;
-/// Particles outside of a shape by less than this fraction of a spacing belong to it.
+/// Largest distance from a shape, as a fraction of a spacing, at which particles count as inside.
 const RIM: f64 = 1e-9;
 /// Largest number of a cell.
 const MAX_CELL_NUMBER: f64 = 1e9;
 /// Largest number of cells in the box around a body. Thin, long or separated pieces can have many more cells than particles.
 const CELLS: f64 = 1e8;
 
-/// Notch from an edge of a block, at the middle of its first side, from below along the second side.
+/// Notch from an edge of a block, at the middle of its first side, starting from below along the second side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Notch {
     /// Depth along the second side; length.
@@ -65,7 +65,7 @@ pub struct PlacedParticle {
 /// Particles of a body.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BodyParticles {
-    /// Particles of the method's lattice inside of a shape. If the sides of a block along the axes are multiples of the spacing, its faces are half a
+    /// Particles of the method's lattice inside a shape. If the sides of a block along the axes are multiples of the spacing, its faces are half a
     /// spacing from its outermost particles.
     Cut(Shape),
     /// Particles at given positions.
@@ -159,7 +159,7 @@ impl Shape {
         Ok(pieces)
     }
 
-    /// Returns true if a place inside of the box lies inside of the shape.
+    /// Returns true if a point in the box lies inside the shape.
     fn holds<const D: usize>(&self, x: &[f64; D], rim: f64) -> bool {
         let across = |x: f64, y: f64| x.hypot(y);
         match self {
@@ -314,8 +314,8 @@ fn check_cells<const D: usize>(first: &[f64; D], last: &[f64; D]) -> Result<(), 
     }
 }
 
-/// First and last cell of a lattice that reach into a box with an offset. Lattice coordinates are linear, so that their extremes are at the corners
-/// of the box.
+/// First and last cell of a lattice that intersect a box with an offset. Lattice coordinates are linear, so that their extremes are at the corners of
+/// the box.
 fn cells_of_box<const D: usize>(
     crystal: &Crystal<D>,
     [low, high]: &[[f64; D]; 2],

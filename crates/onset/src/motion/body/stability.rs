@@ -10,9 +10,9 @@ const MAXIMUM_VECTORS: usize = 32;
 const NUMBERS: usize = 1 << 27;
 /// Smallest number of vectors in the Krylov space.
 const MINIMUM_VECTORS: usize = 6;
-/// Largest number of matrix-vector products: the lower and upper limit, and the number of components of all images in between.
+/// Largest number of matrix-vector products: the lower and upper limit, and the limit on the number of components of all images.
 const IMAGES: (usize, usize, usize) = (60, 2000, 200_000_000);
-/// The iteration stops at this ratio of residual to eigenvalue.
+/// Ratio of residual to eigenvalue at which the iteration stops.
 const RESIDUAL: f64 = 5e-7;
 /// Displacement for the numerical differentiation of forces, in spacings.
 pub(super) const DIFFERENCE_STEP: f64 = 1e-5;

@@ -9,10 +9,9 @@
 //! For a particle without neighbors `L` is undefined, and `F` does not change.
 //!
 //! A step updates `F` with the gradient at its midpoint: `F' = (1 - dt/2 L)^-1 (1 + dt/2 L) F`. A spin gives an exact rotation. Particles that move
-//! freely along straight lines, `x = (1 + A t) X`, give the exact `1 + A t` if gradients are corrected.
-//! The reason is that with `M` at the midpoint `L = A M^-1`, and the factor is `(M + dt/2 A) (M - dt/2 A)^-1`, since `A` and `M` commute.
-//! About a homogeneous state without velocities a step changes `F` by `sum_J dt v_J (x) g_J F`, as do the forces of a patch: waves obey the
-//! linearized equations with their rates in discrete time.
+//! freely along straight lines, `x = (1 + A t) X`, give the exact `1 + A t` if gradients are corrected. The reason is that with `M` at the midpoint
+//! `L = A M^-1`, and the factor is `(M + dt/2 A) (M - dt/2 A)^-1`, since `A` and `M` commute. About a homogeneous state without velocities a step
+//! changes `F` by `sum_J dt v_J (x) g_J F`, like the forces of a patch: waves obey the linearized equations with their rates in discrete time.
 //!
 //! With the momentum form `mean`, densities by continuity and uncorrected gradients, the forces conserve the sum of kinetic and strain energy:
 //! `d/dt sum_I V_I0 W(F_I) = sum_I V_I s_I : L_I = sum_IJ V_I V_J (v_J - v_I).s_I grad W_IJ = -sum_I f_I.v_I`. Other choices have no potential.
@@ -238,7 +237,7 @@ impl<const D: usize> UpdatedBody<'_, D> {
         Ok(self.difference(&sides, size))
     }
 
-    /// Difference of two fields over `2 size`, vector by vector.
+    /// Difference of two fields divided by `2 size`, vector by vector.
     fn difference(&self, sides: &[Field<D>], size: f64) -> Vec<f64> {
         let difference = moved(&sides[0], &sides[1], -1.0);
         let flat = flat(&difference, self.len()).into_iter();

@@ -63,7 +63,7 @@ pub(super) fn slices<const D: usize>(tensors: &Tensors<D>) -> [[&[f64]; D]; D] {
         .each(|row| row.each_ref().map(Vec::as_slice))
 }
 
-/// Deformation gradients of the group that begins at a place.
+/// Deformation gradients of the group that begins at an index.
 pub(super) fn states<const D: usize>(
     transverse: &DeformationGradient,
     f: &[[&[f64]; D]; D],
@@ -78,7 +78,7 @@ pub(super) fn states<const D: usize>(
     }))
 }
 
-/// Masks of a group for each bit pattern: one for a particle whose bit is set, zero for the others.
+/// Masks of a group for each bit pattern: one for particles whose bit is set, zero for all others.
 pub(super) const MASKS: [[f64; LANES]; 1 << LANES] = masks();
 
 const fn masks() -> [[f64; LANES]; 1 << LANES] {
@@ -97,7 +97,7 @@ const fn masks() -> [[f64; LANES]; 1 << LANES] {
     masks
 }
 
-/// Values of the consecutive particles at an offset from a particle, with zeros as padding.
+/// Values of consecutive particles at an offset from a particle, padded with zeros.
 #[inline(always)]
 pub(super) fn load<S: Simd>(from: &[f64], own: usize, offset: i32) -> S::f64s {
     let place = own.wrapping_add_signed(offset as isize);

@@ -54,7 +54,8 @@ pub(in super::super) const MOHR_COULOMB: Law = Law {
 /// angle `psi` in place of `phi`.
 ///
 /// Source: P. A. Vermeer and R. de Borst, *Heron* 29(3) (1984), for this form. If two principal stresses are equal at first yield (triaxial
-/// compression), both faces of the corner flow equally. If the intermediate stress reaches the largest or the smallest one later, the path ends.
+/// compression), both faces of the corner flow equally. If the intermediate stress later becomes equal to the largest or the smallest stress, the
+/// path ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MohrCoulomb {
     elasticity: Elasticity,
@@ -63,7 +64,7 @@ pub struct MohrCoulomb {
     hardening: Hardening,
 }
 
-/// Principal stresses with a smaller relative difference count as equal.
+/// Largest relative difference of principal stresses that count as equal.
 const STRESS_TOLERANCE: f64 = 1e-9;
 
 impl MohrCoulomb {
@@ -121,7 +122,7 @@ impl FlowLaw for MohrCoulomb {
         self.hardening.strength(0.0)
     }
 
-    /// Weights of the axes in the largest and the smallest stress. They select the faces that flow, which a path does not leave.
+    /// Weights of the axes in the largest and the smallest stress. They select the faces that flow, which remain the same along a path.
     fn start(&self, stress: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let [largest, smallest] = Self::shares(stress);
         (largest - smallest, Vector3::repeat(1.0))

@@ -25,7 +25,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::ops::RangeInclusive;
 
-/// Admissible number of Gauss points along an edge. Results no longer change with more points.
+/// Admissible number of Gauss points along an edge. With more points results no longer change.
 const BOUNDARY_POINTS: RangeInclusive<usize> = 1..=16;
 
 /// Region over which the gradients at a node are averaged.
@@ -215,7 +215,7 @@ impl<const D: usize> Discretization<D> for ConformingIntegration<D> {
         &self,
         cells: [usize; D],
     ) -> Result<Option<Box<dyn Discretization<D>>>, MethodError> {
-        // Regions at the faces of a block are those inside of the lattice.
+        // Regions at the faces of a block equal those inside the lattice.
         let block = self.crystal.block(cells)?;
         let block = Self::over(self.regions.clone(), block, &self.choices)?;
         Ok(Some(Box::new(block)))

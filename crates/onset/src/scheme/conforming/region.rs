@@ -4,7 +4,7 @@ use crate::algebra::unit_interval;
 use crate::lattice::Crystal;
 use nalgebra::{SMatrix, SVector};
 
-/// Distance from a plane within which a corner lies on it, relative to the size of the region.
+/// Largest distance from a plane at which a corner lies on it, relative to the size of the region.
 const PLANE_TOLERANCE: f64 = 1e-12;
 
 /// Flat facet of a boundary: a point, a straight edge or a convex polygon. Positions are relative to the node.

@@ -47,10 +47,8 @@ impl HourglassScale {
     }
 }
 
-/// Hourglass modes of a multilinear element: products of two or more reference coordinates at the nodes.
-/// Quadrilaterals have one mode, bricks four, bars zero. `gradients` are the mean gradients of the shape functions of the element, `volume` is its
-/// volume.
-/// its volume.
+/// Hourglass modes of a multilinear element: products of two or more reference coordinates at the nodes. Quadrilaterals have one mode, bricks four,
+/// bars none. `gradients` are the mean gradients of the shape functions of the element, and `volume` is its volume.
 pub(super) fn hourglass_modes<const D: usize>(
     nodes: &[Particle<D>],
     positions: &[SVector<f64, D>],

@@ -6,7 +6,7 @@ use crate::lattice::{BravaisLattice, Crystal, Particle};
 use crate::method::{MeshError, MethodError};
 use nalgebra::{DMatrix, SVector};
 
-/// Positions of nodes closer than this, in lattice coordinates, are the same.
+/// Largest distance of node positions, in lattice coordinates, that count as equal.
 const NODE_DISTANCE_TOLERANCE: f64 = 1e-6;
 
 /// Periodic mesh of elements of one shape: a crystal of nodes and the elements of one cell, which the lattice repeats.
@@ -38,7 +38,7 @@ impl<const D: usize> Mesh<D> {
         Ok(mesh)
     }
 
-    /// Builds a mesh that need not fill the cell, and returns it with the volume of its elements.
+    /// Builds a mesh that need not fill the cell, and returns it with the total volume of its elements.
     ///
     /// # Errors
     /// [`MeshError`] if an element does not have the given shape.
@@ -79,7 +79,8 @@ impl<const D: usize> Mesh<D> {
 
     /// Mesh of the parallelepipeds split into `D!` simplices along the diagonal `a_1 + ... + a_D` (Kuhn).
     ///
-    /// Each simplex runs from the origin to the opposite corner along the primitive vectors, in one of their orders. The faces of neighbors match.
+    /// Each simplex runs from the origin to the opposite corner along the primitive vectors, in one of their orders. The faces of neighboring
+    /// simplices match.
     pub fn simplices(lattice: BravaisLattice<D>) -> Self {
         let path = |order: &[usize]| {
             let mut cell = [0; D];
@@ -190,7 +191,7 @@ impl<const D: usize> Mesh<D> {
     pub fn supercell(&self, counts: [usize; D]) -> Result<Self, MethodError> {
         let crystal = self.crystal.supercell(counts)?;
         let sites = self.crystal.sites().len();
-        // Sites of the supercell are numbered cell by cell, the first coordinate running fastest.
+        // Sites of the supercell are numbered cell by cell, the first coordinate varying fastest.
         let renamed = |node: &Particle<D>| {
             let of = |i: usize| (node.cell[i], counts[i] as i32);
             let small = (0..D).rev().fold(0, |sum, i| {

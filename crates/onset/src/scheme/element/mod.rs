@@ -1,8 +1,7 @@
 //! Linear and quadratic finite elements, total Lagrangian: bars, triangles, quadrilaterals, tetrahedra, bricks.
 //!
-//! An element with the shape functions `N_a` has the energy `sum_q V_q W(F_q)`, `F_q = F + sum_a u_a (x) dN_a/dX(X_q)`.
-//! Multilinear elements are integrated fully (two Gauss points along each axis), with a mean dilatation, or with one point, which takes the mean gradients
-//! over the element.
+//! An element with the shape functions `N_a` has the energy `sum_q V_q W(F_q)`, `F_q = F + sum_a u_a (x) dN_a/dX(X_q)`. Multilinear elements are
+//! integrated fully (two Gauss points along each axis), with a mean dilatation, or with one point, which uses the mean gradients over the element.
 //! One-point integration leaves zero-energy hourglass modes, which hourglass control resists.
 
 mod dilatation;
@@ -31,7 +30,7 @@ use hourglass::{HourglassMode, Resisted, hourglass_modes};
 use nalgebra::{DMatrix, SMatrix, SVector};
 use shape::Sample;
 
-/// Masses of nodes below this fraction of the mass of a cell are zero.
+/// Largest mass of a node that counts as zero, as a fraction of the mass of a cell.
 const MASSLESS: f64 = 1e-9;
 
 /// Integration rule of the elements.
@@ -45,7 +44,7 @@ pub enum Integration {
     /// Two Gauss points along each axis of quadrilaterals and bricks; one point in simplices, where the gradient is constant.
     Full,
     /// The points of full integration with the mean dilatation of the element, `sum_q V_q W((theta / J_q)^(1/D) F_q)`, `theta = sum_q V_q J_q / V`
-    /// (Simo, Taylor and Pister 1985; at small strains B-bar, Hughes 1980), for nearly incompressible laws. For simplices the same as full integration.
+    /// (Simo, Taylor and Pister 1985; at small strains B-bar, Hughes 1980), for nearly incompressible laws. For simplices it equals full integration.
     MeanDilatation,
     /// One point with the mean gradient of the element (uniform strain).
     OnePoint,

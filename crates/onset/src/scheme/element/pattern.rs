@@ -21,7 +21,7 @@ pub enum ElementMesh {
     Quadrilaterals,
     /// Squares split in two along the same diagonal (T3).
     Triangles,
-    /// Squares split in two along one diagonal and the other alternately, as on a chessboard; two nodes per cell.
+    /// Squares split in two along alternating diagonals, as on a chessboard; two nodes per cell.
     TrianglesAlternating,
     /// Squares split in four by both diagonals, with a node at their intersection; two nodes per cell.
     TrianglesCrossed,

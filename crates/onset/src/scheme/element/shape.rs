@@ -184,7 +184,7 @@ fn collapsed<const D: usize>(nodes: &[SVector<f64, D>]) -> Option<Vec<Sample<D>>
     gauss_cube::<D>(4).into_iter().map(point).collect()
 }
 
-/// Evaluates the functions of a quadratic simplex at a point given by its barycentric coordinates except the first one.
+/// Evaluates the functions of a quadratic simplex at a point given by its barycentric coordinates except the first coordinate.
 fn quadratic_simplex<const D: usize>(
     nodes: &[SVector<f64, D>],
     point: &SVector<f64, D>,

@@ -79,7 +79,7 @@ impl<const D: usize> Method<D> {
             let seen = point.cells.iter().zip(&point.shape.values);
             seen.map(|(cell, value)| moved(cell) * *value).sum()
         };
-        // Particles from outside of the support may have entered it.
+        // Particles from outside the support may have entered it.
         let (mut cells, mut positions, mut weights) = (Vec::new(), Vec::new(), Vec::new());
         for cell in support(&layout.enlarged(1.2))?.cells(&point.place) {
             let fractional = SVector::<f64, D>::from_fn(|i, _| f64::from(cell[i])) - point.place;

@@ -29,7 +29,7 @@ use nalgebra::SVector;
 use point::SpatialPoint;
 use shape::{Shape, ShapeValues};
 
-/// Points closer to a particle than this, in lattice coordinates, coincide with the particle.
+/// Largest distance from a particle, in lattice coordinates, of points that coincide with the particle.
 const PARTICLE_TOLERANCE: f64 = 1e-12;
 
 /// Choices that define a kernel Galerkin method, except lattice and quadrature.
@@ -162,7 +162,7 @@ impl<const D: usize> KernelScheme<D> {
         Ok(scheme)
     }
 
-    /// Builds the method on a free block of a crystal, from the quadrature points of a cell. Points beyond the outermost particles are left out.
+    /// Builds the method on a free block of a crystal, from the quadrature points of a cell. Points beyond the outermost particles are omitted.
     ///
     /// # Errors
     /// [`MethodError`] if a point has too few neighbors in the block.
@@ -388,7 +388,7 @@ impl<const D: usize> Discretization<D> for KernelScheme<D> {
     }
 }
 
-/// Quadrature points of a cell. Points that coincide with a particle become that particle.
+/// Quadrature points of a cell. Points that coincide with a particle are replaced by that particle.
 fn points_of<const D: usize>(
     crystal: &Crystal<D>,
     quadrature: CrystalQuadrature<D>,

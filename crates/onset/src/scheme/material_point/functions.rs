@@ -4,9 +4,9 @@ use crate::algebra::{Each, array_of};
 use crate::lattice::cells_between;
 use crate::real::{Dual, Real};
 
-/// Positions within this distance of a knot, in units of the grid spacing, are on the knot.
+/// Largest distance from a knot, in units of the grid spacing, of positions that count as on the knot.
 const KNOT: f64 = 1e-9;
-/// Second moments below this value belong to points on a node. Linear functions have no second moment there, and slopes replace the first moments
+/// Second moments below this value occur only at points on a node. Linear functions have no second moment there, and slopes replace the first moments
 /// divided by it.
 pub(super) const MINIMUM_SECOND_MOMENT: f64 = 1e-8;
 
@@ -61,7 +61,7 @@ pub(super) struct Profile {
     gradients: GridGradients,
 }
 
-/// Value and derivatives with respect to the lattice coordinates of the function of a node at a place.
+/// Value of the function of a node at a position, with derivatives with respect to the lattice coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape<R, const D: usize> {
     pub(super) value: R,
@@ -149,9 +149,9 @@ impl Profile {
         (value, slope)
     }
 
-    /// Second moment `D_p` along an axis, `sum_j N_j (x_j - x_p)^2`, for a place at `x` relative to a node; in units of the squared grid spacing.
+    /// Second moment `D_p` along an axis, `sum_j N_j (x_j - x_p)^2`, at the position `x` relative to a node; in units of the squared grid spacing.
     ///
-    /// Independent of the place it is 1/4 for quadratic and 1/3 for cubic splines. For linear functions it is `x (1 - x)`.
+    /// It is 1/4 for quadratic and 1/3 for cubic splines at any position. For linear functions it is `x (1 - x)`.
     pub(super) fn second_moment<R: Real>(&self, x: R) -> R {
         let beyond = self.reach().ceil() as i32 + 1;
         let nearest = x - x.value().round();
@@ -161,7 +161,7 @@ impl Profile {
         })
     }
 
-    /// Sum `sum_j g_j^2 / N_j` along an axis with the gradients in use, for a place at `x` relative to a node; per squared grid spacing.
+    /// Sum `sum_j g_j^2 / N_j` along an axis with the gradients in use, at the position `x` relative to a node; per squared grid spacing.
     ///
     /// Where a function ends with zero slope the term is its limit, twice the curvature. On a knot it is the mean of both sides.
     pub(super) fn squared_gradients(&self, x: f64) -> f64 {
@@ -190,7 +190,7 @@ impl Profile {
         }
     }
 
-    /// Nodes whose functions may be nonzero at a place, by their lattice coordinates.
+    /// Nodes whose functions may be nonzero at a position, by their lattice coordinates.
     pub(super) fn nodes<const D: usize>(&self, place: &[f64; D]) -> Vec<[i32; D]> {
         let reach = self.reach() + KNOT;
         let low = place.each(|x| (x - reach).ceil() as i32);
@@ -198,7 +198,7 @@ impl Profile {
         cells_between(&low, &high)
     }
 
-    /// Returns the function of a node at a place, both in lattice coordinates.
+    /// Returns the function of a node at a position, both in lattice coordinates.
     pub(super) fn shape<R: Real, const D: usize>(
         &self,
         place: &[R; D],

@@ -30,7 +30,7 @@ use step::Step;
 const MAXIMUM_PER_SIDE: usize = 8;
 /// Stresses of the reference state below this fraction of the stiffness are rounding errors.
 const UNSTRESSED: f64 = 1e-9;
-/// Points closer than this to a face of a cell, in units of the grid spacing, are on the face.
+/// Largest distance from a face of a cell, in units of the grid spacing, of points that are on the face.
 const FACE: f64 = 1e-9;
 
 /// Layout of the material points in a cell.
@@ -75,8 +75,8 @@ pub enum Formulation {
         /// Mass matrix of the nodes.
         mass: GridMass,
     },
-    /// Nodes of the current grid, displaced by one step: `f_i = -sum_p v_p sigma_p grad N_i(x_p)`.
-    /// The points move with the functions, `x_p = x_p^0 + sum_j N_j u_j`, `F_p = (1 + sum_j u_j (x) grad N_j) F`, and the grid returns to its place.
+    /// Nodes of the current grid, displaced by one step: `f_i = -sum_p v_p sigma_p grad N_i(x_p)`. The points move with the functions, `x_p = x_p^0 +
+    /// sum_j N_j u_j`, `F_p = (1 + sum_j u_j (x) grad N_j) F`, and the grid is reset.
     Updated {
         /// Mass matrix of the nodes.
         mass: GridMass,
@@ -86,10 +86,9 @@ pub enum Formulation {
     /// The points themselves, whose velocities change by the accelerations of the grid, `dv_p/dt = sum_i N_ip f_i / m_i`: the limit of small steps of
     /// the fluid-implicit-particle transfer.
     ///
-    /// Points and deformation follow the velocities `v_i = sum_q m_q N_iq v_q / m_i` of the grid, `dx_p/dt = sum_i N_ip v_i`,
-    /// `dF_p/dt = sum_i v_i (x) grad N_ip F_p`.
-    /// The forces are computed as in `Updated`. The unknown of a wave is the time integral of the velocity of the point, not its displacement:
-    /// components that vanish on the grid displace nothing and meet no force.
+    /// Points and deformation follow the velocities `v_i = sum_q m_q N_iq v_q / m_i` of the grid, `dx_p/dt = sum_i N_ip v_i`, `dF_p/dt = sum_i v_i
+    /// (x) grad N_ip F_p`. The forces are computed as in `Updated`. The unknown of a wave is the time integral of the velocity of the point, not its
+    /// displacement: components that vanish on the grid cause neither displacements nor forces.
     ///
     /// A [`Transfer`] that filters velocities once per step removes the components that vanish on the grid.
     /// The unknowns are then the nodes, the equations of motion are those of the updated form, and the decay of waves follows from the step; see
@@ -375,7 +374,7 @@ impl<const D: usize> MaterialPoints<D> {
         blocks.sum(&self.grid)
     }
 
-    /// Functions of the nodes at a place.
+    /// Functions of the nodes at a position.
     fn transfer(&self, place: &Fractional<D>) -> Vec<(Particle<D>, f64)> {
         let at: [f64; D] = (*place).into();
         let node = |cell| {

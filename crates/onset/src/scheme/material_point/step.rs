@@ -31,7 +31,7 @@ pub(super) struct Step<'a, const D: usize> {
     transfer: Option<Transfer>,
 }
 
-/// A node whose function is nonzero at a place.
+/// Node whose function is nonzero at a position.
 struct Sight<const D: usize> {
     number: usize,
     value: f64,
@@ -39,11 +39,11 @@ struct Sight<const D: usize> {
     gradient: SVector<f64, D>,
     /// Derivatives of the function by lattice coordinates of the grid.
     slope: SVector<f64, D>,
-    /// Vector from the place to the node, in lattice coordinates of the grid.
+    /// Vector from the position to the node, in lattice coordinates of the grid.
     apart: SVector<f64, D>,
 }
 
-/// Nodes whose functions are nonzero at a place.
+/// Nodes whose functions are nonzero at a position.
 type Seen<const D: usize> = Vec<Sight<D>>;
 
 impl<'a, const D: usize> Step<'a, D> {

@@ -8,10 +8,9 @@ const MAXIMUM_ORDER: u32 = 100;
 
 /// Transfer of the velocities of material points through the grid in a time step `dt`.
 ///
-/// The velocities go to the nodes, `v_i = sum_p m_p N_ip (v_p + C_p (x_i - x_p)) / m_i`, change there, `v_i' = v_i + dt f_i / m_i`, and return to the
-/// points.
-/// Points and deformation follow `v_i'`: `x_p' = x_p + dt sum_i N_ip v_i'`, `F_p' = (1 + dt sum_i v_i' (x) grad N_ip) F_p`.
-/// All functions are evaluated at the start of the step: symplectic Euler, with stresses updated last.
+/// The velocities are transferred to the nodes, `v_i = sum_p m_p N_ip (v_p + C_p (x_i - x_p)) / m_i`, updated there, `v_i' = v_i + dt f_i / m_i`, and
+/// transferred back to the points. Points and deformation follow `v_i'`: `x_p' = x_p + dt sum_i N_ip v_i'`, `F_p' = (1 + dt sum_i v_i' (x) grad N_ip)
+/// F_p`. All functions are evaluated at the start of the step: symplectic Euler, with stresses updated last.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -27,7 +26,7 @@ pub enum Transfer {
     /// The particle-in-cell transfer (Harlow 1964) has `flip = 0`, the fluid-implicit-particle transfer (Brackbill and Ruppel 1986) has `flip = 1`;
     /// other values blend both.
     Blended {
-        /// Fraction of its velocity that a point keeps, from 0 to 1.
+        /// Fraction of its previous velocity that a point keeps, from 0 to 1.
         flip: f64,
     },
     /// Affine particle-in-cell transfer (Jiang, Schroeder, Selle, Teran and Stomakhin 2015): `v_p' = sum_i N_ip v_i'` with affine fields
@@ -42,7 +41,7 @@ pub enum Transfer {
         order: u32,
     },
     /// Full mass matrix transfer FMPM(k) (Nairn and Hammerquist 2021): the velocities `v^k` of the nodes after the forces move and strain the points,
-    /// and the points take them, `v_p' = sum_i N_ip v_i'^k`, `x_p' = x_p + dt v_p'`, `F_p' = (1 + dt sum_i v_i'^k (x) grad N_ip) F_p`.
+    /// which receive these velocities, `v_p' = sum_i N_ip v_i'^k`, `x_p' = x_p + dt v_p'`, `F_p' = (1 + dt sum_i v_i'^k (x) grad N_ip) F_p`.
     FullMass {
         /// Order `k`, from 1 (the particle-in-cell transfer) to 100.
         order: u32,
@@ -55,7 +54,7 @@ impl Transfer {
         matches!(self, Self::Continuous) || self == Self::Blended { flip: 1.0 }
     }
 
-    /// Velocities that points take back in a step; `None` in continuous time.
+    /// Velocities that points receive from the grid in a step; `None` in continuous time.
     pub(super) fn filter(self) -> Option<VelocityFilter> {
         match self {
             Self::Continuous => None,

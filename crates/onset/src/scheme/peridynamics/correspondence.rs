@@ -39,7 +39,8 @@ pub(super) fn of_family<const D: usize>(
 /// Returns the points of the bonds of a family. The deformation gradient of a bond is computed from the neighbors that also belong to the family of
 /// its other end (Chen 2018).
 ///
-/// The energy of a family is the mean over its bonds, weighted with the volumes of their neighborhoods. Pairwise forces act on the ends of the bond alone.
+/// The energy of a family is the mean over its bonds, weighted with the volumes of their neighborhoods. Pairwise forces act on the ends of the bond
+/// alone.
 ///
 /// # Errors
 /// [`MethodError::HorizonTooSmall`] if the neighbors of a bond do not span the space.
@@ -121,8 +122,8 @@ pub(super) fn between_families<const D: usize>(
 /// Strains of bonds with stresses that act: the strain of each bond, times `1 - exp(i k.X_IJ)` for a wave.
 ///
 /// The force of a bond acts on its ends with opposite signs. The forces on a wave that displaces both ends equally cancel, although the wave may
-/// strain the bond. The product is the strain of the bond minus the strain of the bond moved by `X_IJ`. This form requires that both ends are equivalent
-/// particles; otherwise the strain alone is taken.
+/// strain the bond. The product is the strain of the bond minus the strain of the bond moved by `X_IJ`. This form requires that both ends are
+/// equivalent particles; otherwise only the strain is used.
 pub(super) fn acting_strains<const D: usize>(points: &[LagrangianPoint<D>]) -> StrainOperator<D> {
     let mut strain = StrainOperator::new();
     for point in points {
@@ -155,8 +156,8 @@ pub(super) enum Control<const D: usize> {
 }
 
 impl<const D: usize> Control<D> {
-    /// Returns the control of a family; `None` without one. The tangent belongs to the reference state, and `ball` returns the integral of the length over
-    /// the ball of the horizon.
+    /// Returns the control of a family; `None` without a control. The tangent belongs to the reference state, and `ball` returns the integral of the
+    /// length over the ball of the horizon.
     pub(super) fn new(
         control: ZeroEnergyControl,
         family: &Family<D>,
@@ -195,7 +196,7 @@ impl<const D: usize> Control<D> {
 #[derive(Clone)]
 pub(super) struct Point<'a, const D: usize> {
     pub(super) stressed: Stressed<'a, D>,
-    /// Control with the family that it acts on.
+    /// Control, with its family.
     pub(super) control: Option<(Control<D>, &'a Family<D>)>,
 }
 

@@ -5,7 +5,7 @@ use crate::lattice::{Crystal, Particle};
 use crate::method::{MAXIMUM_NEIGHBORS, MethodError};
 use nalgebra::{DMatrix, SMatrix, SVector};
 
-/// The shape tensor counts as singular below this ratio of its eigenvalues.
+/// Largest ratio of the eigenvalues of the shape tensor that counts as singular.
 const SINGULAR: f64 = 1e-12;
 /// Relative rounding error of a distance that equals the horizon.
 const RIM: f64 = 1e-9;
@@ -15,18 +15,18 @@ pub(super) struct Neighbor<const D: usize> {
     pub(super) particle: Particle<D>,
     /// Reference bond `X_IJ`; length.
     pub(super) vector: SVector<f64, D>,
-    /// Influence `w`. It is zero at the rim for some functions; forces that are not weighted remain there.
+    /// Influence `w`. For some functions it is zero at the rim, where forces that are not weighted remain.
     pub(super) influence: f64,
-    /// Part of the particle's volume that counts; length^D.
+    /// Part of the particle's volume that belongs to the family; length^D.
     pub(super) volume: f64,
-    /// Fraction of the particle's volume that counts.
+    /// Fraction of the particle's volume that belongs to the family.
     pub(super) fraction: f64,
 }
 
 /// Family of a particle of the cell at the origin.
 #[derive(Clone, Debug)]
 pub(super) struct Family<const D: usize> {
-    /// The particle itself, then the others.
+    /// Particle of the family, followed by its neighbors.
     pub(super) particles: Vec<Particle<D>>,
     pub(super) volume: f64,
     pub(super) neighbors: Vec<Neighbor<D>>,
@@ -119,7 +119,7 @@ impl<const D: usize> Family<D> {
         })
     }
 
-    /// Returns the part of the family within the horizon of another place.
+    /// Returns the part of the family within the horizon of another point.
     ///
     /// # Errors
     /// [`MethodError::HorizonTooSmall`] if the shape tensor of the part is singular.
@@ -130,7 +130,7 @@ impl<const D: usize> Family<D> {
     }
 
     /// Gradients `b_J = w V_J K^-1 X_IJ` of the nonlocal deformation gradient and the vectors `X_IJ`, in the order of the particles. The gradient of
-    /// the particle itself is minus the sum of the others.
+    /// the particle itself is the negative sum of the others.
     pub(super) fn gradients(&self) -> (Vec<SVector<f64, D>>, Vec<SVector<f64, D>>) {
         let gradient = |n: &Neighbor<D>| self.inverse_shape * n.vector * (n.influence * n.volume);
         let vectors = self.neighbors.iter().map(|n| n.vector);

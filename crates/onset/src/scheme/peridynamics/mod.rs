@@ -38,7 +38,7 @@ use solid::Solid;
 pub enum Influence {
     /// Constant function of the length, `w = 1`.
     Constant,
-    /// Function inverse to the length, `w = 1/q`.
+    /// Reciprocal of the length, `w = 1/q`.
     Inverse,
     /// Linear decrease, `w = 1 - q` up to the horizon and zero beyond.
     Conical,
@@ -175,10 +175,10 @@ pub enum BondModel {
     /// Linear peridynamic solid, an ordinary state-based model with the energy per volume `kappa theta^2 / 2 + D (D + 2) mu / (2 m) sum_J w V_J e_d^2`
     /// (Silling and others 2007).
     ///
-    /// `e = |y| - r` is the elongation of a bond, `m = sum w r^2 V`, `theta = D/m sum w r e V` the dilatation and `e_d = e - theta r / D`.
-    /// The model uses only the bulk modulus `kappa` in `D` dimensions and the shear modulus `mu` of the material in the reference state; in one
-    /// dimension `mu` is the shear modulus in three. For an anisotropic material both belong to the isotropic tensor with equal `A_iijj` and `A_ijij`.
-    /// A homogeneous deformation is an equilibrium if every particle is a center of inversion.
+    /// Here `e = |y| - r` is the elongation of a bond, `m = sum w r^2 V`, `theta = D/m sum w r e V` the dilatation and `e_d = e - theta r / D`. The
+    /// model uses only the bulk modulus `kappa` in `D` dimensions and the shear modulus `mu` of the material in the reference state; in one dimension
+    /// `mu` is the shear modulus in three dimensions. For an anisotropic material both belong to the isotropic tensor with the same `A_iijj` and
+    /// `A_ijij`. A homogeneous deformation is an equilibrium if every particle is a center of inversion.
     Ordinary,
     /// Correspondence model with a deformation gradient for each bond, computed from the neighbors within the horizon of both of its ends (Chen 2018).
     BondAssociated {
@@ -212,13 +212,13 @@ pub enum BondForm {
     ///
     /// The forces do not derive from an energy, and a homogeneous stress is reproduced only approximately.
     One,
-    /// Form II: the stress of a bond acts on all of its neighbors, as it follows from the energy `sum_b V_b W(F_b) / sum_b V_b` of a family.
+    /// Form II: the stress of a bond acts on all of its neighbors, as follows from the energy `sum_b V_b W(F_b) / sum_b V_b` of a family.
     Two,
 }
 
 /// Choices that define a peridynamic discretization, apart from the lattice.
 ///
-/// By default bond-based with the usual horizon of three spacings, whole volumes, and the constants of the continuum.
+/// The default is bond-based with the usual horizon of three spacings, whole volumes, and the constants of the continuum.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -429,7 +429,8 @@ impl<const D: usize> Peridynamics<D> {
 }
 
 impl ZeroEnergyControl {
-    /// Returns true if only the component of the nonuniform deformation along the bonds is resisted, false if all of it is; `None` without control.
+    /// Returns true if only the component of the nonuniform deformation along the bonds is resisted, and false if all components are; `None` without
+    /// control.
     fn sees_only_along_bonds(self) -> Option<bool> {
         (self.coefficient() > 0.0).then_some(matches!(self, Self::Hourglass { .. }))
     }

@@ -11,7 +11,7 @@ use nalgebra::SVector;
 
 /// Family of a particle in a homogeneous state, with the energy `V_I (kappa theta^2 / 2 + D (D + 2) mu / (2 m) sum w V e_d^2)`.
 ///
-/// `e = |y| - r` is the elongation of a bond, `m = sum w r^2 V`, `theta = D/m sum w r e V` the dilatation and `e_d = e - theta r / D`.
+/// Here `e = |y| - r` is the elongation of a bond, `m = sum w r^2 V`, `theta = D/m sum w r e V` the dilatation and `e_d = e - theta r / D`.
 #[derive(Clone, Debug)]
 pub(super) struct Solid<'a, const D: usize> {
     family: &'a Family<D>,

@@ -1,10 +1,10 @@
 //! Stiffness of the forces of a stress by the chain rule.
 //!
-//! A traction between a particle and a neighbor depends on the displacements of all particles around them, but only through a few numbers.
-//! These are the deformation gradient and density of the particle, the moment `K` of corrected forces, and the position and density of the neighbor.
-//! The traction is differentiated with respect to these numbers once for each neighbor. Their derivatives with respect to the displacements are in
-//! closed form, in the homogeneous state.
-//! Direct differentiation with respect to each displacement would cost a factor equal to the number of particles.
+//! A traction between a particle and a neighbor depends on the displacements of all particles around them, but only through a few numbers. These are
+//! the deformation gradient and density of the particle, the moment `K` of corrected forces, and the position and density of the neighbor. The
+//! traction is differentiated with respect to these numbers once for each neighbor. Their derivatives with respect to the displacements are in closed
+//! form, in the homogeneous state. Direct differentiation with respect to each displacement would increase the cost by a factor equal to the number
+//! of particles.
 
 use super::stress::StressOf;
 use crate::algebra::array_of;
@@ -54,7 +54,7 @@ pub(super) struct Chain<'a, const D: usize> {
     f: [[f64; D]; D],
     /// The moment `K`, if forces are corrected.
     moment: Option<[[f64; D]; D]>,
-    /// Particles whose displacements move each particle, with their shares.
+    /// Particles whose displacements move each particle, with their weights.
     shifts: Vec<Vec<(usize, f64)>>,
     /// The relevant densities with their derivatives, starting with the density of the particle itself.
     densities: Vec<(f64, Row<D>)>,
@@ -199,7 +199,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         tractions
     }
 
-    /// Adds minus the derivatives of the forces with respect to the displacements.
+    /// Adds the negative derivatives of the forces with respect to the displacements.
     pub(super) fn add_stiffness(&self, blocks: &mut BlochBlocks<D>) {
         let pairs = self.stress.surroundings.pairs;
         let mut sums = blocks.between(&self.stress.particles);

@@ -9,7 +9,8 @@ use crate::real::{LANES, Lanes, Real};
 
 /// Contribution of one particle to a pair force, `f_I = sum_J (r_I T_J +- r_J T_I) grad W_IJ`.
 ///
-/// `r = m`, `T = m s / rho^2` in the symmetric form and `r = m / rho`, `T = m s / rho` in the others, so that no division is needed per pair.
+/// Here `r = m`, `T = m s / rho^2` in the symmetric form and `r = m / rho`, `T = m s / rho` in the other forms, so that no division is needed per
+/// pair.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Laden<R, const D: usize> {
     /// Factor `r` of the force.
@@ -21,8 +22,8 @@ pub(crate) struct Laden<R, const D: usize> {
 }
 
 impl<R: Real, const D: usize> Laden<R, D> {
-    /// Returns `T grad W` minus the artificial stress. For one pair this is the force over the factor `r` of the other particle; for several pairs
-    /// the slopes are sums weighted by `r`.
+    /// Returns `T grad W` minus the artificial stress. For one pair this is the force divided by the factor `r` of the other particle; for several
+    /// pairs the slopes are sums weighted by `r`.
     #[inline(always)]
     pub(crate) fn traction(&self, slopes: &[[R; D]; 2]) -> [R; D] {
         let traction = times_vector(&self.tension, &slopes[0]);
@@ -146,7 +147,7 @@ impl<const D: usize> CurrentPairs<D> {
     /// Gradient `grad W_IJ` with respect to `x_I`, and this gradient times the factor of the artificial stress.
     #[inline(always)]
     pub(crate) fn slopes<R: Real>(&self, weight: &Weighed<R, D>) -> [[R; D]; 2] {
-        // Minus the gradient along x_J - x_I.
+        // Negative gradient along x_J - x_I.
         let slope = weight.gradient.each(|slope| -slope);
         let less = match &self.repulsion {
             None => [R::constant(0.0); D],
@@ -226,7 +227,7 @@ impl<const D: usize> CurrentPairs<D> {
         self.weight.radius()
     }
 
-    /// Maps a place to the coordinates of the kernels.
+    /// Maps a position to the coordinates of the kernels.
     pub(crate) fn measured(&self, x: &[f64; D]) -> [f64; D] {
         self.weight.measured(x)
     }

@@ -14,7 +14,7 @@ pub(super) struct Neighborhood<const D: usize> {
     pub(super) particles: Vec<Particle<D>>,
     /// Vectors `x_J - x_I` to the particles; length.
     pub(super) vectors: Vec<[f64; D]>,
-    /// Weight `W_IJ` with its gradient along `x_J - x_I`, which is minus the gradient with respect to `x_I`.
+    /// Weight `W_IJ` with its gradient along `x_J - x_I`, which is the negative of the gradient with respect to `x_I`.
     pub(super) weights: Vec<Weighed<f64, D>>,
 }
 
@@ -52,7 +52,7 @@ impl<const D: usize> Neighborhood<D> {
         others.map(|(other, weight)| ([self.particles[0], *other], weight.value))
     }
 
-    /// Density `sum_J m_J W_IJ`, the particle itself included, from the masses of the sites.
+    /// Density `sum_J m_J W_IJ`, including the particle itself, from the masses of the sites.
     pub(super) fn summed_density(&self, masses: &[f64]) -> f64 {
         let pairs = self.particles.iter().zip(&self.weights);
         pairs

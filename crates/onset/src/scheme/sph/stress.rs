@@ -30,7 +30,7 @@ impl<'a, const D: usize> Responses<'a, D> {
 pub(super) struct Surroundings<'a, const D: usize> {
     pub(super) responses: &'a Responses<'a, D>,
     pub(super) pairs: &'a CurrentPairs<D>,
-    /// Whether positions are held, so that a displacement changes only the quantities that particles carry along.
+    /// Whether positions are held, so that a displacement changes only the quantities that particles carry.
     pub(super) holds_positions: bool,
 }
 
@@ -54,7 +54,7 @@ pub(super) struct StressOf<'a, const D: usize> {
     pub(super) masses: Vec<f64>,
     /// Neighbors of the particle, and also of its neighbors if their densities enter the forces.
     pub(super) circles: Vec<Circle<D>>,
-    /// Neighbors with their shares for each particle whose position is needed, by number, if only positions follow smoothed velocities; otherwise
+    /// Neighbors with their weights for each particle whose position is needed, by number, if only positions follow smoothed velocities; otherwise
     /// empty.
     pub(super) smoothing: Vec<Vec<(usize, f64)>>,
 }
@@ -66,7 +66,7 @@ pub(super) struct Moved<'a, R: Clone, const D: usize> {
 }
 
 impl<const D: usize> StressOf<'_, D> {
-    /// Particles whose displacements move the particle with a number, with their shares: `u_I + sum_J s_IJ (u_J - u_I)`.
+    /// Particles whose displacements move the given particle, with their weights: `u_I + sum_J s_IJ (u_J - u_I)`.
     pub(super) fn shares(&self, number: usize) -> impl Iterator<Item = (usize, f64)> {
         let moves = !self.surroundings.holds_positions;
         let smoothing = self.smoothing.get(number).filter(|_| moves);
@@ -88,7 +88,7 @@ impl<const D: usize> StressOf<'_, D> {
         between(&self.positions[from], &self.positions[to])
     }
 
-    /// The homogeneous state without displacements.
+    /// Homogeneous state without displacements.
     pub(super) fn at_rest(&self) -> Moved<'_, f64, D> {
         Moved {
             displacements: Cow::Owned(vec![[0.0; D]; self.particles.len()]),
@@ -96,12 +96,12 @@ impl<const D: usize> StressOf<'_, D> {
         }
     }
 
-    /// Response of the law at the particle with a number.
+    /// Response of the law at the particle with the given number.
     pub(super) fn response(&self, number: usize) -> &PointResponse<'_, D> {
         self.surroundings.responses.of(self.particles[number].site)
     }
 
-    /// Deformation gradient that the particle with a number carries, `(1 + sum_J u_J (x) g_J) F`.
+    /// Deformation gradient of the particle with the given number, `(1 + sum_J u_J (x) g_J) F`.
     fn deformation<R: Real>(&self, displacements: &[[R; D]], number: usize) -> [[R; D]; D] {
         let circle = &self.circles[number];
         let seen: Vec<[R; D]> = circle.members.iter().map(|n| displacements[*n]).collect();
@@ -109,7 +109,7 @@ impl<const D: usize> StressOf<'_, D> {
         transported(&step, &self.response(number).leading())
     }
 
-    /// Density of the particle with a number.
+    /// Density of the particle with the given number.
     pub(super) fn density<R: Real>(&self, number: usize, moved: &Moved<'_, R, D>) -> R {
         let circle = &self.circles[number];
         let pairs = self.surroundings.pairs;

@@ -95,9 +95,9 @@ impl Default for TotalLagrangianChoices {
 
 /// SPH with kernels in material coordinates.
 ///
-/// The deformation gradient is `F_I = sum_J V_J (u_J - u_I) (x) grad W_IJ K_I^-1 + 1` and the force is
-/// `f_I = sum_J V_I V_J (P_I K_I^-T + P_J K_J^-T) grad W_IJ`, with `K_I = sum_J V_J X_IJ (x) grad W_IJ` or, uncorrected, `K = 1`.
-/// The forces are minus the derivatives of the energy `sum_I V_I W(F_I)`. The state is imposed: every particle carries `F`.
+/// The deformation gradient is `F_I = sum_J V_J (u_J - u_I) (x) grad W_IJ K_I^-1 + 1` and the force is `f_I = sum_J V_I V_J (P_I K_I^-T + P_J K_J^-T)
+/// grad W_IJ`, with `K_I = sum_J V_J X_IJ (x) grad W_IJ` or, uncorrected, `K = 1`. The forces are the negative derivatives of the energy `sum_I V_I
+/// W(F_I)`. The state is imposed: every particle has the deformation gradient `F`.
 ///
 /// Source: Vignjevic, Reveles, Campbell, CMES 14 (2006) 181; Bonet and Lok, Comput. Methods Appl. Mech. Engrg. 180 (1999) 97.
 ///

@@ -724,7 +724,7 @@ mod tests {
         all
     }
 
-    /// Largest difference of two sums, over the largest entry of the first.
+    /// Largest difference of two sums, relative to the largest entry of the first.
     fn difference<const D: usize>(sums: [&BlochSum<D>; 2]) -> f64 {
         let [blocks, others] = sums.map(|sum| {
             let blocks = sum.blocks().map(|(from, to, block)| ((from, *to), *block));

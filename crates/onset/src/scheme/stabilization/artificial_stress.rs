@@ -71,8 +71,8 @@ impl Repulsion {
 
     /// Tensile part `[sigma]_+` of a stress.
     ///
-    /// In the directions of principal stresses `a`, `b` the derivative is the derivative of `[.]_+` if they are equal, and its difference quotient
-    /// otherwise (Daleckii and Krein).
+    /// In the directions of principal stresses `a`, `b` the derivative is the derivative of `[.]_+` if they are equal, and otherwise its difference
+    /// quotient (Daleckii and Krein).
     pub(in super::super) fn tensile_part<R: Real, const D: usize>(
         &self,
         stress: &[[R; D]; D],

@@ -8,8 +8,7 @@ use nalgebra::SMatrix;
 /// Quantities that follow the smoothed velocity.
 ///
 /// The velocity itself obeys the forces in both cases. With the smoothing operator `T`, positions move by `T w` if velocities alone would move them
-/// by `w`.
-/// The deformation and the density that a particle carries follow `T w` for `Everything` and `w` for `Positions`.
+/// by `w`. The deformation and the density of a particle follow `T w` for `Everything` and `w` for `Positions`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -38,7 +37,7 @@ pub(in super::super) fn smoothing_share<R: Real>(
 
 /// Smoothing operator `T` in `du/dt = T v`: `du_I/dt = v_I + epsilon sum_J m_J / rho_IJ (v_J - v_I) W_IJ` with the mean density of the two particles.
 ///
-/// Densities and weights are taken in the homogeneous state. Each pair is given from both of its ends.
+/// Densities and weights refer to the homogeneous state. Each pair is given from both of its ends.
 ///
 /// Source: Monaghan, J. Comput. Phys. 82 (1989) 1.
 pub(in super::super) fn smoothed_velocities<const D: usize>(

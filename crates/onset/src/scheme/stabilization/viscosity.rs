@@ -20,12 +20,12 @@ use crate::real::Real;
     serde(rename_all = "kebab-case")
 )]
 pub enum ViscositySwitch {
-    /// Always, for approaching and for receding particles.
+    /// The viscosity always acts, for approaching and for receding particles.
     Always,
-    /// Always, with half of the strength. The original acts only on approaching particles and has no derivative at zero velocity; half of its
-    /// strength is the mean over the two halves of an oscillation.
+    /// The viscosity always acts, with half of its strength. The original acts only on approaching particles and has no derivative at zero velocity;
+    /// half of its strength is the mean over the two halves of an oscillation.
     Averaged,
-    /// Form of LAMMPS' SMD: always, with the whole support radius as `h` and `mu = h v_IJ.x_IJ / (|x_IJ| + 0.1 h)^2`.
+    /// Form of LAMMPS' SMD: the viscosity always acts, with the whole support radius as `h` and `mu = h v_IJ.x_IJ / (|x_IJ| + 0.1 h)^2`.
     ///
     /// With kernels in material coordinates the bond direction is `x / (|x| + 0.01 h)`, and the quadratic term is repulsive for approaching and
     /// receding particles. With kernels in current coordinates the quadratic term is absent.
@@ -156,7 +156,8 @@ impl Dashpot {
         -mu * (size * quadratic + self.linear)
     }
 
-    /// Returns the force on the first particle over `m_I m_J / rho`, from the vector to the other particle and the difference of the velocities.
+    /// Returns the force on the first particle divided by `m_I m_J / rho`, from the vector to the other particle and the difference of the
+    /// velocities.
     pub(in super::super) fn on_first<R: Real, const D: usize>(
         &self,
         x: &[R; D],

@@ -8,7 +8,7 @@ use super::plane::{
 use crate::algebra::Each;
 use std::f64::consts::PI;
 
-/// Spacings of the points from which a branch is extended. The next one is tried if the branches do not meet.
+/// Spacings of the points from which a branch is extended. The next spacing is tried if the branches do not meet.
 const SPACINGS: [f64; 3] = [2e-5, 2e-6, 2e-7];
 /// Largest distance of the boundary from the intersection of the branches.
 const CORNER_TOLERANCE: f64 = 1e-9;
@@ -17,7 +17,7 @@ const CORNER_TOLERANCE: f64 = 1e-9;
 const EXTENSION_STEPS: f64 = 0.05;
 const EXTENSION_BRACKET: f64 = 1e-10;
 
-/// Distance to a corner within a step that turns; `None` if the branches do not meet within the step.
+/// Distance to a corner within a step in which the curve turns; `None` if the branches do not meet within the step.
 ///
 /// The curve from the start is extended with its curvature, the branch at the end of the step backward. Their intersection is the corner.
 pub(super) fn ahead<E>(
@@ -117,7 +117,7 @@ fn on_circle<E>(
         .map(|(turn, accuracy)| Node::regular(circle(turn), accuracy * radius)))
 }
 
-/// Parabola through three points of a branch, the first one nearest to the corner, at the parameters 0, 1 and 2.
+/// Parabola through three points of a branch, starting with the point nearest to the corner, at the parameters 0, 1 and 2.
 struct Branch([Point; 3]);
 
 impl Branch {

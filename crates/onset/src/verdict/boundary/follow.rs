@@ -11,15 +11,15 @@ use super::{Crossing, Curve, End, Fineness, Vertex};
 use crate::verdict::{Phase, Probe};
 use std::f64::consts::{PI, TAU};
 
-/// Largest turn of a smooth step beyond the prediction of the curvature, in radians. A larger turn is a corner if it persists in steps as short as
-/// [`CORNER_STEP`].
+/// Largest turn of a smooth step beyond the prediction of the curvature, in radians. A larger turn indicates a corner if it persists in steps as
+/// short as [`CORNER_STEP`].
 const CORNER_TURN: f64 = 2e-3;
 const CORNER_STEP: f64 = 1e-5;
 /// Number of predictions of a corner within a step, after which the steps are only shortened.
 const MAX_PREDICTIONS: usize = 3;
 /// Distance from a predicted corner at which a step ends, as a fraction of the distance to the corner.
 const CORNER_MARGIN: f64 = 0.02;
-/// Largest length of a short step, as after a corner. Short steps may grow faster.
+/// Largest length of a short step, as after a corner. The length of short steps may grow faster.
 const SHORT_STEP: f64 = 1e-3;
 /// Largest length of a step that does not determine the curvature.
 const SMOOTH_STEP: f64 = 1e-7;
@@ -127,7 +127,7 @@ pub(super) fn follow<E>(
     Ok((nodes.len() > 1).then(|| curve(field, crossing.sides, &nodes, ends)))
 }
 
-/// Start of a curve: the seed, or a point near it if the seed is a corner. The corner is then found like any other.
+/// Start of a curve: the seed, or a point near it if the seed is a corner. The corner is then found like any other corner.
 fn beginning<E>(
     field: &Field<'_, E>,
     fineness: &Fineness,
@@ -202,7 +202,7 @@ struct Start {
 }
 
 impl Start {
-    /// Searches on smaller and smaller circles for a single, nearly straight curve.
+    /// Searches on circles of decreasing radius for a single, nearly straight curve.
     fn around<E>(
         field: &Field<'_, E>,
         fineness: &Fineness,
@@ -320,9 +320,9 @@ enum Step {
         excess: f64,
         deviation: f64,
     },
-    /// The curve turns more than its curvature predicts.
+    /// The curve turns by more than its curvature predicts.
     Turns(Node),
-    /// The chord is too far from the curve, by this distance.
+    /// The distance of the chord from the curve is too large.
     Bends(f64),
     /// The step meets a third phase, or the edge of the window (`None`).
     Meets(Option<Phase>),

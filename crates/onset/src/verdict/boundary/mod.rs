@@ -7,7 +7,7 @@
 //!    to agree with the curvature.
 //! 3. `corner` extends two smooth branches to their intersection if the curve turns abruptly within arbitrarily short steps.
 //!
-//! Only phases decide, so that boundaries at which the measure jumps are traced too. The measure accelerates the search.
+//! Only phases are decisive, so that boundaries at which the measure jumps are also traced. The measure accelerates the search.
 
 mod corner;
 mod follow;
@@ -71,7 +71,7 @@ pub struct Fineness {
     pub bracket: f64,
     /// Largest number of states evaluated for one curve; a curve that needs more ends with [`End::Budget`].
     ///
-    /// All curves together may use four times this number. Changes of phase found later stay unresolved.
+    /// All curves together may use four times this number. Changes of phase found later remain unresolved.
     pub budget: usize,
 }
 
@@ -115,7 +115,7 @@ pub enum End {
 /// Boundary curve between two phases.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// Phase to the left of the direction of the vertices; the more stable of the two.
+    /// Phase to the left of the direction of the vertices; it is the more stable of the two phases.
     pub left: Phase,
     /// Phase to the right of the direction of the vertices.
     pub right: Phase,
@@ -259,7 +259,7 @@ pub fn trace_boundary_from<E>(
 
 /// Returns a change of phase between two points, bracketed to `1e-13` of the window.
 ///
-/// If several are found, the nearest to `from` is returned; `None` if both points are in the same phase, or if one is outside the window.
+/// If several are found, the change nearest to `from` is returned; `None` if both points are in the same phase, or if a point is outside the window.
 ///
 /// # Errors
 /// Errors of the probe.
@@ -294,7 +294,7 @@ struct Crossing {
     accuracy: f64,
 }
 
-/// Order of phases, most stable first: of two phases the more stable is on the left.
+/// Order of phases, most stable first; the more stable of two phases is on the left of a curve.
 fn rank(phase: Phase) -> u8 {
     match phase {
         Phase::Stable => 0,

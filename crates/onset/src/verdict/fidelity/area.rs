@@ -163,8 +163,8 @@ pub fn areas<E>(
     Ok(areas)
 }
 
-/// Strips that no chord of one boundary crosses. Their phase is evaluated in the middle, far from the chords, which cut off a little of the area that
-/// they enclose.
+/// Strips that no chord of one boundary crosses. Their phase is evaluated in the middle, far from the chords, which enclose a slightly smaller area
+/// than the curve.
 fn uncrossed(window: Window, pieces: &[Piece], of: usize) -> Vec<[f64; 2]> {
     let (mut strips, mut reached) = (Vec::new(), window.low[0]);
     for piece in pieces.iter().filter(|piece| piece.of == of) {

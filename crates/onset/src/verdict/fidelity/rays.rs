@@ -13,7 +13,7 @@ pub enum RayOnset {
     At(f64),
     /// The method is not defined beyond this distance.
     Undefined(f64),
-    /// The ray stays stable within the window.
+    /// The ray remains stable within the window.
     None,
 }
 
