@@ -2,8 +2,8 @@
 
 use super::root::{bracket_zero, dip};
 use super::{
-    Criterion, Jump, JumpSearch, Kink, LARGEST_RATIO, LoadingPath, Measure, PathState, Witness,
-    kinks, ratio_of_stretches,
+    Criterion, Jump, JumpSearch, Kink, LARGEST_RATIO, LoadingPath, Measure, Witness, kinks,
+    ratio_of_stretches,
 };
 use crate::algebra::{Each, sort_by_value};
 use nalgebra::Vector3;
@@ -90,7 +90,7 @@ const DIP: f64 = 2e-11;
 /// Follows a criterion along one side of a path, in tension or in compression. Returns `None` if the criterion is not defined there.
 ///
 /// The criterion is evaluated at the states of the path, local minima of the measure between the states are refined, and each change of sign is
-/// bracketed to rounding. States whose principal stretches differ by a factor above 1e4 do not count. A criterion that is lost and regained between
+/// bracketed to rounding, or to 1e-11 if the law integrates the path to a state. States whose principal stretches differ by a factor above 1e4 do not count. A criterion that is lost and regained between
 /// two states is overlooked unless the states show a local minimum. At a [concave kink](super::Kink::is_concave) of the energy every criterion of
 /// increments is lost, and regained at the same stretch if it holds behind the kink.
 ///
@@ -109,7 +109,7 @@ const DIP: f64 = 2e-11;
 /// # Ok::<(), onset::criteria::LoadingError>(())
 /// ```
 pub fn follow(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Option<Track> {
-    let states = side(path, tension);
+    let states = path.side(tension);
     let measures: Vec<Measure> = states
         .iter()
         .map(|state| criterion.measure(&path.ask(state)))
@@ -152,7 +152,7 @@ pub fn follow(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Op
             let mut upright = |s: f64| Some(own * value(s)?);
             let mut around = [n - 1, n, n + 1].each(parameter);
             around.sort_by(f64::total_cmp);
-            let tolerance = DIP * (around[2] - around[0]);
+            let tolerance = path.flat_to(DIP) * (around[2] - around[0]);
             let found = dip(&mut upright, around, own * values[n], tolerance);
             // A local minimum counts as a violation only if its value exceeds rounding.
             let told = found.filter(|(s, found)| {
@@ -170,7 +170,8 @@ pub fn follow(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Op
         if holds[0] == holds[1] {
             continue;
         }
-        let (before, behind) = bracket_zero(&mut value, pair[0], pair[1], RESOLUTION);
+        let (before, behind) =
+            bracket_zero(&mut value, pair[0], pair[1], path.resolved(RESOLUTION));
         let lost = holds[0];
         let (place, knot) = if lost {
             (behind, pair[1].0)
@@ -256,14 +257,6 @@ fn undetermined(
     match noise > 0.0 && slope > 0.0 {
         true => (noise / slope).min(s.abs()),
         false => 0.0,
-    }
-}
-
-fn side<'p>(path: &'p LoadingPath<'_>, tension: bool) -> &'p [PathState] {
-    if tension {
-        &path.tension
-    } else {
-        &path.compression
     }
 }
 
@@ -413,7 +406,9 @@ impl Jumps<'_, '_> {
     fn places(&self, elliptic: &Track, tension: bool) -> Vec<f64> {
         let limit = elliptic.limit().map(f64::ln);
         let within = |s: f64| limit.is_none_or(|limit| s.abs() < limit.abs());
-        let along = side(self.path, tension)
+        let along = self
+            .path
+            .side(tension)
             .iter()
             .step_by(STRIDE)
             .filter(|state| ratio_of_stretches(&state.response) <= LARGEST_RATIO)

@@ -4,6 +4,7 @@ use super::{LoadingPath, PathEnd, PathState};
 use crate::algebra::{Each, sort_by_value};
 use crate::material::{FourthOrder, Response};
 use nalgebra::Matrix3;
+use std::collections::HashMap;
 
 /// Lowest derivative of the energy that jumps: the energy itself, the stress or the tangent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,6 +60,9 @@ const REPORTED_JUMPS: [f64; 3] = [1e-9, 1e-7, 1e-6];
 /// Smoothness test for short intervals: for a smooth quantity the deviation from linearity on half an interval is less than this fraction of that on
 /// the whole.
 const SMOOTH_BEND_RATIO: f64 = 0.6;
+/// Smoothness test for short intervals that end in a fold, where a smooth quantity varies as the root of the distance, so that the deviation falls to 0.71 of
+/// itself only.
+const SMOOTH_BEND_RATIO_AT_FOLD: f64 = 0.8;
 /// Number of halvings after which an interval counts as short.
 const HALVINGS_UNTIL_SHORT: usize = 4;
 /// Final width of the interval around a jump, in `ln lambda`.
@@ -94,13 +98,16 @@ fn found(path: &LoadingPath<'_>) -> Vec<Kink> {
     let compression = path.compression.iter().skip(1).rev();
     let states: Vec<&PathState> = compression.chain(&path.tension).collect();
     let mut found = Vec::new();
+    let mut at = once(|s| path.at(s));
     for order in 0..REPORTED_JUMPS.len() {
         for n in suspects(&states, order) {
             let ends = [states[n].clone(), states[n + 1].clone()];
-            found.extend(narrowed(path, order, ends).and_then(|[low, high]| {
-                let sides = [low.parameter, high.parameter];
-                between(&low.response, &high.response, &low.rate, sides)
-            }));
+            found.extend(
+                narrowed(path, &mut at, order, ends).and_then(|[low, high]| {
+                    let sides = [low.parameter, high.parameter];
+                    between(&low.response, &high.response, &low.rate, sides)
+                }),
+            );
         }
     }
     found.extend(at_end(path, &path.tension, &path.tension_end, 1.0));
@@ -163,17 +170,19 @@ fn suspects(states: &[&PathState], order: usize) -> Vec<usize> {
 /// Narrows the interval between two states to the jump of a quantity; `None` if the quantity is smooth.
 fn narrowed(
     path: &LoadingPath<'_>,
+    at: &mut impl FnMut(f64) -> Option<PathState>,
     order: usize,
     mut ends: [PathState; 2],
 ) -> Option<[PathState; 2]> {
-    let mut middle = halfway(path, &ends)?;
+    let mut middle = halfway(at, &ends)?;
     let mut whole = bend(&ends, &middle, order);
     let mut halvings = 0;
-    while ends[1].parameter - ends[0].parameter > WIDTH {
+    let width = path.resolved(WIDTH);
+    while ends[1].parameter - ends[0].parameter > width {
         let [low, high] = ends;
         let halves = [[low, middle.clone()], [middle, high]];
-        let first = halfway(path, &halves[0])?;
-        let second = halfway(path, &halves[1])?;
+        let first = halfway(at, &halves[0])?;
+        let second = halfway(at, &halves[1])?;
         let bends = [
             bend(&halves[0], &first, order),
             bend(&halves[1], &second, order),
@@ -185,7 +194,11 @@ fn narrowed(
         };
         let larger = bends[0].max(bends[1]);
         halvings += 1;
-        let is_smooth = halvings > HALVINGS_UNTIL_SHORT && larger < SMOOTH_BEND_RATIO * whole;
+        let ratio = match ends.iter().any(|end| path.is_fold(end.parameter)) {
+            true => SMOOTH_BEND_RATIO_AT_FOLD,
+            false => SMOOTH_BEND_RATIO,
+        };
+        let is_smooth = halvings > HALVINGS_UNTIL_SHORT && larger < ratio * whole;
         if is_smooth || larger <= 0.25 * REPORTED_JUMPS[order] * quantity(&middle.response, order).1
         {
             return None;
@@ -196,10 +209,22 @@ fn narrowed(
 }
 
 /// State between two others, near their middle. States without a tangent are avoided.
-fn halfway(path: &LoadingPath<'_>, ends: &[PathState; 2]) -> Option<PathState> {
+fn halfway(
+    at: &mut impl FnMut(f64) -> Option<PathState>,
+    ends: &[PathState; 2],
+) -> Option<PathState> {
     let [low, high] = ends.each_ref().map(|end| end.parameter);
-    let at = |part: f64| path.at(low + (high - low) * part);
-    [0.5, 0.4, 0.6].into_iter().find_map(at)
+    let parts = [0.5, 0.4, 0.6].into_iter();
+    parts.map(|part| low + (high - low) * part).find_map(at)
+}
+
+/// States, each computed once: the searches for jumps of the energy, the stress and the tangent meet in the same places.
+fn once(state: impl Fn(f64) -> Option<PathState>) -> impl FnMut(f64) -> Option<PathState> {
+    let mut known = HashMap::new();
+    move |s: f64| {
+        let found = known.entry(s.to_bits()).or_insert_with(|| state(s));
+        found.clone()
+    }
 }
 
 /// Distance of a quantity at an intermediate state from the linear interpolation between its neighbors.

@@ -6,7 +6,7 @@ use super::{Kink, State};
 use crate::algebra::array_of;
 use crate::kinematics::{DeformationGradient, DeformationPath, KinematicsError};
 use crate::material::{Hyperelastic, MaterialError, Response};
-use nalgebra::{Matrix3, Vector2, Vector3};
+use nalgebra::{Matrix2x3, Matrix3, Vector2, Vector3};
 use std::sync::OnceLock;
 use thiserror::Error;
 
@@ -339,6 +339,8 @@ pub struct PathState {
     lateral: Vector2<f64>,
     /// Unit tangent of the branch, away from the reference configuration, in the space of the logarithms of the free stretches and `s`.
     tangent: Vector3<f64>,
+    /// Derivatives of the tractions, if they cost more than a response: neighboring states are then solved for with them.
+    slopes: Option<Slopes>,
 }
 
 impl PathState {
@@ -443,6 +445,15 @@ const BEFORE_END: f64 = 1e-6;
 const BESIDE_JUMP: f64 = 1e-9;
 /// Largest number of Newton iterations for the free stretches.
 const ITERATIONS: usize = 40;
+/// Largest number of iterations for a law that integrates the path to a state. They converge in less than ten.
+const ITERATIONS_INTEGRATED: usize = 20;
+/// Width to which the end of a path, changes of criteria and kinks are resolved, in `ln lambda`, for a law that integrates the path to a state: closer
+/// states differ by errors of integration.
+const INTEGRATED: f64 = 1e-11;
+/// Accuracy of the free stretches of such a law, in their logarithms.
+const INTEGRATED_FREE: f64 = 0.1 * INTEGRATED;
+/// Largest distance of the next state on a branch from its guess, in units of the step.
+const STRAYED: f64 = 2.0;
 
 /// Reason why a loading cannot be followed.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -526,7 +537,7 @@ impl<'a> LoadingPath<'a> {
         range: &Range,
         volume: Volume,
     ) -> Result<Self, LoadingError> {
-        let start = solve(material, loading, volume, Vector3::zeros(), &Vector3::z());
+        let start = solve(material, loading, volume, &Start::at(Vector3::zeros()));
         let reference = start.map_err(|missing| match missing {
             // The law is defined at F = 1 but not at the stretches that would make the faces traction-free.
             Missing::Law(_) if respond(material, &Matrix3::identity()).is_ok() => {
@@ -575,12 +586,39 @@ impl<'a> LoadingPath<'a> {
         matches!(end, PathEnd::Fold { .. })
     }
 
-    /// State at `s = ln lambda` on the branch that was followed; `None` beyond its ends.
-    pub fn at(&self, s: f64) -> Option<PathState> {
-        let states = match s >= 0.0 {
+    /// Width to which a place along the path is resolved, in `ln lambda`; `rounding` is the width for a law whose response is exact to rounding.
+    pub(super) fn resolved(&self, rounding: f64) -> f64 {
+        match self.material.is_path_dependent() {
+            true => INTEGRATED,
+            false => rounding,
+        }
+    }
+
+    /// Width to which the place of a minimum is resolved, in units of the interval around it: values there differ by the square of the distance.
+    pub(super) fn flat_to(&self, rounding: f64) -> f64 {
+        match self.material.is_path_dependent() {
+            true => INTEGRATED.sqrt(),
+            false => rounding,
+        }
+    }
+
+    /// Returns true if the path ends at `s = ln lambda` in a fold.
+    pub(super) fn is_fold(&self, s: f64) -> bool {
+        let last = self.side(s >= 0.0).last();
+        self.ends_in_fold(s >= 0.0) && last.is_some_and(|last| last.parameter == s)
+    }
+
+    /// States in tension or in compression.
+    pub(super) fn side(&self, tension: bool) -> &[PathState] {
+        match tension {
             true => &self.tension,
             false => &self.compression,
-        };
+        }
+    }
+
+    /// State at `s = ln lambda` on the branch that was followed; `None` beyond its ends.
+    pub fn at(&self, s: f64) -> Option<PathState> {
+        let states = self.side(s >= 0.0);
         let last = states.last()?;
         // The end is reported as a stretch, whose logarithm equals the parameter only to rounding.
         let near = match self.ends_in_fold(s >= 0.0) {
@@ -597,17 +635,15 @@ impl<'a> LoadingPath<'a> {
         }
         let before = states.get(beyond.checked_sub(1)?)?;
         let guess = between(before, after, s);
-        let state = solve(
-            self.material,
-            self.loading,
-            self.volume,
-            guess,
-            &Vector3::z(),
-        );
         let chord = (after.place() - before.place()).norm();
+        let reach = 1e-9 + 0.3 * chord;
+        let is_nearer = (s - before.parameter).abs() < (after.parameter - s).abs();
+        let beside = if is_nearer { before } else { after };
+        let start = Start::at(guess).beside(beside, reach);
+        let state = solve(self.material, self.loading, self.volume, &start);
         state
             .ok()
-            .filter(|state| (state.place() - guess).norm() <= 1e-9 + 0.3 * chord)
+            .filter(|state| (state.place() - guess).norm() <= reach)
     }
 
     /// States displaced from the path by the rounding error of the free stretches, in several directions.
@@ -690,22 +726,32 @@ impl<'a> LoadingPath<'a> {
         };
         let mut found: Vec<PathState> = vec![own];
         let starts = [-1.6, -0.8, -0.4, 0.0, 0.4, 0.8, 1.6];
+        let mirrors = self.is_isotropic() && self.loading.mode == Mode::Uniaxial && count == 2;
+        // Each state of a law that integrates the path to it is costly, and its mirror image is known.
+        let mirrors = mirrors && self.material.is_path_dependent();
         for first in starts {
             let seconds: &[f64] = if count == 2 { &starts } else { &[0.0] };
             for second in seconds {
-                let start = Vector2::new(first, *second);
-                let Ok(state) = solve(
-                    self.material,
-                    self.loading,
-                    self.volume,
-                    start.push(s),
-                    &Vector3::z(),
-                ) else {
+                if mirrors && *second > first {
+                    continue;
+                }
+                let start = Start::at(Vector2::new(first, *second).push(s));
+                let Ok(state) = solve(self.material, self.loading, self.volume, &start) else {
                     continue;
                 };
-                let new = |other: &PathState| (other.lateral - state.lateral).amax() > 1e-6;
-                if found.iter().all(new) {
-                    found.push(state);
+                let is_new = |found: &[PathState], lateral: Vector2<f64>| {
+                    let differs = |other: &PathState| (other.lateral - lateral).amax() > 1e-6;
+                    found.iter().all(differs)
+                };
+                if !is_new(&found, state.lateral) {
+                    continue;
+                }
+                let image = Vector2::new(state.lateral.y, state.lateral.x);
+                found.push(state);
+                if mirrors && is_new(&found, image) {
+                    let start = Start::at(image.push(s));
+                    let image = solve(self.material, self.loading, self.volume, &start);
+                    found.extend(image);
                 }
             }
         }
@@ -806,13 +852,21 @@ fn branch(
             let whole = (target - here.parameter) / here.tangent.z;
             let reaches = whole <= length;
             let tried = if reaches { whole } else { length.min(LONGEST) };
-            let mut guess = here.place() + here.tangent * tried;
-            let found = if reaches {
-                guess.z = target;
-                solve(material, loading, volume, guess, &Vector3::z())
-            } else {
-                solve(material, loading, volume, guess, &here.tangent)
+            // A response that is integrated along a path is worth a better guess.
+            let bend = match material.is_path_dependent() {
+                true => bend(&states, tried),
+                false => Vector3::zeros(),
             };
+            let mut guess = here.place() + (here.tangent + bend) * tried;
+            let start = if reaches {
+                guess.z = target;
+                Start::at(guess)
+            } else {
+                Start::along(guess, here.tangent)
+            };
+            let start = start.beside(&here, STRAYED * tried);
+            let found = solve(material, loading, volume, &start);
+            let found = found.map(|state| state.differenced(material, loading, &start.normal));
             let on_branch = |state: &PathState| {
                 let turned_back = state.tangent.dot(&here.tangent) > 0.0
                     && state.tangent.z * step <= 0.0
@@ -846,7 +900,10 @@ fn branch(
                 Err(missing) => missing,
             };
             length = 0.5 * tried;
-            let smallest = step.abs() * 0.5_f64.powi(HALVINGS);
+            let smallest = match material.is_path_dependent() {
+                true => INTEGRATED,
+                false => step.abs() * 0.5_f64.powi(HALVINGS),
+            };
             if length * here.tangent.z.abs() <= smallest
                 || here.place() + here.tangent * length == here.place()
             {
@@ -872,6 +929,15 @@ fn branch(
     (states, PathEnd::Range)
 }
 
+/// Change of the tangent of a branch over half a step of length `tried` beyond its last state, extrapolated from the last two states.
+fn bend(states: &[PathState], tried: f64) -> Vector3<f64> {
+    let [.., before, last] = states else {
+        return Vector3::zeros();
+    };
+    let chord = (last.place() - before.place()).norm();
+    (last.tangent - before.tangent) * (0.5 * tried / chord)
+}
+
 /// Fold between a state and another state along its tangent, where the branch already leads back.
 fn fold(
     material: &dyn Hyperelastic,
@@ -882,14 +948,21 @@ fn fold(
 ) -> PathState {
     let at = |length: f64| {
         let guess = before.place() + before.tangent * length;
-        let state = solve(material, loading, volume, guess, &before.tangent);
-        Some(state.ok()?.toward(before))
+        let start = Start::along(guess, before.tangent).beside(before, STRAYED * length);
+        let state = solve(material, loading, volume, &start).ok()?;
+        let state = state.differenced(material, loading, &start.normal);
+        Some(state.toward(before))
     };
     let outward = before.tangent.z.signum();
     let ends = [(0.0, before), (length, behind)]
         .map(|(length, state)| (length, outward * state.tangent.z));
     let mut slope = |length: f64| Some(outward * at(length)?.tangent.z);
-    let (low, high) = bracket_zero(&mut slope, ends[0], ends[1], f64::EPSILON * length);
+    // A fold is flat in `s`.
+    let resolution = match material.is_path_dependent() {
+        true => INTEGRATED.sqrt() * length,
+        false => f64::EPSILON * length,
+    };
+    let (low, high) = bracket_zero(&mut slope, ends[0], ends[1], resolution);
     at(0.5 * (low + high)).unwrap_or_else(|| before.clone())
 }
 
@@ -921,56 +994,132 @@ impl PathState {
         self.tangent *= self.tangent.dot(&other.tangent).signum();
         self
     }
+
+    /// Replaces the tangent of the branch of a law whose tangent is not the derivative of its stress, and the derivatives of the tractions, by finite
+    /// differences.
+    fn differenced(
+        self,
+        material: &dyn Hyperelastic,
+        loading: Loading,
+        normal: &Vector3<f64>,
+    ) -> Self {
+        let free = loading.free_of(material);
+        if !material.is_path_dependent() || free.is_empty() {
+            return self;
+        }
+        let (s, lateral) = (self.parameter, self.lateral);
+        let linear = Linear::of(&self.response, free, &loading.imposed(s).1);
+        let mut linear = linear.differenced(material, loading, s, &lateral);
+        let imposed = linear.imposed_difference(material, loading, s, &lateral);
+        linear.slopes.set_column(2, &imposed);
+        let tangent = linear.direction(normal).unwrap_or(self.tangent);
+        Self {
+            tangent: match linear.has_equal_faces(&lateral) {
+                true => equalized(tangent),
+                false => tangent,
+            },
+            slopes: Some(linear.slopes),
+            ..self
+        }
+    }
+}
+
+/// Start of a search for a state with free faces.
+struct Start<'a> {
+    /// Logarithms of the free stretches, and `s`.
+    guess: Vector3<f64>,
+    /// Normal of the plane through the guess in which the state lies; with the axis of `s`, `s` stays fixed.
+    normal: Vector3<f64>,
+    /// State nearby on the same branch, and the largest distance of the solution from the guess.
+    beside: Option<(&'a PathState, f64)>,
+}
+
+impl<'a> Start<'a> {
+    fn at(guess: Vector3<f64>) -> Self {
+        Self::along(guess, Vector3::z())
+    }
+
+    fn along(guess: Vector3<f64>, normal: Vector3<f64>) -> Self {
+        Self {
+            guess,
+            normal,
+            beside: None,
+        }
+    }
+
+    fn beside(self, state: &'a PathState, reach: f64) -> Self {
+        Self {
+            beside: Some((state, reach)),
+            ..self
+        }
+    }
 }
 
 /// Solves `tau_kk = P_kk F_kk = 0` for all free directions `k` by Newton's method, to rounding.
 ///
-/// The unknowns are the logarithms of the free stretches and `s`. The solution lies in the plane through the guess with the given normal; with the
-/// axis of `s` as the normal, `s` stays fixed.
+/// The unknowns are the logarithms of the free stretches and `s`. A law whose tangent is not the derivative of its stress is solved to [`INTEGRATED_FREE`]
+/// by Broyden's method (*Math. Comput.* 19 (1965) 577), with the derivatives of the state beside the start or from finite differences.
 fn solve(
     material: &dyn Hyperelastic,
     loading: Loading,
     volume: Volume,
-    guess: Vector3<f64>,
-    normal: &Vector3<f64>,
+    start: &Start<'_>,
 ) -> Result<PathState, Missing> {
+    let Start {
+        guess,
+        normal,
+        beside,
+    } = start;
     if volume != Volume::Changes {
         return isochoric(material, loading, volume, guess.z, guess.xy());
     }
     let free = loading.free_of(material);
-    let mut place = guess;
+    let differs = material.is_path_dependent();
+    let (resolution, iterations) = match differs {
+        true => (INTEGRATED_FREE, ITERATIONS_INTEGRATED),
+        false => (4.0 * f64::EPSILON, ITERATIONS),
+    };
+    let mut place = *guess;
+    if differs && free.len() == 2 && (place.x - place.y).abs() <= resolution {
+        place.x = place.y;
+    }
     let mut last = f64::INFINITY;
-    // Derivatives from finite differences are kept while the iteration converges.
-    let mut known = None;
-    for _ in 0..ITERATIONS {
+    let mut known = beside.and_then(|(state, _)| state.slopes);
+    let mut before: Option<(Vector3<f64>, Vector2<f64>)> = None;
+    for _ in 0..iterations {
         let (s, lateral) = (place.z, place.xy());
         let (imposed, imposed_rate) = loading.imposed(s);
         let f = with_free(imposed, free, &lateral);
         let response = respond(material, &f)?;
         let tangent = Linear::of(&response, free, &imposed_rate);
-        let linear = match (material.is_path_dependent(), known) {
+        let linear = match (differs, known) {
             (false, _) => tangent,
-            (true, Some(matrix)) => Linear { matrix, ..tangent },
+            (true, Some(slopes)) => Linear {
+                slopes: before.map_or(slopes, |(at, traction)| {
+                    updated(slopes, &(place - at), &(tangent.traction - traction))
+                }),
+                ..tangent
+            },
             (true, None) => tangent.differenced(material, loading, s, &lateral),
         };
-        known = Some(linear.matrix);
-        let Some(correction) = linear.solve(normal, &(-linear.traction).push(0.0)) else {
+        known = differs.then_some(linear.slopes);
+        before = Some((place, linear.traction));
+        let Some(mut correction) = linear.solve(normal, &(-linear.traction).push(0.0)) else {
             return Err(Missing::Equilibrium);
         };
+        if differs && linear.has_equal_faces(&lateral) {
+            correction = equalized(correction);
+        }
         let size = correction.amax();
         // In a converged iteration the corrections and the tractions are rounding, and the corrections no longer decrease.
         let settled = size < 1e-8 && size >= 0.5 * last && linear.is_balanced();
-        if size <= 4.0 * f64::EPSILON || settled {
-            let along = Linear {
-                imposed: match material.is_path_dependent() {
-                    true => linear.imposed_difference(material, loading, s, &lateral),
-                    false => linear.imposed,
-                },
-                ..linear
-            };
-            let branch = along.direction(normal).ok_or(Missing::Equilibrium)?;
+        if size <= resolution || settled {
+            let mut branch = linear.direction(normal).ok_or(Missing::Equilibrium)?;
+            if differs && linear.has_equal_faces(&lateral) {
+                branch = equalized(branch);
+            }
             // Criteria refer to loading that continues from this state, and the tangent belongs to this loading.
-            let on = match material.is_path_dependent() {
+            let on = match differs {
                 true => tangent.direction(&branch).ok_or(Missing::Equilibrium)?,
                 false => branch,
             };
@@ -986,6 +1135,7 @@ fn solve(
                 rate,
                 lateral,
                 tangent: branch,
+                slopes: known,
             });
         }
         if size > LEADS_ON * last {
@@ -993,6 +1143,9 @@ fn solve(
         }
         last = size;
         place += correction * (0.5 / size).min(1.0);
+        if differs && beside.is_some_and(|(_, reach)| (place - guess).norm() > reach) {
+            return Err(Missing::Equilibrium);
+        }
     }
     Err(Missing::Equilibrium)
 }
@@ -1026,6 +1179,7 @@ fn isochoric(
         rate,
         lateral: Vector2::zeros(),
         tangent: Vector3::z(),
+        slopes: None,
     };
     if (loading.mode, loading.lateral) == (Mode::SimpleShear, Lateral::Free) {
         // Solves tau_22 = tau_33 along the rate diag(0, 1, -1).
@@ -1105,22 +1259,37 @@ fn with_free(mut f: Matrix3<f64>, free: &[usize], lateral: &Vector2<f64>) -> Mat
     f
 }
 
+/// Derivatives `dtau_kk / dln F_mm` of the tractions on free faces, and `dtau_kk / ds` by the imposed part in the last column.
+type Slopes = Matrix2x3<f64>;
+
+/// Derivatives that fit a step and the change of the tractions on it, and are otherwise unchanged.
+fn updated(slopes: Slopes, step: &Vector3<f64>, change: &Vector2<f64>) -> Slopes {
+    let length = step.norm_squared();
+    match length > 0.0 {
+        true => slopes + (change - slopes * step) * step.transpose() / length,
+        false => slopes,
+    }
+}
+
+/// Change of a place at which two free faces remain equal, without its rounding.
+fn equalized(change: Vector3<f64>) -> Vector3<f64> {
+    let mean = 0.5 * (change.x + change.y);
+    Vector3::new(mean, mean, change.z)
+}
+
 /// Linearization of the tractions on free faces in the logarithms of the free stretches.
 #[derive(Clone, Copy)]
 struct Linear {
     count: usize,
     /// Tractions `tau_kk` on the free faces.
     traction: Vector2<f64>,
-    /// Derivatives `dtau_kk / dln F_mm` of the tractions.
-    matrix: [[f64; 2]; 2],
-    /// Derivatives `dtau_kk / ds` by the imposed part.
-    imposed: Vector2<f64>,
+    slopes: Slopes,
     /// Magnitude of the terms that cancel in the tractions.
     magnitude: f64,
 }
 
 /// Derivatives from an earlier iteration are recomputed if successive corrections have a larger ratio than this.
-const LEADS_ON: f64 = 0.1;
+const LEADS_ON: f64 = 0.3;
 /// Finite-difference step in logarithmic stretch. Rounding of the stress and curvature of a flow stress are both less than 1e-3 of the difference,
 /// which Newton's method and the guess of the next state tolerate.
 const DIFFERENCE: f64 = 1e-6;
@@ -1133,8 +1302,7 @@ impl Linear {
         let mut linear = Self {
             count: free.len(),
             traction: Vector2::zeros(),
-            matrix: [[0.0; 2]; 2],
-            imposed: Vector2::zeros(),
+            slopes: Slopes::zeros(),
             magnitude: 0.0,
         };
         let mut largest: f64 = 0.0;
@@ -1143,11 +1311,11 @@ impl Linear {
             for (b, &m) in free.iter().enumerate() {
                 let stiffness = f[k][k] * response.tangent[(k, k, m, m)] * f[m][m];
                 let geometric = if k == m { linear.traction[a] } else { 0.0 };
-                linear.matrix[a][b] = stiffness + geometric;
+                linear.slopes[(a, b)] = stiffness + geometric;
             }
             for (i, j) in (0..9).map(|n| (n / 3, n % 3)) {
                 largest = largest.max((f[k][k] * response.tangent[(k, k, i, j)] * f[i][j]).abs());
-                linear.imposed[a] +=
+                linear.slopes[(a, 2)] +=
                     f[k][k] * response.tangent[(k, k, i, j)] * imposed_rate[(i, j)];
             }
         }
@@ -1165,12 +1333,15 @@ impl Linear {
         s: f64,
         lateral: &Vector2<f64>,
     ) -> Self {
-        for m in 0..self.count {
-            let mut beside = *lateral;
-            beside[m] += DIFFERENCE;
-            if let Some(there) = traction(material, loading, s, &beside) {
-                let column = (there - self.traction) / DIFFERENCE;
-                (0..self.count).for_each(|k| self.matrix[k][m] = column[k]);
+        let senses = match self.has_equal_faces(lateral) {
+            // The faces remain equal, and the derivative along their difference does not count.
+            true => [Some(Vector2::new(1.0, 1.0)), None],
+            false => [Vector2::x(), Vector2::y()].map(Some),
+        };
+        for sense in senses.into_iter().flatten().take(self.count) {
+            if let Some(there) = traction(material, loading, s, &(lateral + sense * DIFFERENCE)) {
+                let change = (there - self.traction) / DIFFERENCE;
+                self.slopes = updated(self.slopes, &sense.push(0.0), &change);
             }
         }
         self
@@ -1189,7 +1360,16 @@ impl Linear {
             0 => None,
             _ => traction(material, loading, s + step, lateral),
         };
-        there.map_or(self.imposed, |there| (there - self.traction) / step)
+        there.map_or(self.slopes.column(2).into_owned(), |there| {
+            (there - self.traction) / step
+        })
+    }
+
+    /// Returns true if two free faces have equal stretches and tractions. They remain equal on the branch, and the states of an isotropic law that flows are
+    /// several times cheaper where stretches are equal: the direction of its flow is then constant, and elsewhere it limits the steps of the integration.
+    fn has_equal_faces(&self, lateral: &Vector2<f64>) -> bool {
+        let traction = (self.traction.x - self.traction.y).abs();
+        self.count == 2 && lateral.x == lateral.y && traction <= BALANCED * self.magnitude
     }
 
     /// Returns true if the tractions vanish to rounding.
@@ -1202,8 +1382,7 @@ impl Linear {
     fn solve(&self, normal: &Vector3<f64>, right: &Vector3<f64>) -> Option<Vector3<f64>> {
         let mut rows = Matrix3::identity();
         for a in 0..self.count {
-            (0..2).for_each(|b| rows[(a, b)] = self.matrix[a][b]);
-            rows[(a, 2)] = self.imposed[a];
+            rows.set_row(a, &self.slopes.row(a));
         }
         rows.set_row(2, &normal.transpose());
         let solution = rows.lu().solve(right)?;

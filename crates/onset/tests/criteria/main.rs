@@ -1,6 +1,7 @@
 //! Stability criteria compared with closed forms and independent computations.
 
 mod boxes;
+mod flow;
 mod forms;
 mod incompressible;
 mod jumps;
