@@ -111,7 +111,13 @@ fn exactly_the_choices_in_effect_are_listed() {
                 "support",
                 "momentum",
             ],
-            vec!["quadrature", "approximation", "frame", "horizon", "penalty"],
+            vec![
+                "quadrature",
+                "approximation",
+                "frame",
+                "horizon",
+                "penalty-form",
+            ],
         ),
         (
             "set method=peridynamics set bonds=correspondence set control=penalty set control-coefficient=0.5",

@@ -13,7 +13,7 @@ use onset::material::{Hyperelastic, library};
 use onset::method::{Frame, KernelMethodChoices, SupportSize};
 use onset::quadrature::Quadrature;
 use onset::scheme::conforming::ConformingChoices;
-use onset::scheme::sph::{MomentumForm, TotalLagrangianChoices, UpdatedSphChoices};
+use onset::scheme::sph::{MomentumForm, ShearForces, TotalLagrangianChoices, UpdatedSphChoices};
 use onset::scheme::{
     BondModel, Calibration, MethodChoices, PeridynamicsChoices, ZeroEnergyControl,
 };
@@ -151,6 +151,11 @@ fn method(number: usize, coefficient: f64, particles: KernelMethodChoices) -> Me
                     MomentumForm::Symmetric
                 } else {
                     MomentumForm::Mean
+                },
+                penalty: if coefficient < 0.1 { 4.0 } else { 0.0 },
+                shear: match is_first && radius > 1.6 {
+                    true => ShearForces::Pairs { coefficient: 3.5 },
+                    false => ShearForces::Stress,
                 },
                 ..UpdatedSphChoices::default()
             },
