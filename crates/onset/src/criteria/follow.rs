@@ -91,9 +91,10 @@ const DIP: f64 = 2e-11;
 /// Follows a criterion along one side of a path, in tension or in compression. Returns `None` if the criterion is not defined there.
 ///
 /// The criterion is evaluated at the states of the path, local minima of the measure between the states are refined, and each change of sign is
-/// bracketed to rounding, or to 1e-11 if the law integrates the path to a state. States whose principal stretches differ by a factor above 1e4 do not count. A criterion that is lost and regained between
-/// two states is overlooked unless the states show a local minimum. At a [concave kink](super::Kink::is_concave) of the energy every criterion of
-/// increments is lost, and regained at the same stretch if it holds behind the kink.
+/// bracketed to rounding, or to 1e-11 if the law integrates the path to a state. States whose principal stretches differ by a factor above 1e4 are
+/// ignored. A criterion that is lost and regained between two states is overlooked unless the states show a local minimum. At a
+/// [concave kink](super::Kink::is_concave) of the energy every criterion on increments is lost, and regained at the same stretch if it holds beyond
+/// the kink.
 ///
 /// ```
 /// use onset::material::BlatzKo;

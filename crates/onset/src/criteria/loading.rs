@@ -1291,7 +1291,7 @@ struct Linear {
     magnitude: f64,
 }
 
-/// Derivatives from an earlier iteration are recomputed if successive corrections have a larger ratio than this.
+/// Largest ratio of successive corrections for which derivatives from an earlier iteration are reused.
 const LEADS_ON: f64 = 0.3;
 /// Finite-difference step in logarithmic stretch. Rounding of the stress and curvature of a flow stress are both less than 1e-3 of the difference,
 /// which Newton's method and the guess of the next state tolerate.
