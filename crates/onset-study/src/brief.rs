@@ -97,8 +97,16 @@ impl Short {
             }
         }
         lines.extend(table);
-        let shown = rows.into_iter().zip(is_shown).filter(|(_, shown)| *shown);
-        lines.extend(shown.flat_map(|(own, _)| own));
+        // Of several rows under one name, the first that is shown has the name.
+        let mut name = "";
+        for (row, is_shown) in self.rows.iter().zip(is_shown) {
+            if !row.name.is_empty() {
+                name = row.name;
+            }
+            if is_shown {
+                lines.extend(named(std::mem::take(&mut name), &row.text));
+            }
+        }
         lines.extend(self.shown_notes());
         lines.push(
             named(

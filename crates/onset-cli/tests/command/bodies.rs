@@ -9,6 +9,25 @@ const BLOCK: &str = "[material]\nmodel = 'neo-hooke'\nyoung = 1.0\npoisson = 0.4
 const STEP: f64 = 0.6718397769;
 const LATTICE: &str = "infinite lattice; free faces and distorted cells need less";
 
+/// Inside a large body waves are those of the lattice.
+#[test]
+fn no_step_of_finite_bodies_exceeds_the_step_of_the_lattice() {
+    for line in [
+        "state --stretch 1.2,.9",
+        "state --stretch 1,1 --set discretization.method=total-lagrangian-sph --set discretization.lattice=square --set discretization.corrected=false \
+         --set discretization.support=1.3 --set material.model=neo-hooke",
+        "state --stretch 1.3,.85 --set discretization.quadrature=nodal --set discretization.support=2.6 --set material.model=neo-hooke",
+    ] {
+        let answer = document(line);
+        let own = &answer["discretization"];
+        let lattice = number(own, "/critical_time_step");
+        assert!(
+            number(own, "/finite_bodies/time_step") <= lattice,
+            "{line}: {own}"
+        );
+    }
+}
+
 #[test]
 fn a_state_reports_the_steps_of_the_lattice_of_finite_bodies_and_of_the_body() {
     let file = Written::new("block.toml", BLOCK);

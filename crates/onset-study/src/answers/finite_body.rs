@@ -54,7 +54,7 @@ impl FiniteBodyAnswer {
                 }
                 FiniteBodyGround::Blocks => (
                     false,
-                    "smallest step of free blocks, for bodies three particles thick or more",
+                    "smallest step of free blocks and of the infinite lattice, for bodies three particles thick or more",
                 ),
             };
             Self {

@@ -188,7 +188,8 @@ impl FitAnswer {
             ));
         }
         let has_volume = tests.iter().any(|test| test.mode == Mode::Volumetric);
-        if bulk.is_none() && !has_volume {
+        let is_incompressible = fits.iter().any(|fit| !fit.family.is_compressible());
+        if bulk.is_none() && !has_volume && is_incompressible {
             notes.push(format!(
                 "without a volumetric test or a given bulk modulus, the bulk modulus is {} shear moduli",
                 super::BULK_RATIO
@@ -352,10 +353,11 @@ impl FitAnswer {
     fn next(&self) -> String {
         let sets = self.best().settings.iter();
         let sets = sets.map(|set| format!(" --set {}", quoted(set.as_ref())));
-        format!(
-            "onset criteria --incompressible{}",
-            sets.collect::<String>()
-        )
+        let response = match self.best().fit.family.is_compressible() {
+            true => "",
+            false => " --incompressible",
+        };
+        format!("onset criteria{response}{}", sets.collect::<String>())
     }
 
     fn correlated(&self) -> String {

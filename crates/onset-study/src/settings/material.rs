@@ -122,7 +122,7 @@ impl MaterialSettings {
     }
 
     /// Values of a law with dimensions: key, value, whether it has a unit, and the place at which it was set. In a user-defined model the formula
-    /// determines the dimensions of numbers.
+    /// determines the dimensions of numbers, and only values with units are returned.
     pub(super) fn measures(&self) -> impl Iterator<Item = (Key, f64, bool, Option<&Origin>)> {
         let is_law = matches!(self.model, Model::Law(_));
         // Parameters that follow from moduli have their units.
@@ -141,21 +141,27 @@ impl MaterialSettings {
             .filter(move |name| !of_moduli.contains(name))
             .chain(moduli);
         let values = self.entries();
-        names.filter(move |_| is_law).filter_map(move |name| {
-            let key = Key::named(&format!("material.{name}"))?;
-            key.unit().and_then(units::si)?;
-            let known = values
-                .iter()
-                .find(|(own, _)| *own == name)
-                .map(|(_, value)| value);
-            let value = known.or_else(|| self.given(name))?.number()?;
-            Some((
-                *key,
-                value,
-                self.with_units.contains(name),
-                self.origin(name),
-            ))
-        })
+        let own = self.with_units.iter().copied().filter(move |_| !is_law);
+        names
+            .filter(move |_| is_law)
+            .chain(own)
+            .filter_map(move |name| {
+                let key = Key::named(&format!("material.{name}"))?;
+                if is_law {
+                    key.unit().and_then(units::si)?;
+                }
+                let known = values
+                    .iter()
+                    .find(|(own, _)| *own == name)
+                    .map(|(_, value)| value);
+                let value = known.or_else(|| self.given(name))?.number()?;
+                Some((
+                    *key,
+                    value,
+                    self.with_units.contains(name),
+                    self.origin(name),
+                ))
+            })
     }
 
     /// Returns true if a modulus, named without its section, determines parameters of the law.

@@ -167,6 +167,15 @@ fn a_law_inside_a_viscoelastic_material_is_found() {
 }
 
 #[test]
+fn parameters_that_the_law_lacks_are_listed_with_their_line() {
+    let text = "<material id=\"1\" type=\"Mooney-Rivlin\"><density>1</density><c1>1</c1>\n<c2>0.1</c2><c3>9</c3>\n<k>100</k></material>";
+    let notes = told(Febio, text, None);
+    assert!(notes.contains("not read: <c3> (line 2)"), "{notes}");
+    let plain = told(Febio, &text.replace("<c3>9</c3>", ""), None);
+    assert!(!plain.contains("not read"), "{plain}");
+}
+
+#[test]
 fn unsupported_materials_are_refused_with_their_line() {
     for (text, fact) in [
         (

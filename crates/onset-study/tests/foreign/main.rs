@@ -545,6 +545,22 @@ fn nominal(law: &dyn Hyperelastic, stretches: [f64; 3]) -> f64 {
     p[(0, 0)] - p[(2, 2)] * stretches[2] / stretches[0]
 }
 
+#[test]
+fn lateral_strains_of_a_table_are_refused_and_parameters_of_a_table_are_listed() {
+    let block =
+        "*HYPERELASTIC, MARLOW, POISSON=0.45\n*UNIAXIAL TEST DATA, SMOOTH=3\n0.1, 0.1\n0.2, 0.2, ";
+    let read = told(Program::Abaqus, block, None);
+    assert!(
+        read.contains("SMOOTH=3 of *UNIAXIAL TEST DATA (line 2)"),
+        "{read}"
+    );
+    let refused = told(Program::Abaqus, &format!("{block}-0.05"), None);
+    assert!(
+        refused.contains(":4") && refused.contains("lateral strain"),
+        "{refused}"
+    );
+}
+
 /// Marlow's energy reproduces its table. Between the points of a neo-Hookean table it is neo-Hookean, and its tangent is continuous.
 #[test]
 fn marlows_energy_reproduces_an_abaqus_table() {

@@ -415,7 +415,8 @@ impl<const D: usize> Analysis for Body<D> {
             }
             Some(FiniteBodies::Lattice) => (lattice, FiniteBodyGround::Lattice),
             None => match step_of_free_blocks(discretization, material, f) {
-                Some(step) => (step, FiniteBodyGround::Blocks),
+                // Inside a large body waves are those of the lattice.
+                Some(step) => (step.min(lattice), FiniteBodyGround::Blocks),
                 None => return Ok(None),
             },
         };

@@ -68,6 +68,8 @@ const CHECK_GRIDS: [usize; 2] = [21, 41];
 const CHECK_GRIDS_ANISOTROPIC: [usize; 2] = [9, 13];
 /// Largest number of times that a box is shrunk on one grid.
 const SHRINKS: usize = 16;
+/// Number of distances from a dilation, each half of the distance before, at which a law that flows is evaluated.
+const HALVINGS_TO_DILATION: i32 = 14;
 /// Number of lowest grid points that start a descent, in addition to all local minima of the grid.
 const LOWEST: usize = 8;
 /// Largest number of descents from a grid.
@@ -305,7 +307,8 @@ impl<'a> Field<'a> {
         });
         let first = 0.5 / (count - 1) as f64;
         let mut ends = Vec::new();
-        for start in within.low_points() {
+        let beside = self.beside_dilations(shape, size, count);
+        for start in beside.into_iter().chain(within.low_points()) {
             let (value, place) = self.descended(shape, size, start, first, &ends);
             if value > 0.0 {
                 ends.push(place);
@@ -317,6 +320,38 @@ impl<'a> Field<'a> {
             }
         }
         None
+    }
+
+    /// Returns the lowest point near dilations, for a law that flows. A dilation is elastic, and flow begins at a small distance from it, where the measure
+    /// jumps down: the shell of these states is thinner than the cells of a grid.
+    fn beside_dilations(&self, shape: &Shape, size: f64, count: usize) -> Option<[f64; 3]> {
+        if !self.material.is_path_dependent() {
+            return None;
+        }
+        let mut lowest: Option<(f64, [f64; 3])> = None;
+        for n in 0..count {
+            let dilation = [n as f64 / (count - 1) as f64; 3];
+            for halvings in 0..HALVINGS_TO_DILATION {
+                let distance = 0.5_f64.powi(halvings) / (count - 1) as f64;
+                for (axis, sense) in self
+                    .either(&[0][..], &[0, 1, 2][..])
+                    .iter()
+                    .flat_map(|axis| [(*axis, -1.0), (*axis, 1.0)])
+                {
+                    // Distances from an end of the box lead inward.
+                    let mut place = dilation;
+                    place[axis] += sense * distance;
+                    if !(0.0..=1.0).contains(&place[axis]) {
+                        continue;
+                    }
+                    let value = self.value(shape.inside(place, size));
+                    if lowest.is_none_or(|(least, _)| value < least) {
+                        lowest = Some((value, place));
+                    }
+                }
+            }
+        }
+        lowest.map(|(_, place)| place)
     }
 
     /// Minimizes the measure within a box from `start`. Stops at a loss of ellipticity, at a local minimum or near the end of an earlier descent.

@@ -89,6 +89,47 @@ fn a_box_without_loss_of_ellipticity_fills_the_range() {
     );
 }
 
+/// A metal is elastic at a dilation and flows at a small distance from it, where it is softest: in a shell thinner than the cells of any grid.
+#[test]
+fn the_boxes_of_a_metal_contain_no_state_that_barely_flows_and_has_lost_ellipticity() {
+    let law = Law::named("j2").expect("a law");
+    for given in [
+        &[][..],
+        &[
+            ("mu", 76.923),
+            ("kappa", 166.667),
+            ("yield-stress", 0.4),
+            ("hardening", 1.0),
+            ("saturation", 0.0),
+        ][..],
+    ] {
+        let metal = law.build(given).expect("admissible");
+        let range = Range::default();
+        let widest = widest_safe_box(&*metal, &range).expect("elliptic");
+        let symmetric = safe_box(&*metal, 1.0, &range).expect("elliptic");
+        for safe in [widest, symmetric] {
+            for (n, k) in (0..=60).flat_map(|n| (1..=60).map(move |k| (n, k))) {
+                let dilation = safe.high * (safe.low / safe.high).powf(f64::from(n) / 60.0);
+                let smaller = dilation * (1.0 - 0.03 * f64::from(k) / 60.0);
+                if smaller < safe.low {
+                    continue;
+                }
+                let stretches = [smaller, dilation, dilation];
+                let f = DeformationGradient::from_stretches(stretches).expect("stretches");
+                let state = State::new(&*metal, &f).expect("defined");
+                let measure = Criterion::StrongEllipticity
+                    .measure(&state)
+                    .expect("defined");
+                assert!(
+                    measure.value > -1e-7 * measure.zero.max(1.0),
+                    "{safe:?} {stretches:?} {}",
+                    measure.value
+                );
+            }
+        }
+    }
+}
+
 /// Bruhns, Xiao and Meyers (2001): elliptic for stretches from 0.21162 to 1.39561 for all nonnegative Lamé constants. The bounds belong to the two
 /// extreme laws: lambda = 0, where a ratio of two stretches limits the box, and an incompressible law, where equibiaxial stretches do, at `exp(1/3)`.
 #[test]

@@ -118,6 +118,18 @@ fn unread(blocks: &[Block<'_>]) -> Result<Unread, Trouble> {
     let mut unread = Unread::default();
     for block in blocks {
         let is_table = block.keyword.ends_with("TESTDATA");
+        let mut add = |name: &str, value: &Option<String>| {
+            let value = value.as_ref();
+            let value = value.map_or_else(String::new, |value| format!("={value}"));
+            let part = format!("{name}{value} of {}", block.title);
+            unread.parts.push((part, block.line));
+        };
+        if is_table {
+            block
+                .parameters
+                .iter()
+                .for_each(|(name, value)| add(name, value));
+        }
         if block.keyword == "MATERIAL" || is_table {
             continue;
         }
@@ -138,12 +150,7 @@ fn unread(blocks: &[Block<'_>]) -> Result<Unread, Trouble> {
                 _ => value.is_none(),
             };
             if !is_read {
-                let value = value
-                    .as_ref()
-                    .map_or_else(String::new, |value| format!("={value}"));
-                unread
-                    .parts
-                    .push((format!("{name}{value} of {}", block.title), block.line));
+                add(name, value);
             }
         }
         if let Some(viscous) = viscous {

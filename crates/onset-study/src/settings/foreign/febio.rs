@@ -11,6 +11,8 @@ use super::unread::{Chosen, Relaxation, Unread};
 use super::write::{Block, Form, Refusal, Sheet, order, ordered};
 use super::{Trouble, number};
 use roxmltree::{Document, Node};
+use std::cell::RefCell;
+use std::collections::BTreeSet;
 
 /// Materials by type, and what reads them.
 const LAWS: [(&str, Reader); 10] = [
@@ -45,6 +47,8 @@ struct Law<'d, 't> {
     node: Node<'d, 't>,
     kind: &'d str,
     line: usize,
+    /// Names of the parameters that were looked up.
+    known: RefCell<BTreeSet<String>>,
 }
 
 /// Reads the law of the material with the given number or name, or the first law.
@@ -120,17 +124,32 @@ fn law_in<'d, 't>(material: Node<'d, 't>) -> Option<(Law<'d, 't>, Reader)> {
         let kind = node.attribute("type")?;
         let (_, reader) = LAWS.iter().find(|(name, _)| *name == kind)?;
         let line = line_of(&node);
-        Some((Law { node, kind, line }, *reader))
+        let known = RefCell::new(BTreeSet::from(["density".to_owned()]));
+        Some((
+            Law {
+                node,
+                kind,
+                line,
+                known,
+            },
+            *reader,
+        ))
     })
 }
 
-/// Parts of a material around the law.
+/// Parameters of the law that were not looked up, and parts of a material around the law.
 fn unread(
     material: Node<'_, '_>,
     law: &Law<'_, '_>,
     shear: Option<f64>,
 ) -> Result<Unread, Trouble> {
     let mut unread = Unread::default();
+    let known = law.known.borrow();
+    let parameters = law.node.children().filter(Node::is_element);
+    let parameters = parameters.filter(|node| !known.contains(node.tag_name().name()));
+    unread
+        .parts
+        .extend(parameters.map(|node| (format!("<{}>", node.tag_name().name()), line_of(&node))));
     if material == law.node {
         return Ok(unread);
     }
@@ -205,6 +224,7 @@ impl Law<'_, '_> {
 
     /// Parameter of the law, or of a material around it.
     fn given(&self, name: &str) -> Result<Option<f64>, Trouble> {
+        self.known.borrow_mut().insert(name.to_owned());
         let mut around = self
             .node
             .ancestors()
@@ -246,6 +266,7 @@ impl Law<'_, '_> {
                 "FEBio refuses it too",
             ));
         }
+        self.known.borrow_mut().insert("pressure_model".to_owned());
         let mut around = self.node.ancestors();
         let model = around.find_map(|node| {
             node.children()

@@ -112,6 +112,13 @@ fn knots(line: usize, test: Test, data: &[(usize, &str)]) -> Result<Vec<Knot>, T
         if stress == 0.0 && strain == 0.0 {
             continue;
         }
+        if test == Test::Uniaxial && number(fields.get(2).copied().unwrap_or(""), *own)? != 0.0 {
+            return Err(Trouble::new(
+                *own,
+                "the third column is a lateral strain, which determines the change of volume and is not supported",
+                "give Poisson's ratio instead (*HYPERELASTIC, MARLOW, POISSON=0.49), or fit a law of foams to the test (`onset fit`)",
+            ));
+        }
         if stress * strain <= 0.0 || strain <= -1.0 {
             return Err(Trouble::new(
                 *own,
