@@ -97,7 +97,7 @@ impl Short {
             }
         }
         lines.extend(table);
-        // Of several rows under one name, the first that is shown has the name.
+        // The first shown row of a name has the name.
         let mut name = "";
         for (row, is_shown) in self.rows.iter().zip(is_shown) {
             if !row.name.is_empty() {

@@ -116,7 +116,7 @@ fn total_lagrangian(settings: &Settings) -> TotalLagrangianChoices {
 /// Coefficient of shear forces between pairs in total-Lagrangian SPH, of Wu and others (2023).
 const PUBLISHED_TOTAL_LAGRANGIAN_SHEAR: f64 = 1.07;
 
-/// Shear forces, with a published coefficient unless another one is set.
+/// Shear forces, with the published coefficient by default.
 fn shear(settings: &Settings, published: f64) -> ShearForces {
     match settings.method.shear_forces {
         Shear::Stress => ShearForces::Stress,

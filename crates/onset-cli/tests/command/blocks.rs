@@ -126,7 +126,7 @@ fn notes_on_a_deck_are_printed_in_full_after_the_answer() {
     );
     let file = Written::new(
         "quoted.inp",
-        &TWO.replace("RUBBER_A", "\"RUBBER, A\"")
+        TWO.replace("RUBBER_A", "\"RUBBER, A\"")
             .replace("RUBBER_B", "\"RUBBER, B\""),
     );
     let none = onset(&["criteria", &file, "--material", "C"]).stderr;

@@ -9,7 +9,7 @@ const BLOCK: &str = "[material]\nmodel = 'neo-hooke'\nyoung = 1.0\npoisson = 0.4
 const STEP: f64 = 0.6718397769;
 const LATTICE: &str = "infinite lattice; free faces and distorted cells need less";
 
-/// Inside a large body waves are those of the lattice.
+/// Inside a large body the waves of the lattice travel.
 #[test]
 fn no_step_of_finite_bodies_exceeds_the_step_of_the_lattice() {
     for line in [

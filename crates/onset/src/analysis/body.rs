@@ -415,7 +415,7 @@ impl<const D: usize> Analysis for Body<D> {
             }
             Some(FiniteBodies::Lattice) => (lattice, FiniteBodyGround::Lattice),
             None => match step_of_free_blocks(discretization, material, f) {
-                // Inside a large body waves are those of the lattice.
+                // The waves of the lattice travel inside a large body.
                 Some(step) => (step.min(lattice), FiniteBodyGround::Blocks),
                 None => return Ok(None),
             },

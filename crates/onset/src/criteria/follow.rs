@@ -90,7 +90,7 @@ const DIP: f64 = 2e-11;
 
 /// Follows a criterion along one side of a path, in tension or in compression. Returns `None` if the criterion is not defined there.
 ///
-/// The criterion is evaluated at the states of the path, local minima of the measure between the states are refined, and each change of sign is
+/// The criterion is evaluated at the states of the path, and local minima of the measure between the states are refined. Each change of sign is
 /// bracketed to rounding, or to 1e-11 if the law integrates the path to a state. States whose principal stretches differ by a factor above 1e4 are
 /// ignored. A criterion that is lost and regained between two states is overlooked unless the states show a local minimum. At a
 /// [concave kink](super::Kink::is_concave) of the energy every criterion on increments is lost, and regained at the same stretch if it holds beyond
@@ -296,7 +296,7 @@ const OUTWARD: i32 = 22;
 
 /// Follows rank-one convexity along one side of a path. The limit found is an upper bound ([`Event::is_upper_bound`]).
 ///
-/// Finite jumps are searched for at every eighth state up to the `elliptic` limit, where infinitesimal jumps lower the energy, closely before that
+/// Finite jumps are searched for at every eighth state up to the `elliptic` limit (infinitesimal jumps lower the energy there), closely before that
 /// limit, and on both sides of jumps and kinks of the law ([`kinks`](super::kinks())). Before a drop of the stress along the loading, jumps across
 /// the drop lower the energy; the search begins with the best jumps for a law that is linear on both sides of the drop. Beyond an upward step of the
 /// energy, backward jumps lower the energy. The first jump found is followed back to its break-even point, where the search is repeated for other

@@ -450,8 +450,8 @@ const BESIDE_JUMP: f64 = 1e-9;
 const ITERATIONS: usize = 40;
 /// Largest number of iterations for a law that integrates the path to a state. They converge in less than ten.
 const ITERATIONS_INTEGRATED: usize = 20;
-/// Width to which the end of a path, changes of criteria and kinks are resolved, in `ln lambda`, for a law that integrates the path to a state: closer
-/// states differ by errors of integration.
+/// Resolution of the end of a path, changes of criteria and kinks, in `ln lambda`, for a law that integrates the path to a state: closer states differ by
+/// errors of integration.
 const INTEGRATED: f64 = 1e-11;
 /// Accuracy of the free stretches of such a law, in their logarithms.
 const INTEGRATED_FREE: f64 = 0.1 * INTEGRATED;
@@ -589,7 +589,7 @@ impl<'a> LoadingPath<'a> {
         matches!(end, PathEnd::Fold { .. })
     }
 
-    /// Width to which a place along the path is resolved, in `ln lambda`; `rounding` is the width for a law whose response is exact to rounding.
+    /// Resolution of a place along the path, in `ln lambda`; `rounding` is the resolution for a law whose response is exact to rounding.
     pub(super) fn resolved(&self, rounding: f64) -> f64 {
         match self.material.is_path_dependent() {
             true => INTEGRATED,
@@ -597,7 +597,7 @@ impl<'a> LoadingPath<'a> {
         }
     }
 
-    /// Width to which the place of a minimum is resolved, in units of the interval around it: values there differ by the square of the distance.
+    /// Resolution of the place of a minimum, in units of the interval around it: values there differ by the square of the distance.
     pub(super) fn flat_to(&self, rounding: f64) -> f64 {
         match self.material.is_path_dependent() {
             true => INTEGRATED.sqrt(),
@@ -1061,7 +1061,7 @@ impl<'a> Start<'a> {
 /// Solves `tau_kk = P_kk F_kk = 0` for all free directions `k` by Newton's method, to rounding.
 ///
 /// The unknowns are the logarithms of the free stretches and `s`. A law whose tangent is not the derivative of its stress is solved to [`INTEGRATED_FREE`]
-/// by Broyden's method (*Math. Comput.* 19 (1965) 577), with the derivatives of the state beside the start or from finite differences.
+/// by Broyden's method (*Math. Comput.* 19 (1965) 577), with the derivatives of the state near the start or from finite differences.
 fn solve(
     material: &dyn Hyperelastic,
     loading: Loading,

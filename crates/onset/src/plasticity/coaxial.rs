@@ -34,7 +34,7 @@ use std::ops::ControlFlow;
 
 /// Relative error of the stress along a path.
 const ACCURACY: f64 = 1e-10;
-/// Stress, in units of the strength, below which the error is no longer measured in units of the stress itself.
+/// Smallest unit of the error of the stress, in units of the strength.
 const EXHAUSTED: f64 = 1e-3;
 /// Largest excess, in units of the strength, of an elastic state after unloading. It exceeds the error of the integration.
 const YIELD_TOLERANCE: f64 = 1e-8;
@@ -294,7 +294,7 @@ impl<L: FlowLaw> Coaxial<L> {
         };
         let strength = law.strength();
         let internal = law.start(&split(start).0).1;
-        // The direction of flow follows from the stress, however small softening leaves it.
+        // The direction of flow follows from the stress, also from the small stress after softening.
         let size = |y: &Point| {
             let stress = split(y).0.amax().clamp(EXHAUSTED * strength, strength);
             let slip = strength / law.elasticity().shear;

@@ -79,7 +79,7 @@ fn a_law_that_flows_is_followed_with_few_responses() {
     assert!(responses < 6 * states, "{responses} for {states} states");
 }
 
-/// Unequal stretches of equal faces would be rounding, on which the integration of an isotropic law spends ten times as many steps.
+/// A difference between equal faces would be rounding, and costs the integration of an isotropic law ten times the number of steps.
 #[test]
 fn equal_free_faces_of_a_law_that_flows_have_equal_stretches() {
     let law = counting("drucker-prager");

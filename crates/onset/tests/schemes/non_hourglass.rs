@@ -87,7 +87,7 @@ struct Body<const D: usize> {
 
 impl<const D: usize> Body<D> {
     fn new(basis: SMatrix<f64, D, D>, f: SMatrix<f64, D, D>, choices: UpdatedSphChoices) -> Self {
-        // No particle is twice a neighbor of another one.
+        // No particle is a neighbor of another particle twice.
         let cells = 7_usize;
         let count = cells.pow(D as u32);
         let digits =
@@ -263,7 +263,7 @@ fn assert_matrices_are_those_of_a_body<const D: usize>(kind: LatticeKind, radius
 }
 
 #[test]
-fn waves_are_those_of_particles_moved_step_by_step() {
+fn waves_equal_the_motion_of_particles_moved_step_by_step() {
     for seed in 1..4 {
         assert_matrices_are_those_of_a_body::<2>(LatticeKind::Square, 2.6, seed);
         assert_matrices_are_those_of_a_body::<2>(LatticeKind::Hexagonal, 2.3, seed);
@@ -338,7 +338,7 @@ fn square_sum(radius: f64, factor: impl Fn(&SVector<f64, 2>) -> f64) -> f64 {
 }
 
 #[test]
-fn long_waves_of_shear_between_pairs_are_those_of_springs_and_the_mean_stress() {
+fn long_waves_of_shear_between_pairs_follow_from_springs_and_the_mean_stress() {
     // Expected: rho omega^2/k^2 = K s n n + zeta mu sum V |W'| r (e.n)^2 e e, s = sum V |W'| r / 2: the gradients of the forces are not corrected.
     let (radius, zeta) = (2.6, 3.5);
     let bulk = LAMBDA + MU / 1.5;
@@ -387,7 +387,7 @@ fn both_formulations_have_no_zero_energy_modes_where_updated_sph_has_them() {
         assert_eq!(zero, 0);
         weakest.push(weak);
     }
-    // Least frequency over that of the material: coefficients 2 and 4 of the penalty, and pairs.
+    // Least frequency divided by the frequency of the material: coefficients 2 and 4 of the penalty, and pairs.
     for (found, expected) in weakest.into_iter().zip([0.2801, 0.3961, 0.5240]) {
         assert!((found - expected).abs() < 1e-4, "{found}, {expected}");
     }

@@ -15,5 +15,5 @@ pub(super) const PRESET: Preset = Preset {
         ("discretization.support-size", "fixed"),
         ("discretization.penalty", "2"),
     ],
-    note: "discretization.penalty is xi, 2 in the code and 4 in the plane of the paper; the dissipation of the Riemann solver is left out, and the density follows the corrected velocity gradient; the limiter of the penalty in metals has no linear form",
+    note: "discretization.penalty is xi, 2 in the code and 4 in the paper (in two dimensions). The dissipation of the Riemann solver and the limiter of the penalty in metals are omitted; the density follows the corrected velocity gradient",
 };

@@ -14,14 +14,15 @@ use nalgebra::SVector;
 /// `G`. The penalty has `c = xi`. Shear forces between pairs have `c = 2 zeta`, and nothing is predicted, `L = 0`.
 ///
 /// Nothing is accumulated in a homogeneous state, where pair terms cancel. The rotation of the accumulated acceleration with the spin and the motion
-/// of `e`, `r` and volumes are thus of second order, and displacements replace velocities. Each end of a pair adds half of the force, with its own `L`.
+/// of `e`, `r` and volumes are thus of second order, and displacements replace velocities. Each end of a pair adds half of the force, computed with the `L`
+/// of this end.
 pub(super) struct PairSprings<const D: usize> {
     particles: Vec<Particle<D>>,
     /// Vectors `x_J - x_I` in the homogeneous state, starting with the particle itself; length.
     vectors: Vec<[f64; D]>,
     /// Stiffness `-c G V_I V_J W' / (2 r)` of each pair; force/length.
     stiffness: Vec<f64>,
-    /// Gradients of the displacement gradient that predicts the motion of pairs; empty if nothing is predicted; 1/length.
+    /// Gradients of the displacement gradient that predicts the motion of pairs, 1/length; empty if nothing is predicted.
     gradients: Vec<[f64; D]>,
 }
 

@@ -42,7 +42,7 @@ pub enum ShearForces {
     ///
     /// In updated SPH the particles carry the mean stress of the law alone, and accelerations accumulate with the velocities,
     /// `da_I/dt = 2 zeta mu / rho_I sum_J V_J (e . v_IJ) e W'(r) / r`, `e = x_IJ / r` (Zhang, Zhang, Rezavand and Hu, J. Comput. Phys. 2024, doi
-    /// 10.1016/j.jcp.2024.113072). The plane and space have shear, a chain has none.
+    /// 10.1016/j.jcp.2024.113072). A chain has no shear.
     Pairs {
         /// Coefficient `zeta`. Published are 1.07 for total-Lagrangian and `0.7 D + 2.1` for updated SPH.
         coefficient: f64,
