@@ -1,6 +1,6 @@
 //! Short forms of the criteria of a law, four criteria with one line per loading, and of its card.
 
-use super::card::{CardAnswer, Limits};
+use super::card::{BoxAnswer, CardAnswer, Limits};
 use super::sentence::{Side, cell, heading, moduli};
 use super::{
     CriteriaAnswer, CriterionAnswer, EndAnswer, LawAnswer, LoadingAnswer, Mode, imposed, kink,
@@ -188,15 +188,28 @@ impl Brief for CardAnswer {
         let law = named(&self.material);
         let boxes = self.boxes();
         let sentence = match boxes.last() {
-            Some((_, found)) => format!(
-                "{law} is strongly elliptic while all principal stretches lie between {} and {}{}.",
-                told_above(found.low),
-                told_below(found.high),
-                match self.material.isotropic {
-                    true => "",
-                    false => ", with principal axes along the coordinates",
-                }
-            ),
+            Some((_, found)) => {
+                let between = |own: &BoxAnswer| {
+                    format!(
+                        "between {} and {}",
+                        told_above(own.low),
+                        told_below(own.high)
+                    )
+                };
+                // The widest box may begin or end at the reference configuration.
+                let symmetric = boxes.first().map(|(_, own)| *own);
+                let symmetric =
+                    symmetric.filter(|own| own.high > found.high || own.low < found.low);
+                format!(
+                    "{law} is strongly elliptic while all principal stretches lie {}{}{}.",
+                    between(found),
+                    symmetric.map_or_else(String::new, |own| format!(", or all {}", between(own))),
+                    match self.material.isotropic {
+                        true => "",
+                        false => ", with principal axes along the coordinates",
+                    }
+                )
+            }
             None if self.material.has_boxes() => {
                 format!("{law} is not elliptic in the reference configuration.")
             }
