@@ -235,7 +235,7 @@ fn settings_that_contradict_plane_stress_are_refused_with_a_hint() {
         ),
         (
             "state --stretch 1.1,1 --energy K*(J-ln(J)) --set material.K=2 --set material.plane=stress".to_owned(),
-            "a fluid's is not",
+            "as for a fluid",
         ),
         (
             format!("state --stretch 1.1,1 {neo} --set material.plane=bending"),
