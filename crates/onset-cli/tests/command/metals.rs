@@ -167,7 +167,7 @@ fn modes_of_a_fluid_are_not_compared_with_shear_waves() {
         ));
         assert!(
             answer.stdout.starts_with(
-                "no zero-energy modes; weak modes are undefined, because the frequency of the material's slowest waves is zero"
+                "No zero-energy modes. Weak modes are undefined, because the frequency of the material's slowest waves is zero"
             ),
             "{}",
             answer.stdout

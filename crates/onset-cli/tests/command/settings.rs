@@ -325,8 +325,8 @@ fn a_stressed_reference_configuration_is_reported_in_every_answer() {
     for arguments in [
         vec!["state", "--stretch", "1,1", "--all"],
         vec!["dispersion", "--stretch", "1,1", "--wave-vector", "1,1"],
-        vec!["path", "--from", "1,1", "--to", "1.1,1"],
-        vec!["modes"],
+        vec!["path", "--from", "1,1", "--to", "1.1,1", "--all"],
+        vec!["modes", "--all"],
         vec![
             "tune",
             "discretization.stress-point-weight",
