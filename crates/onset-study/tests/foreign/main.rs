@@ -670,7 +670,7 @@ fn ignored_keywords_of_a_deck_are_listed_with_their_lines() {
     for name in ["Rubber, 60 Shore", "\"Rubber, 60 Shore\""] {
         let second = notes(Program::Abaqus, &quoted, Some(name));
         assert!(
-            second.contains("material Rubber, 60 Shore (2 of 2;"),
+            second.contains("material \"Rubber, 60 Shore\" (2 of 2;"),
             "{second}"
         );
     }

@@ -409,10 +409,13 @@ fn a_study_provides_one_material_and_one_method_for_single_states() {
     assert_eq!(settings.discretization.support, 1.7);
     assert_eq!(settings.material.values(), [("mu", 3.0)]);
     assert_eq!(settings.method.method, Family::UpdatedSph);
-    let refused = of(&["discretization.support=1.7", "discretization.penalty=0.5"]);
+    let refused = of(&[
+        "discretization.support=1.7",
+        "discretization.bonds=ordinary",
+    ]);
     let told = refused.expect_err("a key of another method").to_string();
     assert!(
-        told.contains("`discretization.penalty` has no effect"),
+        told.contains("`discretization.bonds` has no effect"),
         "{told}"
     );
     // The law alone needs no support, and accepts no keys of methods.
