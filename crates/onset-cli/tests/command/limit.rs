@@ -41,7 +41,7 @@ fn the_smallest_spacing_and_density_follow_from_the_wave_speed() {
     let text = onset_line(&line("spacing")).stdout;
     assert!(
         text.contains(
-            "is below the critical one with discretization.spacing from 0.2 on, up to at least "
+            "is below the critical one with discretization.spacing from 0.2 up to at least "
         ),
         "{text}"
     );
