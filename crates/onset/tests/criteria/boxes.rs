@@ -91,41 +91,24 @@ fn a_box_without_loss_of_ellipticity_fills_the_range() {
 
 /// A metal is elastic at a dilation and flows at a small distance from it, where it is softest: in a shell thinner than the cells of any grid.
 #[test]
-fn the_boxes_of_a_metal_contain_no_state_that_barely_flows_and_has_lost_ellipticity() {
+fn the_box_of_a_metal_contains_no_state_that_barely_flows_and_has_lost_ellipticity() {
     let mut metals = onset::plasticity::library().iter();
     let law = metals.find(|law| law.name == "j2").expect("a law");
-    for given in [
-        &[][..],
-        &[
-            ("mu", 76.923),
-            ("kappa", 166.667),
-            ("yield-stress", 0.4),
-            ("hardening-modulus", 1.0),
-            ("saturation-stress", 0.0),
-        ][..],
-    ] {
-        let metal = law.build(given).expect("admissible");
-        for skew in [1.0, 6.0] {
-            let safe = safe_box(&*metal, skew, &Range::default()).expect("elliptic");
-            for (n, k) in (0..=60).flat_map(|n| (1..=60).map(move |k| (n, k))) {
-                let dilation = safe.high * (safe.low / safe.high).powf(f64::from(n) / 60.0);
-                let smaller = dilation * (1.0 - 0.03 * f64::from(k) / 60.0);
-                if smaller < safe.low {
-                    continue;
-                }
-                let stretches = [smaller, dilation, dilation];
-                let f = DeformationGradient::from_stretches(stretches).expect("stretches");
-                let state = State::new(&*metal, &f).expect("defined");
-                let measure = Criterion::StrongEllipticity
-                    .measure(&state)
-                    .expect("defined");
-                assert!(
-                    measure.value > -1e-7 * measure.zero.max(1.0),
-                    "{safe:?} {stretches:?} {}",
-                    measure.value
-                );
-            }
+    let metal = law.build(&[]).expect("admissible");
+    // A box that reaches far into compression.
+    let safe = safe_box(&*metal, 6.0, &Range::default()).expect("elliptic");
+    for (n, k) in (0..=60).flat_map(|n| (1..=60).map(move |k| (n, k))) {
+        let dilation = safe.high * (safe.low / safe.high).powf(f64::from(n) / 60.0);
+        let smaller = dilation * (1.0 - 0.03 * f64::from(k) / 60.0);
+        if smaller < safe.low {
+            continue;
         }
+        let stretches = [smaller, dilation, dilation];
+        let f = DeformationGradient::from_stretches(stretches).expect("stretches");
+        let state = State::new(&*metal, &f).expect("defined");
+        let measure = Criterion::StrongEllipticity.measure(&state);
+        let value = measure.expect("defined").value;
+        assert!(value > -1e-7, "{safe:?} {stretches:?} {value}");
     }
 }
 
