@@ -195,7 +195,7 @@ const SIMILAR: f64 = 0.05;
 const BOUND_TOLERANCE: f64 = 1e-6;
 /// Optima whose constants differ by less than this fraction count as one.
 const CONSTANT_TOLERANCE: f64 = 1e-3;
-/// Number of free optima from which a fit with the stability constraint starts.
+/// Number of free optima that are starting points of a fit with the stability constraint.
 const STARTS_WITH_DEMANDS: usize = 6;
 
 /// Fits a law to tests.

@@ -74,7 +74,7 @@ pub fn hint(error: &MethodError) -> &'static str {
             "\n  hint: omit discretization.penalty, or give the law a shear modulus (material.mu)"
         }
         MethodError::Material(MaterialError::NoShearModulus) => {
-            "\n  hint: leave discretization.penalty and discretization.shear-forces out, or give the law a shear modulus (material.mu)"
+            "\n  hint: omit discretization.penalty and discretization.shear-forces, or give the law a shear modulus (material.mu)"
         }
         MethodError::Material(MaterialError::NoPlaneStress { .. }) => {
             "\n  hint: set material.plane=strain; plane stress is for chains and lattices of the plane, and for laws with stiffness against all strains"

@@ -1,4 +1,4 @@
-"""Some calls with odd arrays, and the same in a forked process; the argument is a seed. Prints `done`."""
+"""Some calls with odd arrays, and the same in a forked process; the arguments are a seed and the longest time of a process in seconds. Prints `done`."""
 
 import faulthandler
 import multiprocessing
@@ -96,7 +96,7 @@ if __name__ == "__main__":
     for _ in range(2):
         child = multiprocessing.get_context("fork").Process(target=abused, args=(8,))
         child.start()
-        child.join(8.0)
+        child.join(float(sys.argv[2]))
         if child.is_alive():
             # Prints where it is.
             os.kill(child.pid, signal.SIGABRT)

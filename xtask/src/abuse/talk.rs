@@ -94,6 +94,8 @@ pub(super) fn arrays(programs: &Programs, place: &Place, random: &mut Random) ->
     let script = place.write("arrays.py", include_str!("arrays.py"))?;
     let mut command = Command::new(python);
     command.arg(script).arg(random.word().to_string());
+    // A forked process that hangs is found before the script counts as hanging, and prints where it is.
+    command.arg((0.8 * longest().as_secs_f64()).to_string());
     command.env("ONSET_UMAT_HOST", &programs.onset);
     let ended = place.started(command)?.ended()?;
     match (ended.code, ended.stdout.trim_end().lines().next_back()) {

@@ -379,7 +379,7 @@ impl<const D: usize> Stiffness<D> {
         Self(blocks, self.1 / scale, volume)
     }
 
-    /// Like [`Stiffness::minimum`], but by a descent from the lowest of many directions, without a bound. Several times faster in two and three
+    /// Like [`Stiffness::minimum`], by a descent from the lowest of many directions and without a bound. It is several times faster in two and three
     /// dimensions, for uses that do not need certainty.
     pub(crate) fn minimum_by_descent(&self) -> AcousticMinimum<D> {
         let scale = self.magnitude();

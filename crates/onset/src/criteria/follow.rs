@@ -31,8 +31,7 @@ pub struct Event {
     pub stretch: f64,
     /// Half the width of the bracket of `ln lambda`, or the shift that rounding of the measure or of the free stretches can cause, if that is larger.
     pub tolerance: f64,
-    /// Whether the criterion may be lost nearer to the reference configuration: the loss is proved at `stretch`, but the criterion is not proved to
-    /// hold before it.
+    /// Whether the criterion may be lost nearer to the reference configuration: the loss is proved at `stretch`, and nothing is proved nearer.
     pub is_upper_bound: bool,
     /// Perturbation on the side where the criterion fails.
     pub witness: Witness,

@@ -98,7 +98,7 @@ impl Observer<Guarded> for Examiner<'_> {
     }
 }
 
-/// Bounds of a number, with the defects of the operations from which it was computed.
+/// Bounds of a computed number, with the defects of its operations.
 #[derive(Clone, Copy, Debug)]
 struct Guarded {
     bounds: Interval,

@@ -151,7 +151,7 @@ pub(super) fn coaxial<L: FlowLaw + Send + Sync + 'static>(
 struct Reached {
     stress: Vector3<f64>,
     elasticity: Elasticity,
-    /// Continued flow and the state from which the integration continues; `None` if the state is elastic.
+    /// Continued flow, and the start of a continued integration; `None` if the state is elastic.
     flow: Option<(Flow, Point)>,
 }
 

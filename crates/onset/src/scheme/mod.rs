@@ -216,7 +216,7 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
 
     /// Returns the part of the waves of a state that is caused by the quantities that particles carry.
     ///
-    /// Deformation gradients and densities follow the wave while positions are held. A law in rate form has a stress that is integrated in time and a
+    /// Deformation gradients and densities change with the wave while positions are held. A law in rate form has a stress that is integrated in time and a
     /// pressure that follows the density; in other laws the whole stress follows one of these two quantities. Codes that integrate stress or density
     /// in time compute this part from velocities and the remaining part from positions, which differ in discrete time; see
     /// [`Stepping`](crate::time_step::Stepping). `None` if the method does not separate the two parts.

@@ -47,7 +47,7 @@ struct Law<'d, 't> {
     node: Node<'d, 't>,
     kind: &'d str,
     line: usize,
-    /// Names of the parameters that were looked up.
+    /// Names of the parameters that the law has.
     known: RefCell<BTreeSet<String>>,
 }
 
@@ -137,7 +137,7 @@ fn law_in<'d, 't>(material: Node<'d, 't>) -> Option<(Law<'d, 't>, Reader)> {
     })
 }
 
-/// Parameters of the law that were not looked up, and parts of a material around the law.
+/// Parameters that the law does not have, and parts of a material around the law.
 fn unread(
     material: Node<'_, '_>,
     law: &Law<'_, '_>,

@@ -173,7 +173,7 @@ impl Mirrored {
         -self.lowest
     }
 
-    /// Follows the wells of real objectives whose bottoms may lie below their floors. The values of the bottoms come from fast sums.
+    /// Follows the wells of real objectives whose minima may be lower than their floors. The values of the bottoms come from fast sums.
     pub(super) fn follow(&mut self, requests: &[Request]) {
         let mut descents = self.along_soft(requests);
         for request in requests {

@@ -8,7 +8,7 @@ use super::plane::{
 use crate::algebra::Each;
 use std::f64::consts::PI;
 
-/// Spacings of the points from which a branch is extended. The next spacing is tried if the branches do not meet.
+/// Spacings of the points that define the extension of a branch. The next spacing is tried if the branches do not meet.
 const SPACINGS: [f64; 3] = [2e-5, 2e-6, 2e-7];
 /// Largest distance of the boundary from the intersection of the branches.
 const CORNER_TOLERANCE: f64 = 1e-9;
