@@ -311,7 +311,7 @@ fn the_courant_number_of_disordered_particles_uses_the_spacing_of_their_lattice(
         let modulus = onset::continuum::Stiffness::<1>::at(&*material, &rest)
             .expect("a tangent")
             .maximum_eigenvalue();
-        let measured = Measured::of(&settings, material.into(), &options).expect("a row");
+        let measured = Measured::of(&settings, material, &options).expect("a row");
         let step = measured.critical_time_step * modulus.sqrt() / 0.5;
         assert!((measured.courant / step - 1.0).abs() < 1e-12);
         measured.neighbors

@@ -44,6 +44,7 @@ mod printing;
 #[cfg(unix)]
 mod readme;
 mod refusals;
+mod relaxation;
 mod renamed;
 mod screen;
 mod settings;

@@ -85,6 +85,22 @@ impl DiscreteTimeAnswer {
         }))
     }
 
+    /// Takes the smaller largest steps of two answers.
+    pub(super) fn limited_by(
+        mut self,
+        other: Result<Option<Self>, ProblemError>,
+    ) -> Result<Self, ProblemError> {
+        if let Some(other) = other? {
+            let least = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::min);
+            self.largest_time_step = least(self.largest_time_step, other.largest_time_step);
+            self.isolated_point_time_step = least(
+                self.isolated_point_time_step,
+                other.isolated_point_time_step,
+            );
+        }
+        Ok(self)
+    }
+
     fn is_too_long(&self) -> bool {
         let both = self.time_step.zip(self.largest_time_step);
         both.is_some_and(|(step, largest)| step > largest)

@@ -42,6 +42,8 @@ impl FiniteBodyAnswer {
         lattice: Option<f64>,
     ) -> Result<Option<Self>, ProblemError> {
         let lattice = lattice.unwrap_or(f64::INFINITY);
+        let stiffer = problem.stiffer_at(f)?;
+        let problem = stiffer.as_ref().unwrap_or(problem);
         let found = problem.analysis.finite_bodies(f, lattice)?;
         Ok(found.map(|found| {
             let (proved, ground) = match found.ground {
@@ -95,7 +97,8 @@ impl BodyStepAnswer {
         };
         let mut found = None;
         let contact = settings.contact();
-        let analysis = &problem.analysis;
+        let stiffer = problem.stiffer_at(f)?;
+        let analysis = &stiffer.as_ref().unwrap_or(problem).analysis;
         analysis.with_body(&particles, &grips, contact, &mut |body| {
             let step = body.start(&start, 0.0);
             let step = step.and_then(|()| body.critical_time_step());

@@ -20,8 +20,8 @@ mod remedy;
 mod sentence;
 mod short;
 mod state;
+mod stiffer;
 mod summary;
-mod unloading;
 mod zone_path;
 
 pub use certificate::{CertificateAnswer, ProofAnswer, WitnessAnswer};
@@ -42,5 +42,5 @@ pub(crate) use notes::{notes_on_patch, zero_energy};
 pub use path::{CrossingAnswer, DiscretizationOnset, MaterialOnset, PathAnswer};
 pub use problem::{Extent, Problem, ProblemError, Strain, numbers};
 pub use state::{ComplexNumber, DiscretizationAnswer, MaterialAnswer, StateAnswer, StateQuestion};
+pub use stiffer::{RelaxationAnswer, StifferAnswer};
 pub use summary::{AxisSummary, StudySummary};
-pub use unloading::UnloadingAnswer;

@@ -6,7 +6,7 @@ use crate::number::counted;
 use crate::settings::{Plane, SettingError, Settings};
 use onset::analysis::{Analysis, analysis, described_analysis};
 use onset::kinematics::{DeformationGradient, KinematicsError};
-use onset::material::Hyperelastic;
+use onset::material::{Hyperelastic, Linearized};
 use onset::method::MethodError;
 use onset::motion::{BodyError, Fault};
 use onset::plasticity::Unloading;
@@ -445,22 +445,32 @@ impl Problem {
         })
     }
 
-    /// Returns the problem for increments that unload a state that flows.
+    /// Returns the problem for stiffer increments of the states: unloading of a law that flows, or increments that are faster than the relaxation of a
+    /// viscoelastic law. Their waves limit the time step.
     ///
     /// # Errors
     /// [`ProblemError`] when the method is invalid.
-    pub(crate) fn unloading(&self) -> Result<Self, ProblemError> {
-        let law = Arc::new(Unloading(Arc::clone(&self.material)));
+    pub(crate) fn stiffer(&self) -> Result<Self, ProblemError> {
+        let fast = self.settings.fast_law().map_err(MethodError::from)?;
+        let law = fast.unwrap_or_else(|| Arc::new(Unloading(Arc::clone(&self.material))));
         Self::with_law(self.settings.clone(), law)
     }
 
-    /// Returns true if the tangents of loading and of unloading differ at a state.
+    /// Like [`Problem::stiffer`], for one state, about which the law is linear, so that bodies can be run with it; `None` if no increments of the state
+    /// are stiffer than its tangent.
     ///
     /// # Errors
-    /// [`ProblemError`] when the material cannot be evaluated there.
-    pub(crate) fn unloads(&self, f: &DeformationGradient) -> Result<bool, ProblemError> {
-        let tangent = self.material.unloading_tangent(f);
-        Ok(tangent.map_err(MethodError::from)?.is_some())
+    /// [`ProblemError`] when the method is invalid, or the material cannot be evaluated there.
+    pub(crate) fn stiffer_at(&self, f: &DeformationGradient) -> Result<Option<Self>, ProblemError> {
+        let flows = self
+            .material
+            .unloading_tangent(f)
+            .map_err(MethodError::from)?;
+        if !self.settings.material.is_relaxed() && flows.is_none() {
+            return Ok(None);
+        }
+        let law = Linearized::about(&*self.stiffer()?.material, f).map_err(MethodError::from)?;
+        Self::with_law(self.settings.clone(), Arc::new(law)).map(Some)
     }
 
     /// Returns the problem with the cell of the settings instead of the primitive cell, for patches.

@@ -92,6 +92,9 @@ impl Brief for StateAnswer {
             };
             short = short.row(1, "", text);
         }
+        if let Some(relaxation) = &self.relaxation {
+            short = short.row(1, "relaxation", relaxation.words(units));
+        }
         if let Some(unloading) = &self.unloading {
             short = short.row(1, "unloading", unloading.words(units));
         }

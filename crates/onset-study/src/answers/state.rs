@@ -11,7 +11,7 @@ use super::next::next;
 use super::notes::{buckling, notes};
 use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
-use super::unloading::{UnloadingAnswer, band};
+use super::stiffer::{RelaxationAnswer, StifferAnswer, band};
 use crate::compare::percent;
 use crate::csv::Table;
 use crate::methods::reduced;
@@ -80,7 +80,9 @@ pub struct StateAnswer {
     pub discretization: DiscretizationAnswer,
     /// The discretization for disturbances that unload a state that flows; `null` for other states.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub unloading: Option<UnloadingAnswer>,
+    pub unloading: Option<StifferAnswer>,
+    /// The state of a viscoelastic law before and while it relaxes; `null` for other laws.
+    pub relaxation: Option<RelaxationAnswer>,
     /// Proofs; `null` if they were not requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub certificate: Option<CertificateAnswer>,
@@ -431,7 +433,13 @@ fn answer(
             corrected != searched,
         ));
     }
-    let discretization = discretization_answer(problem, assessment, weakest, f)?;
+    let stiffer = problem.stiffer_at(f)?;
+    let discretization = discretization_answer(problem, stiffer.as_ref(), assessment, weakest, f)?;
+    let disturbed = match &stiffer {
+        Some(stiffer) => Some(StifferAnswer::new(stiffer, f)?),
+        None => None,
+    };
+    let relaxation = RelaxationAnswer::new(problem, disturbed.as_ref(), f)?;
     let mut notes = notes(&problem.settings, &*problem.material);
     // The cause of an instability is the first note.
     notes.splice(0..0, band(problem, assessment, f));
@@ -461,7 +469,8 @@ fn answer(
         material: material_answer(problem, assessment, in_3d.as_ref()),
         material_3d: in_3d,
         discretization,
-        unloading: UnloadingAnswer::new(problem, f)?,
+        unloading: disturbed.filter(|_| relaxation.is_none()),
+        relaxation,
     })
 }
 
@@ -512,16 +521,28 @@ fn material_answer(
     }
 }
 
+/// Answer for the particles; `stiffer` is the problem for stiffer increments of the state, whose waves limit the time steps.
 fn discretization_answer(
     problem: &Problem,
+    stiffer: Option<&Problem>,
     assessment: &Assessment<3>,
     weakest_mode: Option<WeakestModeAnswer>,
     f: &DeformationGradient,
 ) -> Result<DiscretizationAnswer, ProblemError> {
     let analysis = &*problem.analysis;
     let list = |vector: &SVector<f64, 3>| list(analysis.dimension(), vector);
-    let discrete_time = DiscreteTimeAnswer::new(problem, f)?;
-    let steps = analysis.damped_time_steps(f)?;
+    let discrete_time = DiscreteTimeAnswer::new(problem, f)?.map(|own| match stiffer {
+        Some(stiffer) => own.limited_by(DiscreteTimeAnswer::new(stiffer, f)),
+        None => Ok(own),
+    });
+    let discrete_time = discrete_time.transpose()?;
+    let mut steps = analysis.damped_time_steps(f)?;
+    if let Some(stiffer) = stiffer {
+        let own = stiffer.analysis.damped_time_steps(f)?;
+        for (step, (_, other)) in steps.iter_mut().zip(own) {
+            step.1 = step.1.min(other);
+        }
+    }
     let spectrum = &assessment.spectrum;
     // A bound far below the minimum carries no information.
     let minimum = spectrum.softest.scaled;
@@ -535,7 +556,14 @@ fn discretization_answer(
     let grid_cell = has_grid.then_some(problem.settings.discretization.spacing);
     let critical_time_step = match &discrete_time {
         Some(own) => own.largest_time_step,
-        None => Some(spectrum.critical_time_step()).filter(|step| step.is_finite()),
+        None => {
+            let step = spectrum.critical_time_step();
+            let step = match stiffer {
+                Some(stiffer) => step.min(stiffer.analysis.spectrum(f)?.critical_time_step()),
+                None => step,
+            };
+            Some(step).filter(|step| step.is_finite())
+        }
     };
     let named = mode_name::name(problem, mode, &spatial, spectrum.maximum_omega);
     Ok(DiscretizationAnswer {
@@ -788,7 +816,14 @@ impl std::fmt::Display for StateAnswer {
             ),
         )?;
         line(&of("polarization"), vector(&d.polarization))?;
-        line(&of("growth rate"), units.of(told(d.growth_rate), "1/s"))?;
+        let during = match &self.relaxation {
+            Some(_) if d.growth_rate > 0.0 => " without the delay by relaxation",
+            _ => "",
+        };
+        line(
+            &of("growth rate"),
+            format!("{}{during}", units.of(told(d.growth_rate), "1/s")),
+        )?;
         let without = match d.damped_time_steps.is_empty() {
             true => "",
             false => "without damping ",
@@ -850,6 +885,9 @@ impl std::fmt::Display for StateAnswer {
         }
         for (name, text) in d.implicit.iter().flat_map(|own| own.lines(units)) {
             line(&of(name), text)?;
+        }
+        if let Some(relaxation) = &self.relaxation {
+            line("relaxation", relaxation.words(units))?;
         }
         if let Some(unloading) = &self.unloading {
             line("unloading", unloading.words(units))?;

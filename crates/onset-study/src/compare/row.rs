@@ -116,7 +116,11 @@ impl Measured {
             states: options.states,
         };
         let rest = DeformationGradient::identity();
-        let step = analysis.critical_time_step(&rest, options.integrator)?;
+        let stiffer = problem.stiffer_at(&rest)?;
+        let fastest = stiffer.as_ref().unwrap_or(&problem);
+        let step = fastest
+            .analysis
+            .critical_time_step(&rest, options.integrator)?;
         let passage = analysis.speed_squared()?.sqrt() / analysis.spacing();
         let body = match BodyStepAnswer::new(&problem, &rest) {
             Err(ProblemError::Body {

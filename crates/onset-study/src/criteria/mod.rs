@@ -26,6 +26,7 @@ use onset::material::{Hyperelastic, MaterialError, Membrane};
 use rayon::prelude::*;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Reasons why the criteria of a law cannot be evaluated.
@@ -431,7 +432,7 @@ fn along_axes(settings: &MaterialSettings, modes: &[Mode]) -> Result<(), Criteri
 /// Stability criteria of a law for a range of stretches and some loadings.
 pub struct Question {
     law: LawAnswer,
-    material: Box<dyn Hyperelastic>,
+    material: Arc<dyn Hyperelastic>,
     /// Whether the stress is the derivative of an energy; the elastic energy of a metal in plastic flow is not a potential of its stress.
     has_energy: bool,
     range: Range,
@@ -449,8 +450,8 @@ impl Question {
         modes: &[Mode],
     ) -> Result<Self, CriteriaError> {
         let in_plane = settings.is_membrane();
-        let material: Box<dyn Hyperelastic> = match in_plane {
-            true => Box::new(Membrane::new(settings.build()?.into())),
+        let material: Arc<dyn Hyperelastic> = match in_plane {
+            true => Arc::new(Membrane::new(settings.build()?)),
             false => settings.build()?,
         };
         let parameters = settings.entries().into_iter();

@@ -143,10 +143,10 @@ impl Search<'_> {
         let assessment = analysis.assess(f)?;
         let transferred = analysis.transferred(f)?;
         let mut step = self.step(analysis, transferred.as_deref(), &assessment.spectrum)?;
-        if problem.unloads(f)? {
-            let stiffer = problem.unloading()?.analysis;
+        if let Some(problem) = problem.stiffer_at(f)? {
+            let stiffer = &*problem.analysis;
             let waves = stiffer.transferred(f)?;
-            let of_stiffer = self.step(&*stiffer, waves.as_deref(), &stiffer.spectrum(f)?)?;
+            let of_stiffer = self.step(stiffer, waves.as_deref(), &stiffer.spectrum(f)?)?;
             step = step.min(of_stiffer);
         }
         let body = BodyStepAnswer::new(&problem, f)?;

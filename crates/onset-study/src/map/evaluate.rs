@@ -17,8 +17,8 @@ pub struct Evaluator {
     settings: Settings,
     /// Analysis, or `None` if the support holds too few or too many particles in the reference configuration.
     analysis: Option<Box<dyn Analysis>>,
-    /// Analysis for increments that unload, whose waves limit the time step of a law that yields; `None` for other laws.
-    unloading: Option<Box<dyn Analysis>>,
+    /// Analysis for stiffer increments, whose waves limit the time step of a law that yields or relaxes; `None` for other laws.
+    stiffer: Option<Box<dyn Analysis>>,
     /// `rho c^2`, the scale of acoustic eigenvalues; stress.
     stiffness: f64,
     /// Largest magnitude of a measure near zero; `None` if no proofs are requested.
@@ -42,11 +42,11 @@ impl Evaluator {
             true => analysis.for_many_states(),
             false => Ok(analysis),
         };
-        let mut unloading = None;
+        let mut stiffer = None;
         let analysis = match Problem::new(settings.clone()) {
             Ok(problem) => {
-                if settings.material.model.yields() {
-                    unloading = Some(prepared(problem.unloading()?.analysis)?);
+                if settings.material.model.yields() || settings.material.is_relaxed() {
+                    stiffer = Some(prepared(problem.stiffer()?.analysis)?);
                 }
                 Some(problem.analysis)
             }
@@ -56,7 +56,7 @@ impl Evaluator {
         let mut evaluator = Self {
             settings,
             analysis: None,
-            unloading,
+            stiffer,
             stiffness: f64::NAN,
             tolerance: map.certify.then_some(map.tolerance),
             integrator: map.integrator,
@@ -81,13 +81,13 @@ impl Evaluator {
         let Some(analysis) = self.analysis.as_deref() else {
             return states.iter().map(|_| Ok(Record::UNDEFINED)).collect();
         };
-        let unloading = self.unloading.as_deref();
-        let mut unloading = unloading.map(|own| (own, own.states(states).into_iter()));
+        let stiffer = self.stiffer.as_deref();
+        let mut stiffer = stiffer.map(|own| (own, own.states(states).into_iter()));
         let records = states.iter().zip(analysis.states(states));
         records
             .map(|(f, surveyed)| {
                 // Taken first, so that an error of a state leaves the others in step.
-                let faster = unloading
+                let faster = stiffer
                     .as_mut()
                     .and_then(|(own, states)| Some((*own, states.next()?)));
                 let mut record = self.record(analysis, f, surveyed)?;

@@ -5,6 +5,7 @@ use super::method::{
 };
 use super::moduli::{MODULI, is_modulus};
 use super::needs::{Cases, is, is_not};
+use super::relaxation::{self, RELAXATION_KEYS};
 use super::renamed;
 use super::{MapSettings, Model, OUTPUTS, Plane, StateSettings, Units, Value, aliases, word_of};
 use onset::kinematics::STRETCHES;
@@ -176,6 +177,7 @@ pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
             "in two dimensions plane strain, plane stress (a thin sheet whose thickness is computed) or membrane (a two-dimensional law, as for cloth); in one dimension, uniaxial strain or uniaxial stress",
         ),
     ];
+    keys.extend(RELAXATION_KEYS);
     keys.extend(parameter_keys());
     for key in Model::all().flat_map(Model::keys) {
         // Models may share keys.
@@ -660,6 +662,9 @@ impl Key {
         match self.parts() {
             ("material", "model") => Model::default().name().into(),
             ("material", "plane") => word_of(&Plane::default()).into(),
+            ("material", name) if relaxation::is_of_relaxation(name) => {
+                relaxation::default_of(name).into()
+            }
             ("material", name) => {
                 let mut defaults = Model::all().flat_map(Model::parameters);
                 let first = defaults.find(|parameter| parameter.name == name);

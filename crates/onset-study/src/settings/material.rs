@@ -3,6 +3,7 @@
 use super::error::{Origin, SettingError, nearest};
 use super::key::ANY_DIMENSION;
 use super::model::{LIBRARY, sum};
+use super::relaxation::is_of_relaxation;
 use super::{
     HandedLaw, Key, Kind, Model, Settings, TRUST_VARIABLE, Trust, Units, Value, aliases, moduli,
     units, word_of,
@@ -162,6 +163,7 @@ impl MaterialSettings {
                     self.origin(name),
                 ))
             })
+            .chain(self.relaxation_times())
     }
 
     /// Returns true if a modulus, named without its section, determines parameters of the law.
@@ -231,6 +233,7 @@ impl MaterialSettings {
     /// Moduli that are `open` will be varied: the parameters that follow from them are checked later.
     pub(super) fn check(&self, open: &[&str]) -> Result<(), SettingError> {
         self.check_names()?;
+        self.check_relaxation()?;
         let is_open = open
             .iter()
             .filter_map(|name| name.strip_prefix("material."))
@@ -262,7 +265,7 @@ impl MaterialSettings {
 
     /// Checks that the model has a parameter, or that it is a modulus of the law.
     pub(super) fn check_taken(&self, name: &str, origin: &Origin) -> Result<(), SettingError> {
-        match self.model.takes(name) || self.reads_modulus(name) {
+        match self.model.takes(name) || self.reads_modulus(name) || is_of_relaxation(name) {
             true => Ok(()),
             false => Err(self.stray(name, origin.clone())),
         }
@@ -371,9 +374,15 @@ impl MaterialSettings {
             .iter()
             .filter(|(name, _)| self.model.takes(name) && !known(name))
             .map(|(name, (value, _))| (*name, value.clone()));
+        let relaxation = self
+            .set
+            .iter()
+            .filter(|(name, _)| is_of_relaxation(name))
+            .map(|(name, (value, _))| (*name, value.clone()));
         let plane =
             (self.plane() != Plane::Strain).then(|| (PLANE, Value::Word(word_of(&self.plane()))));
-        parameters.chain(own).chain(free).chain(plane).collect()
+        let others = own.chain(free).chain(relaxation).chain(plane);
+        parameters.chain(others).collect()
     }
 
     /// Returns all numeric parameters with their values.
@@ -515,7 +524,15 @@ impl MaterialSettings {
     /// # Errors
     /// [`MaterialError`] when a parameter is invalid, or the law has no plane stress.
     pub(crate) fn law_in(&self, dimension: usize) -> Result<Arc<dyn Hyperelastic>, MaterialError> {
-        let law = Arc::from(self.build()?);
+        self.in_dimension(self.build()?, dimension)
+    }
+
+    /// Law of space as seen by a body of the given dimension.
+    pub(super) fn in_dimension(
+        &self,
+        law: Arc<dyn Hyperelastic>,
+        dimension: usize,
+    ) -> Result<Arc<dyn Hyperelastic>, MaterialError> {
         match self.plane() {
             Plane::Strain => Ok(law),
             Plane::Stress => Ok(Arc::new(PlaneStress::new(law, dimension)?)),
@@ -527,7 +544,12 @@ impl MaterialSettings {
     ///
     /// # Errors
     /// [`MaterialError`] when a parameter is invalid.
-    pub fn build(&self) -> Result<Box<dyn Hyperelastic>, MaterialError> {
+    pub fn build(&self) -> Result<Arc<dyn Hyperelastic>, MaterialError> {
+        self.as_loaded()
+    }
+
+    /// Builds the law of the model, without relaxation.
+    pub(super) fn of_model(&self) -> Result<Box<dyn Hyperelastic>, MaterialError> {
         match self.model {
             // Moduli that an axis varies may be inadmissible at some states.
             Model::Law(law) => match self.derived() {

@@ -617,7 +617,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     .only_with(POINTS),
     key(
         "discretization.grid-functions",
-        Kind::Words(&["linear", "gimp", "quadratic-spline", "cubic-spline"]),
+        Kind::Words(&["linear", "gimp", "cpdi", "quadratic-spline", "cubic-spline"]),
         "material points: shape functions of the grid",
     )
     .only_with(POINTS),

@@ -22,6 +22,7 @@ mod notes;
 pub(crate) mod presets;
 #[cfg(test)]
 mod readers;
+mod relaxation;
 mod renamed;
 mod schema;
 mod sections;

@@ -97,6 +97,28 @@ pub(crate) fn si(dimension: &str) -> Option<&'static str> {
     }
 }
 
+/// Time in seconds of a text with a unit; `None` without a unit.
+///
+/// # Errors
+/// Description of the error if the unit is not a unit of time.
+pub(super) fn time(text: &str) -> Result<Option<f64>, String> {
+    let Some((number, unit)) = split(text) else {
+        return Ok(None);
+    };
+    let of_time = UNITS.iter().find(|(dimension, _)| *dimension == "time");
+    let units = of_time.map_or(&[][..], |(_, units)| units);
+    match units.iter().find(|(known, _)| *known == unit) {
+        Some((_, factor)) => Ok(Some(scaled(number, *factor))),
+        None => {
+            let names: Vec<&str> = units.iter().map(|(name, _)| *name).collect();
+            Err(format!(
+                "`{unit}` is not a unit of time; units are {}",
+                names.join(", ")
+            ))
+        }
+    }
+}
+
 /// Splits a number followed by letters, as typed: `80GPa`, `7850 kg/m^3`.
 pub(super) fn split(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
@@ -252,7 +274,8 @@ pub(crate) fn check<'a>(
             let example = match key.unit() {
                 Some("length") => "1mm",
                 Some("mass/volume") => "7850kg/m^3",
-                _ => "80GPa",
+                Some(_) => "80GPa",
+                None => "\"0.3, 0, 1ms\"",
             };
             format!("--set {}={example}", key.name)
         })

@@ -109,6 +109,7 @@ pub fn run_body(
     place: Option<&Place>,
     watch: &dyn Watch,
 ) -> Result<BodyAnswer, SimulateError> {
+    problem.settings.material.check_moves()?;
     if problem.material.is_path_dependent() {
         let material = &problem.settings.material;
         return Err(refused(

@@ -20,6 +20,7 @@ pub fn simulate(
     place: Option<&Place>,
     watch: &dyn Watch,
 ) -> Result<SimulateAnswer, SimulateError> {
+    problem.settings.material.check_moves()?;
     // Patches are built from the cell in the settings, not from a reduced cell.
     let described = match reduced(&problem.settings) {
         Some(_) => Some(problem.described()?),

@@ -105,6 +105,7 @@ impl Case {
         settings: Settings,
         question: &Question,
     ) -> Result<(Self, Files), VerifyError> {
+        settings.material.check_moves()?;
         let problem = Problem::new(settings)?;
         let f = DeformationGradient::from_stretches(question.stretches)?;
         if problem.analysis.is_transferred() {

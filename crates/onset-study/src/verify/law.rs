@@ -208,7 +208,7 @@ mod tests {
         "material.K=2",
     ];
 
-    fn law(assignments: &[&str]) -> Box<dyn onset::material::Hyperelastic> {
+    fn law(assignments: &[&str]) -> std::sync::Arc<dyn onset::material::Hyperelastic> {
         let settings = Settings::from_assignments(assignments).expect("settings");
         settings.material.build().expect("a law")
     }

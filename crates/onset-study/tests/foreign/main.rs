@@ -10,9 +10,10 @@ mod written;
 use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
 use onset_study::settings::{MaterialSettings, Program, law_from, law_of, law_written};
+use std::sync::Arc;
 
 /// Builds the material of a block with additional assignments.
-fn read(program: Program, block: &str, beside: &[&str]) -> Box<dyn Hyperelastic> {
+fn read(program: Program, block: &str, beside: &[&str]) -> Arc<dyn Hyperelastic> {
     let beside: Vec<String> = beside.iter().map(|text| (*text).to_owned()).collect();
     let reading = law_from(program, "a block", block, &beside).expect("a law");
     let all: Vec<String> = reading.assignments.into_iter().chain(beside).collect();
@@ -644,7 +645,7 @@ fn a_table_of_many_points_is_accepted_with_a_short_note() {
 
 /// Prony series with a sum of 0.3: factor `1/(1 - 0.3)` for long-term moduli, `1 - 0.3` for instantaneous moduli.
 #[test]
-fn ignored_keywords_of_a_deck_are_listed_with_their_lines() {
+fn keywords_of_a_deck_are_read_or_listed_with_their_lines() {
     let deck = "*MATERIAL, NAME=A\n*HYPERELASTIC, MOONEY-RIVLIN\n0.4, 0.1, 0.02\n*VISCOELASTIC, TIME=PRONY\n0.3, 0., 0.1\n\
                 *MULLINS EFFECT\n1.5, 0.1, 0.1\n*MATERIAL, NAME=B\n*HYPERELASTIC, NEO HOOKE\n0.7, 0.02";
     let notes = |program: Program, text: &str, material: Option<&str>| {
@@ -654,8 +655,7 @@ fn ignored_keywords_of_a_deck_are_listed_with_their_lines() {
     let first = notes(Program::Abaqus, deck, None);
     for fact in [
         "read as *HYPERELASTIC, MOONEY-RIVLIN of Abaqus, material A (1 of 2; --material chooses)",
-        "*VISCOELASTIC (line 4)",
-        "*MULLINS EFFECT (line 6)",
+        "not read: *MULLINS EFFECT (line 6)",
         "long-term",
         "1.42857",
     ] {
@@ -685,7 +685,7 @@ fn ignored_keywords_of_a_deck_are_listed_with_their_lines() {
     let ansys = "TB,HYPER,1,1,2,MOONEY\nTBDATA,1,0.4,0.1,0.02\nTB,PRONY,1,1,1,SHEAR\nTBDATA,1,0.3,0.1\nTB,HYPER,2,1,,NEO\nTBDATA,1,2,0.02";
     let first = notes(Program::Ansys, ansys, None);
     for fact in [
-        "TB,PRONY,1 (line 3)",
+        "their Prony series (1 term) is read",
         "instantaneous",
         "0.7 times",
         "material 1 (1 of 2; --material chooses)",
@@ -784,4 +784,65 @@ fn damaged_decks_are_read_or_refused() {
             }
         }
     }
+}
+
+/// Fractions of the instantaneous moduli with relaxation times, as each program defines them.
+#[test]
+fn prony_series_of_decks_are_read() {
+    let prony = |program: Program, text: &str| {
+        let read = law_of(program, "a deck", text, None, &[]).expect("a law");
+        let of = |key: &str| {
+            let own = read.assignments.iter();
+            let mut own = own.filter_map(|own| own.strip_prefix(&format!("material.{key}=")));
+            own.next().unwrap_or_default().to_owned()
+        };
+        let settings = MaterialSettings::of_file("", "", &read.assignments).expect("settings");
+        settings.build().expect("a material");
+        (of("prony"), of("moduli"))
+    };
+    let told = |series: &str, moduli: &str| (series.to_owned(), moduli.to_owned());
+    let abaqus = "*HYPERELASTIC, NEO HOOKE, MODULI=INSTANTANEOUS\n0.4, 0.02\n*VISCOELASTIC, TIME=PRONY\n0.3, , 0.1\n0.2, 0.1, 5.";
+    let series = "0.3, 0, 0.1; 0.2, 0.1, 5";
+    assert_eq!(
+        prony(Program::Abaqus, abaqus),
+        told(series, "instantaneous")
+    );
+    let plain = abaqus.replace(", MODULI=INSTANTANEOUS", "");
+    assert_eq!(prony(Program::Abaqus, &plain), told(series, "long-term"));
+    let foam = "*HYPERFOAM, N=1\n0.2, 8.0, 0.3\n*VISCOELASTIC, TIME=PRONY\n0.3, 0., 0.1";
+    assert_eq!(
+        prony(Program::Abaqus, foam),
+        told("0.3, 0.3, 0.1", "long-term")
+    );
+    let ansys = "TB,HYPER,1,1,,NEO\nTBDATA,1,0.4,0.02\nTB,PRONY,1,1,2,SHEAR\nTBDATA,1,0.3,0.1,0.2,5\nTB,PRONY,1,1,1,BULK\nTBDATA,1,0.1,5";
+    assert_eq!(
+        prony(Program::Ansys, ansys),
+        told("0.3, 0, 0.1; 0.2, 0, 5; 0, 0.1, 5", "instantaneous")
+    );
+    let febio = "<material id=\"2\" type=\"viscoelastic\"><g1>0.5</g1><t1>10</t1><elastic type=\"neo-Hookean\"><E>1</E><v>0.3</v></elastic></material>";
+    let third = 1.0 / 3.0;
+    assert_eq!(
+        prony(Program::Febio, febio),
+        told(&format!("{third}, {third}, 10"), "long-term")
+    );
+    let uncoupled = febio.replace("\"viscoelastic\"", "\"uncoupled viscoelastic\"");
+    let uncoupled = uncoupled.replace(
+        "neo-Hookean\"><E>1</E><v>0.3</v>",
+        "Mooney-Rivlin\"><c1>1</c1><c2>0</c2><k>10</k>",
+    );
+    assert_eq!(
+        prony(Program::Febio, &uncoupled),
+        told(&format!("{third}, 0, 10"), "long-term")
+    );
+    let dyna = "*MAT_VISCOELASTIC\n$ MID RO BULK G0 GI BETA\n1,1.0,10.0,4.0,1.0,20.0\n";
+    assert_eq!(
+        prony(Program::LsDyna, dyna),
+        told("0.75, 0, 0.05", "long-term")
+    );
+    // The shear modulus 2 (C10 + C01) is 2, to which G1 = 2 is added.
+    let rubber = "*MAT_HYPERELASTIC_RUBBER\n1,1.0,0.49,0,1\n1.0,0,0,0,0,0\n2.0,4.0\n";
+    assert_eq!(
+        prony(Program::LsDyna, rubber),
+        told("0.5, 0, 0.25", "long-term")
+    );
 }

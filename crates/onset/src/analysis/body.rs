@@ -1,14 +1,16 @@
 //! A discretization and a material in `D` dimensions behind the interface without `D`.
 
 use super::in_space::InSpace;
-use super::{Analysis, FiniteBodyGround, FiniteBodyStep, PatchParticle, PlaneWaves, SteppedWaves};
+use super::{
+    Analysis, FiniteBodyGround, FiniteBodyStep, PatchParticle, PlaneWaves, Relaxing, SteppedWaves,
+};
 use crate::algebra::{Complex, array_of, eigenvalues};
-use crate::bloch::{SpectrumSummary, ZoneSearch};
+use crate::bloch::{RelaxingWaves, SpectrumSummary, ZoneSearch};
 use crate::certificate::{Certificate, Certifier, Foundation};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::kinematics::{DeformationGradient, DeformationPath};
 use crate::lattice::{BravaisLattice, LatticeKind};
-use crate::material::{Hyperelastic, MaterialError};
+use crate::material::{Hyperelastic, MaterialError, Viscoelastic};
 use crate::measures::{
     DispersionError, Fidelity, Load, OnsetPair, SpuriousModes, StateWindow, dispersion_errors,
     fidelity, long_wave_error, onset, spurious_modes,
@@ -337,6 +339,21 @@ impl<const D: usize> Analysis for Body<D> {
         Ok(waves.map(|waves| Box::new(waves) as Box<dyn SteppedWaves>))
     }
 
+    fn relaxing(
+        &self,
+        f: &DeformationGradient,
+        law: &Viscoelastic,
+    ) -> Result<Box<dyn Relaxing>, MethodError> {
+        let waves = |law: &dyn Hyperelastic| self.discretization.waves(law, f);
+        let stiffened = [
+            waves(&*law.disturbed([1.0, 0.0]))?,
+            waves(&*law.disturbed([0.0, 1.0]))?,
+        ];
+        let relaxed = waves(&*self.material)?;
+        let terms = law.terms().to_vec();
+        Ok(Box::new(RelaxingWaves::new(relaxed, stiffened, terms)))
+    }
+
     fn damped_time_steps(
         &self,
         f: &DeformationGradient,
@@ -472,6 +489,17 @@ impl<const D: usize> PlaneWaves for Waves<D> {
         let tensor = tensor.map(|entry| Complex::new(entry / self.density, 0.0));
         let values = eigenvalues(&tensor, 0.0);
         values.iter().map(|value| value.re).collect()
+    }
+}
+
+impl<const D: usize> Relaxing for RelaxingWaves<D> {
+    fn rates(&self, k: &[f64]) -> Vec<Complex> {
+        Self::rates(self, &vector(k))
+    }
+
+    fn fastest(&self) -> (f64, Vec<f64>) {
+        let (rate, k) = Self::fastest(self);
+        (rate, k.iter().copied().collect())
     }
 }
 

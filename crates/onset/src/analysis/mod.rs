@@ -13,7 +13,7 @@ use crate::certificate::Certificate;
 use crate::continuum::AcousticMinimum;
 use crate::kinematics::{DeformationGradient, DeformationPath};
 use crate::lattice::LatticeKind;
-use crate::material::{Hyperelastic, MaterialError};
+use crate::material::{Hyperelastic, MaterialError, Viscoelastic};
 use crate::measures::{DispersionError, Fidelity, Load, OnsetPair, SpuriousModes, StateWindow};
 use crate::method::MethodError;
 use crate::motion::{
@@ -184,6 +184,16 @@ pub trait Analysis: Send + Sync {
         f: &DeformationGradient,
     ) -> Result<Option<Box<dyn SteppedWaves>>, MethodError>;
 
+    /// Returns the waves of a relaxed state of a viscoelastic law, whose long-term law is the material of this analysis.
+    ///
+    /// # Errors
+    /// [`MethodError`] if material or method cannot be evaluated there.
+    fn relaxing(
+        &self,
+        f: &DeformationGradient,
+        law: &Viscoelastic,
+    ) -> Result<Box<dyn Relaxing>, MethodError>;
+
     /// Returns the largest stable time steps of the integrators at a state. Time.
     ///
     /// The result is empty unless damping makes the time steps differ.
@@ -327,6 +337,17 @@ pub trait SteppedWaves: Send + Sync {
 
     /// Largest stable step of an isolated, unstressed material point; `None` for laws with stress in the reference state. Time.
     fn isolated_point(&self) -> Option<f64>;
+}
+
+/// Plane waves of a relaxed state of a viscoelastic law.
+///
+/// They are computed by [`RelaxingWaves`](crate::bloch::RelaxingWaves). Wave vectors are as in [`PlaneWaves`].
+pub trait Relaxing: Send + Sync {
+    /// Rates `s` of all solutions `exp(s t)`, largest real part first; 1/time.
+    fn rates(&self, k: &[f64]) -> Vec<Complex>;
+
+    /// Largest growth rate over the zone, with its wave vector; zero if no wave grows. 1/time, 1/length.
+    fn fastest(&self) -> (f64, Vec<f64>);
 }
 
 /// Particle of a periodic patch.

@@ -6,21 +6,25 @@
 mod invariants;
 mod law;
 mod laws;
+mod linearized;
 mod membrane;
 mod plane_stress;
 mod principal;
 mod state_error;
 mod tensors;
+mod viscoelastic;
 
 pub(crate) use invariants::{InvariantEnergy, given_by_invariants, jet_of_invariants};
 pub use law::{Admitted, Law, Parameter, SmallStrainStiffness, Symmetry, library};
 pub(crate) use law::{Made, hooke};
 pub use laws::{BlatzKo, ModifiedMooneyRivlin};
+pub use linearized::Linearized;
 pub use membrane::Membrane;
 pub use plane_stress::PlaneStress;
 pub use principal::{PrincipalEnergy, energy_of_stretches};
 pub use state_error::{Place, StateError, Trouble};
 pub use tensors::FourthOrder;
+pub use viscoelastic::{Moduli, PronyTerm, Viscoelastic};
 
 use crate::algebra::{Each, array_of};
 use crate::cancel::checkpoint;
@@ -106,6 +110,12 @@ pub enum MaterialError {
     NoPlaneStress {
         /// Reason why it is not applicable.
         reason: &'static str,
+    },
+    /// A Prony series is not admissible, or the law cannot have it.
+    #[error("{message}")]
+    Prony {
+        /// Description of the error.
+        message: String,
     },
     /// The branch of plane-stress states that begins in the reference configuration ends before this state.
     #[error(

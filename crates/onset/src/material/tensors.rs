@@ -109,6 +109,36 @@ fn delta(i: usize, j: usize) -> f64 {
 }
 
 impl Response {
+    /// Part of the response from the mean stress, `P = (P : F)/n F^-T`, in the first `n` dimensions.
+    ///
+    /// # Errors
+    /// [`MaterialError::NotFinite`] if it over- or underflows.
+    pub(crate) fn of_mean_stress(self, n: usize) -> Result<Self, MaterialError> {
+        let jacobian = self.deformation.jacobian();
+        let inverse = self.deformation.matrix().try_inverse();
+        let inverse = inverse.ok_or(MaterialError::NotFinite { jacobian })?;
+        let is_within = |indices: &[usize]| indices.iter().all(|index| *index < n);
+        let (f, stress) = (self.deformation.matrix(), &self.first_piola);
+        let entries = || (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+        let mean = entries().map(|own| stress[own] * f[own]).sum::<f64>() / n as f64;
+        let change = Matrix3::from_fn(|k, l| {
+            let tangent = entries().map(|(i, j)| self.tangent[(i, j, k, l)] * f[(i, j)]);
+            (tangent.sum::<f64>() + stress[(k, l)]) / n as f64
+        });
+        Self {
+            first_piola: Matrix3::from_fn(|i, j| match is_within(&[i, j]) {
+                true => mean * inverse[(j, i)],
+                false => 0.0,
+            }),
+            tangent: FourthOrder::from_fn(|i, j, k, l| match is_within(&[i, j, k, l]) {
+                true => change[(k, l)] * inverse[(j, i)] - mean * inverse[(j, k)] * inverse[(l, i)],
+                false => 0.0,
+            }),
+            ..self
+        }
+        .finite()
+    }
+
     /// Returns the response if energy, stress and tangent neither over- nor underflow.
     ///
     /// # Errors

@@ -5,7 +5,6 @@ use crate::bloch::Local;
 use crate::kinematics::DeformationGradient;
 use crate::material::{FourthOrder, Hyperelastic, MaterialError, Response};
 use crate::real::Real;
-use nalgebra::Matrix3;
 
 /// Law in rate form reduced to a part of its tangent: the part of the stress that is integrated in time, or the remaining part.
 pub(super) struct PartOf<'a> {
@@ -40,36 +39,12 @@ impl Hyperelastic for PartOf<'_> {
     }
 }
 
-/// Law reduced to its mean stress, `P = (P : F)/n F^-T` in the `n` dimensions of the law.
+/// Law reduced to its mean stress, in the dimensions of the law.
 pub(super) struct MeanStress<'a>(pub(super) &'a dyn Hyperelastic);
 
 impl Hyperelastic for MeanStress<'_> {
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
-        let whole = self.0.response(f)?;
-        let jacobian = f.jacobian();
-        let inverse = f.matrix().try_inverse();
-        let inverse = inverse.ok_or(MaterialError::NotFinite { jacobian })?;
-        let n = self.0.dimension();
-        let is_within = |indices: &[usize]| indices.iter().all(|index| *index < n);
-        let (f, stress) = (f.matrix(), &whole.first_piola);
-        let entries = || (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
-        let mean = entries().map(|own| stress[own] * f[own]).sum::<f64>() / n as f64;
-        let change = Matrix3::from_fn(|k, l| {
-            let tangent = entries().map(|(i, j)| whole.tangent[(i, j, k, l)] * f[(i, j)]);
-            (tangent.sum::<f64>() + stress[(k, l)]) / n as f64
-        });
-        Response {
-            first_piola: Matrix3::from_fn(|i, j| match is_within(&[i, j]) {
-                true => mean * inverse[(j, i)],
-                false => 0.0,
-            }),
-            tangent: FourthOrder::from_fn(|i, j, k, l| match is_within(&[i, j, k, l]) {
-                true => change[(k, l)] * inverse[(j, i)] - mean * inverse[(j, k)] * inverse[(l, i)],
-                false => 0.0,
-            }),
-            ..whole
-        }
-        .finite()
+        self.0.response(f)?.of_mean_stress(self.0.dimension())
     }
 
     fn dimension(&self) -> usize {

@@ -13,5 +13,6 @@ mod plane_stress;
 #[path = "../shared/random.rs"]
 mod random;
 mod rates;
+mod relaxation;
 mod stretches;
 mod table;

@@ -14,9 +14,10 @@ use onset::scheme::{
 };
 use std::f64::consts::PI;
 
-const FUNCTIONS: [GridFunctions; 4] = [
+const FUNCTIONS: [GridFunctions; 5] = [
     GridFunctions::Linear,
     GridFunctions::Gimp,
+    GridFunctions::Cpdi,
     GridFunctions::QuadraticSpline,
     GridFunctions::CubicSpline,
 ];
@@ -110,6 +111,104 @@ fn every_formulation_passes_the_scheme_checks_with_every_function_in_every_dimen
     checked::<2>(&[1], &FUNCTIONS[1..]);
     checked::<2>(&[2], &FUNCTIONS[..1]);
     checked::<3>(&[1], &FUNCTIONS[..1]);
+}
+
+/// Forces on the nodes of a plane by the equations of Sadeghirad, Brannon and Burghardt (2011), with `r_1` and `r_2` of parallelogram-shaped particles,
+/// compared with the stiffness of waves.
+#[test]
+fn convected_particle_domains_have_the_published_weights() {
+    let f = state::<2>();
+    let (spacing, density, offset) = (0.8, 1.7, [0.11, 0.07]);
+    let method = points::<2>(MaterialPointChoices {
+        spacing,
+        density,
+        offset: [offset[0], offset[1], 0.0],
+        functions: GridFunctions::Cpdi,
+        ..choices(UPDATED, 2)
+    });
+    let material = ModifiedMooneyRivlin::default();
+    let hat = |x: f64| (1.0 - x.abs()).max(0.0);
+    let base = SMatrix::<f64, 2, 2>::from_fn(|i, j| f.components()[i][j]);
+    let to_grid = base.try_inverse().expect("regular") / spacing;
+    type Vector = SVector<f64, 2>;
+    let function = |x: &Vector, node: [i32; 2]| {
+        let at = to_grid * x;
+        hat(at[0] - f64::from(node[0])) * hat(at[1] - f64::from(node[1]))
+    };
+    // Weights of the function and of its gradient for the particle at `x` with the half-edges `r1` and `r2`.
+    let weights = |x: &Vector, [r1, r2]: [Vector; 2], node: [i32; 2]| {
+        let corners = [x - r1 - r2, x + r1 - r2, x + r1 + r2, x - r1 + r2];
+        let n = corners.map(|corner| function(&corner, node));
+        let area = 4.0 * (r1[0] * r2[1] - r1[1] * r2[0]).abs();
+        let gradient = (Vector::new(r1[1] - r2[1], r2[0] - r1[0]) * (n[0] - n[2])
+            + Vector::new(r1[1] + r2[1], -r1[0] - r2[0]) * (n[1] - n[3]))
+            / area;
+        (n.iter().sum::<f64>() / 4.0, gradient)
+    };
+    let place = |i: i32, j: i32, cell: [i32; 2]| {
+        let along = |n: i32, axis: usize| {
+            (0.25 + 0.5 * f64::from(n) + offset[axis]).rem_euclid(1.0) + f64::from(cell[axis])
+        };
+        base * Vector::new(along(i, 0), along(j, 1)) * spacing
+    };
+    let edges = [0, 1].map(|k| base.column(k) * (0.25 * spacing));
+    let nodes = |cell: [i32; 2]| {
+        (-1..=2).flat_map(move |i| (-1..=2).map(move |j| [cell[0] + i, cell[1] + j]))
+    };
+    // Force on the node at the origin for given displacements of the nodes.
+    let force = |displacement: &dyn Fn([i32; 2]) -> Vector| {
+        let mut force = Vector::zeros();
+        for cell in (-3..=2).flat_map(|i| (-3..=2).map(move |j| [i, j])) {
+            for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                let x = place(i, j, cell);
+                let (mut moved, mut l) = (x, SMatrix::<f64, 2, 2>::zeros());
+                for node in nodes(cell) {
+                    let (value, gradient) = weights(&x, edges, node);
+                    moved += displacement(node) * value;
+                    l += displacement(node) * gradient.transpose();
+                }
+                let turned = SMatrix::identity() + l;
+                let own = turned * base;
+                let mut components = *f.components();
+                for (n, row) in components.iter_mut().enumerate().take(2) {
+                    (row[0], row[1]) = (own[(n, 0)], own[(n, 1)]);
+                }
+                let own = DeformationGradient::new(components).expect("a state");
+                let cauchy = material.response(&own).expect("a stress").cauchy();
+                let (_, gradient) = weights(&moved, edges.map(|edge| turned * edge), [0, 0]);
+                let volume = 0.25 * spacing * spacing * own.jacobian();
+                force -= cauchy.fixed_view::<2, 2>(0, 0) * gradient * volume;
+            }
+        }
+        force
+    };
+    let k = SVector::from([1.3, -0.6]);
+    let found = waves(&method, &f).stiffness().at(&k);
+    let step = 1e-6;
+    for column in 0..2 {
+        let axis = Vector::from_fn(|i, _| f64::from(u8::from(i == column)));
+        // The real and the imaginary part of the wave, by central differences.
+        let part = |shape: fn(f64) -> f64| {
+            let at = |side: f64| {
+                let displacement = |node: [i32; 2]| {
+                    let phase = spacing * (k[0] * f64::from(node[0]) + k[1] * f64::from(node[1]));
+                    axis * (side * step * shape(phase))
+                };
+                force(&displacement)
+            };
+            (at(1.0) - at(-1.0)) / (-2.0 * step)
+        };
+        let (real, imaginary) = (part(f64::cos), part(f64::sin));
+        for row in 0..2 {
+            let expected = Complex::new(real[row], imaginary[row]);
+            let difference = (found[(row, column)] - expected).norm();
+            assert!(
+                difference < 1e-6 * found.camax(),
+                "{} {expected}",
+                found[(row, column)]
+            );
+        }
+    }
 }
 
 #[test]

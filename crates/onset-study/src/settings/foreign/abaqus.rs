@@ -13,6 +13,7 @@ use super::marlow::{self, Test};
 use super::unread::{Chosen, Relaxation, Unread};
 use super::write::{self, Form, Refusal, Sheet, list, order, ordered};
 use super::{Program, Trouble, number};
+use onset::material::PronyTerm;
 
 /// Number of constants on a data line.
 const CONSTANTS_PER_LINE: usize = 8;
@@ -130,7 +131,8 @@ fn unread(blocks: &[Block<'_>]) -> Result<Unread, Trouble> {
                 .iter()
                 .for_each(|(name, value)| add(name, value));
         }
-        if block.keyword == "MATERIAL" || is_table {
+        let is_prony = block.keyword == "VISCOELASTIC" && block.value("TIME") == Some("PRONY");
+        if block.keyword == "MATERIAL" || is_table || is_prony {
             continue;
         }
         if block.line != line {
@@ -155,13 +157,25 @@ fn unread(blocks: &[Block<'_>]) -> Result<Unread, Trouble> {
         }
         if let Some(viscous) = viscous {
             let is_prony = viscous.value("TIME") == Some("PRONY");
-            let mut part = 0.0;
+            let mut terms = Vec::new();
             for (line, text) in viscous.data.iter().filter(|_| is_prony) {
-                part += number(text.split(',').next().unwrap_or_default(), *line)?;
+                let mut fields = text.split(',').map(|field| number(field, *line));
+                let mut next = || fields.next().unwrap_or(Ok(0.0));
+                let [shear, bulk, time] = [next()?, next()?, next()?];
+                terms.push(PronyTerm {
+                    shear,
+                    // Abaqus relaxes both parts of the stress of a foam alike.
+                    bulk: if block.keyword == "HYPERFOAM" {
+                        shear
+                    } else {
+                        bulk
+                    },
+                    time,
+                });
             }
             let is_long_term = moduli != Some("INSTANTANEOUS");
             unread.relaxation = Some(Relaxation {
-                part: is_prony.then_some(part),
+                terms: is_prony.then_some(terms),
                 is_long_term,
                 by: match (is_long_term, moduli) {
                     (false, _) => "MODULI=INSTANTANEOUS",

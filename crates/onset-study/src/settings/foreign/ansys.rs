@@ -7,6 +7,7 @@ use super::law::{Energy, ForeignLaw, LOGARITHM, SQUARE, Volume, extended_tube, p
 use super::unread::{Chosen, Relaxation, Unread};
 use super::write::{Block, Form, Refusal, Sheet, list, order, ordered};
 use super::{Trouble, number};
+use onset::material::PronyTerm;
 
 /// Table of constants with its form.
 struct Table {
@@ -100,8 +101,8 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
     let mut with_law: Vec<String> = Vec::new();
     let mut at = 0;
     let mut is_open = false;
-    // In a table of relaxation the shear parts have odd positions.
-    let mut relaxing: Option<f64> = None;
+    // Part of the stress, shear or bulk, whose table of relaxation is open.
+    let mut relaxing: Option<&str> = None;
     for (n, line) in text.lines().enumerate() {
         let own = line.split('!').next().unwrap_or_default();
         let fields: Vec<String> = own
@@ -129,22 +130,32 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
             if field(1) == "PRONY"
                 && found.is_some()
                 && is_of_own(&own_material)
-                && matches!(field(5), "SHEAR" | "")
+                && matches!(field(5), "SHEAR" | "BULK" | "")
             {
-                relaxing = Some(0.0);
-                unread.relaxation = Some(Relaxation {
-                    part: None,
+                relaxing = Some(if field(5) == "BULK" { "BULK" } else { "SHEAR" });
+                unread.parts.pop();
+                unread.relaxation.get_or_insert(Relaxation {
+                    terms: Some(Vec::new()),
                     is_long_term: false,
                     by: "the convention of ANSYS",
                 });
             }
         } else if field(0) == "TBDATA" && !is_open {
-            let parts = fields.iter().skip(2).step_by(2);
-            if let (Some(sum), Some(relaxation)) = (&mut relaxing, &mut unread.relaxation) {
-                for part in parts {
-                    *sum += number(part, n + 1)?;
+            if let (Some(part), Some(relaxation)) = (relaxing, &mut unread.relaxation) {
+                let pairs = fields.get(2..).unwrap_or_default().chunks(2);
+                for pair in pairs {
+                    let [own, time] = [0, 1].map(|n| pair.get(n).map_or("", String::as_str));
+                    let [own, time] = [number(own, n + 1)?, number(time, n + 1)?];
+                    let [shear, bulk] = if part == "BULK" {
+                        [0.0, own]
+                    } else {
+                        [own, 0.0]
+                    };
+                    relaxation
+                        .terms
+                        .get_or_insert_default()
+                        .push(PronyTerm { shear, bulk, time });
                 }
-                relaxation.part = Some(*sum);
             }
             continue;
         } else if field(0) == "TBTEMP" {

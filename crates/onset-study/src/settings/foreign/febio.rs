@@ -10,8 +10,10 @@ use super::law::{Energy, ForeignLaw, HENCKY, LOGARITHM, SQUARE, Volume, named};
 use super::unread::{Chosen, Relaxation, Unread};
 use super::write::{Block, Form, Refusal, Sheet, order, ordered};
 use super::{Trouble, number};
+use onset::material::PronyTerm;
 use roxmltree::{Document, Node};
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::collections::BTreeSet;
 
 /// Materials by type, and what reads them.
@@ -154,8 +156,6 @@ fn unread(
         return Ok(unread);
     }
     let kind = material.attribute("type").unwrap_or_default();
-    let part = format!("type=\"{kind}\"");
-    unread.parts.push((part, line_of(&material)));
     let others = material.children().filter(|node| {
         node.attribute("type").is_some() && !law.node.ancestors().any(|around| around == *node)
     });
@@ -169,22 +169,44 @@ fn unread(
     });
     unread.parts.extend(others);
     if kind.ends_with("viscoelastic") && shear.is_some() {
-        let mut sum = 0.0;
         let mut rest = 1.0;
+        let mut parts = [BTreeMap::new(), BTreeMap::new()];
         for node in material.children().filter(Node::is_element) {
             let name = node.tag_name().name();
-            let is_part = name.strip_prefix('g').and_then(|n| n.parse::<usize>().ok());
-            match is_part {
-                Some(0) => rest = value_of(&node)?,
-                Some(_) => sum += value_of(&node)?,
-                None => {}
+            let numbered = |letter: char| name.strip_prefix(letter)?.parse::<usize>().ok();
+            match (numbered('g'), numbered('t')) {
+                (Some(0), _) => rest = value_of(&node)?,
+                (Some(n), _) => drop(parts[0].insert(n, value_of(&node)?)),
+                (_, Some(n)) => drop(parts[1].insert(n, value_of(&node)?)),
+                _ => {}
             }
         }
+        let [strengths, times] = parts;
+        let sum: f64 = strengths.values().sum();
+        let term = |(n, strength): (&usize, &f64)| {
+            let shear = strength / (1.0 + sum);
+            Some(PronyTerm {
+                shear,
+                // The uncoupled form relaxes the deviatoric stress alone.
+                bulk: if kind.starts_with("uncoupled") {
+                    0.0
+                } else {
+                    shear
+                },
+                time: *times.get(n)?,
+            })
+        };
+        let terms: Option<Vec<PronyTerm>> = strengths.iter().map(term).collect();
         unread.relaxation = Some(Relaxation {
-            part: (rest == 1.0 && sum > 0.0).then(|| sum / (1.0 + sum)),
+            terms: terms.filter(|_| rest == 1.0 && sum > 0.0),
             is_long_term: true,
             by: "FEBio adds g1, g2, ... to g0 = 1",
         });
+    }
+    let relaxation = unread.relaxation.as_ref();
+    if relaxation.is_none_or(|own| own.terms.is_none()) {
+        let part = format!("type=\"{kind}\"");
+        unread.parts.insert(0, (part, line_of(&material)));
     }
     Ok(unread)
 }

@@ -1,7 +1,7 @@
 //! Laws with the constants of other programs, and the settings for the same energies.
 
 use super::marlow::Table;
-use super::unread::Chosen;
+use super::unread::{Chosen, Relaxation};
 use super::{Reading, Trouble, Unread};
 use crate::shell::quoted;
 
@@ -360,6 +360,12 @@ impl ForeignLaw {
             let key = format!("material.{name}");
             if !is_set(&key) {
                 assignments.push(format!("{key}={value}"));
+            }
+        }
+        let relaxation = self.unread.relaxation.iter();
+        for assignment in relaxation.flat_map(Relaxation::assignments) {
+            if !is_set(&key_of(&assignment)) {
+                assignments.push(assignment);
             }
         }
         let chosen = self.unread.material.as_ref();

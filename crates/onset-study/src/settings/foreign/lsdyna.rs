@@ -1,4 +1,4 @@
-//! Reader for the rubbers and foams of LS-DYNA, `*MAT_027`, `*MAT_077_H`, `*MAT_077_O`, `*MAT_127` and `*MAT_177`.
+//! Reader for the rubbers and foams of LS-DYNA, `*MAT_006`, `*MAT_027`, `*MAT_077_H`, `*MAT_077_O`, `*MAT_127` and `*MAT_177`.
 //!
 //! The energies follow the LS-DYNA Keyword User's Manual, volume II, and its Theory Manual.
 //!
@@ -15,7 +15,8 @@ use super::write::{self, Form, Refusal, Sheet, columns, ordered};
 use super::{Trouble, number};
 
 /// Laws by name and by number, and what reads them.
-const LAWS: [(&str, &str, Reader); 5] = [
+const LAWS: [(&str, &str, Reader); 6] = [
+    ("VISCOELASTIC", "006", viscoelastic),
     ("HYPERELASTIC_RUBBER", "077_H", polynomial),
     ("OGDEN_RUBBER", "077_O", ogden),
     ("MOONEY-RIVLIN_RUBBER", "027", mooney_rivlin),
@@ -72,7 +73,7 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
 /// Error for a text without a law that is read.
 fn no_law(blocks: &[Block<'_>]) -> Trouble {
     const HINT: &str = "supported: *MAT_HYPERELASTIC_RUBBER (*MAT_077_H), *MAT_OGDEN_RUBBER (*MAT_077_O), *MAT_MOONEY-RIVLIN_RUBBER (*MAT_027), \
-                        *MAT_ARRUDA_BOYCE_RUBBER (*MAT_127) and *MAT_HILL_FOAM (*MAT_177)";
+                        *MAT_ARRUDA_BOYCE_RUBBER (*MAT_127), *MAT_HILL_FOAM (*MAT_177) and *MAT_VISCOELASTIC (*MAT_006)";
     let other = blocks
         .iter()
         .find(|block| block.keyword.starts_with("MAT_") && !block.keyword.starts_with("MAT_ADD"));
@@ -188,16 +189,15 @@ impl Block<'_> {
 
     /// Shear relaxation moduli and decay constants after the given line, which add to the constants of the law.
     fn relaxation(&self, from: usize, shear: f64) -> Result<Option<Relaxation>, Trouble> {
-        let mut sum = 0.0;
+        let mut terms = Vec::new();
         for card in self.cards.iter().skip(from) {
-            let [modulus, _] = card.numbers(self.width)?;
-            sum += modulus;
+            let [modulus, decay] = card.numbers(self.width)?;
+            if modulus != 0.0 {
+                terms.push((modulus, decay.recip()));
+            }
         }
-        Ok((sum != 0.0).then_some(Relaxation {
-            part: Some(sum / (shear + sum)),
-            is_long_term: true,
-            by: "LS-DYNA adds G1, G2, ... to them",
-        }))
+        let by = "LS-DYNA adds G1, G2, ... to them";
+        Ok((!terms.is_empty()).then(|| Relaxation::added(shear, &terms, by)))
     }
 
     /// Numbers of a fit, which LS-DYNA makes while it reads.
@@ -371,6 +371,36 @@ fn arruda_boyce(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         law.unread.parts.push(("LCID".to_owned(), card.line));
     }
     law.unread.relaxation = block.relaxation(2, shear)?;
+    Ok(law)
+}
+
+/// Linear viscoelasticity in rate form: `G(t) = GI + (G0 - GI) exp(-BETA t)`, elastic in volume.
+fn viscoelastic(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
+    let fields = "expected MID, RO, BULK, G0, GI, BETA";
+    let [_, _, bulk, short, long, decay] = block.numbers(0, fields)?;
+    let line = block.cards[0].line;
+    if !(bulk > 0.0 && long > 0.0 && short >= long && decay > 0.0) {
+        return Err(Trouble::new(
+            line,
+            format!(
+                "BULK is {bulk}, G0 is {short}, GI is {long} and BETA is {decay}; expected positive numbers with G0 at least GI"
+            ),
+            "a law with GI = 0 relaxes completely, as a fluid",
+        ));
+    }
+    let mut law = ForeignLaw::of_constants(
+        block.line,
+        block.title(),
+        Energy::Model("hypoelastic-jaumann"),
+        named(&[("mu", long), ("kappa", bulk)]),
+    );
+    law.shear = Some(long);
+    let terms = [(short - long, decay.recip())];
+    law.unread.relaxation = Some(Relaxation::added(
+        long,
+        &terms,
+        "GI is the modulus after relaxation",
+    ));
     Ok(law)
 }
 

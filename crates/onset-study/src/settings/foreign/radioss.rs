@@ -15,6 +15,7 @@ use super::law::{ForeignLaw, LINEAR, LOGARITHM, SQUARE, Volume, bulk_modulus};
 use super::unread::{Chosen, Relaxation};
 use super::write::{self, Form, Refusal, Sheet, columns, order, ordered, ratio};
 use super::{Trouble, number};
+use onset::material::PronyTerm;
 
 /// Laws by number and name, and what reads them.
 const LAWS: [(&str, &str, Reader); 7] = [
@@ -235,14 +236,11 @@ fn ogden(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         law.unread.parts.push(("sigma_cut".to_owned(), card.line));
     }
     if viscous > 0 {
-        let (moduli, _) = block.list(place, viscous, "expected the shear moduli of M terms")?;
-        let sum = moduli.iter().sum::<f64>();
-        law.unread.parts.push(("M".to_owned(), card.line));
-        law.unread.relaxation = Some(Relaxation {
-            part: Some(sum / (shear + sum)),
-            is_long_term: true,
-            by: "Radioss adds the viscous moduli to them",
-        });
+        let (moduli, place) = block.list(place, viscous, "expected the shear moduli of M terms")?;
+        let (times, _) = block.list(place, viscous, "expected the relaxation times of M terms")?;
+        let terms: Vec<(f64, f64)> = moduli.into_iter().zip(times).collect();
+        let by = "Radioss adds the viscous moduli to them";
+        law.unread.relaxation = Some(Relaxation::added(shear, &terms, by));
     }
     Ok(law)
 }
@@ -259,7 +257,7 @@ fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     let (exponents, place) = block.list(place, terms, fields)?;
     let fields = "expected gamma_i and theta_i, M values each, five on a line";
     let (parts, place) = block.list(place, viscous, fields)?;
-    let (_, place) = block.list(place, viscous, fields)?;
+    let (times, place) = block.list(place, viscous, fields)?;
     // The line with a ratio for each term may be missing.
     let ratios = match block.cards.get(place) {
         Some(_) => block.list(place, terms, "expected nu_i, N values")?.0,
@@ -291,9 +289,14 @@ fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     let mut law = ForeignLaw::foam(block.line, block.title(), &own);
     law.shear = Some(own.iter().map(|[mu, _, _]| mu).sum());
     if viscous > 0 {
-        law.unread.parts.push(("M".to_owned(), card.line));
+        // The foam has no separate deviatoric energy.
+        let term = |(part, time): (&f64, f64)| PronyTerm {
+            shear: *part,
+            bulk: *part,
+            time,
+        };
         law.unread.relaxation = Some(Relaxation {
-            part: Some(relaxing),
+            terms: Some(parts.iter().zip(times).map(term).collect()),
             is_long_term: false,
             by: "the convention of LAW62",
         });

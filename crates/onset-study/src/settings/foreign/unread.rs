@@ -1,6 +1,8 @@
 //! Parts of a text that are not read, apart from the law.
 
-use crate::number::told;
+use crate::number::{counted, told};
+use crate::settings::relaxation::text_of;
+use onset::material::PronyTerm;
 
 /// Parts of a text that are not read.
 #[derive(Debug, Default)]
@@ -9,7 +11,7 @@ pub(super) struct Unread {
     pub parts: Vec<(String, usize)>,
     /// Material that is read; `None` for a program without materials.
     pub material: Option<Chosen>,
-    /// Viscoelasticity of the law; `None` for an elastic law.
+    /// Viscoelasticity of the law, which is read if it is a Prony series; `None` for an elastic law.
     pub relaxation: Option<Relaxation>,
 }
 
@@ -41,16 +43,49 @@ impl Chosen {
 /// Viscoelasticity that belongs to a law.
 #[derive(Debug)]
 pub(super) struct Relaxation {
-    /// Sum of the relaxing fractions of the shear modulus; `None` if the block does not give it.
-    pub part: Option<f64>,
+    /// Terms of the Prony series; `None` if the block does not give one that can be read.
+    pub terms: Option<Vec<PronyTerm>>,
     /// Whether the constants are long-term moduli.
     pub is_long_term: bool,
     /// Option or convention of the program that determines whether moduli are long-term, in words.
     pub by: &'static str,
 }
 
+impl Relaxation {
+    /// Series of absolute moduli that a program adds to the constants of a law with the given long-term shear modulus.
+    pub fn added(shear: f64, moduli: &[(f64, f64)], by: &'static str) -> Self {
+        let whole = shear + moduli.iter().map(|(modulus, _)| modulus).sum::<f64>();
+        let term = |(modulus, time): &(f64, f64)| PronyTerm {
+            shear: modulus / whole,
+            bulk: 0.0,
+            time: *time,
+        };
+        Self {
+            terms: Some(moduli.iter().map(term).collect()),
+            is_long_term: true,
+            by,
+        }
+    }
+
+    /// Assignments of the series.
+    pub fn assignments(&self) -> Vec<String> {
+        let Some(terms) = &self.terms else {
+            return Vec::new();
+        };
+        let moduli = if self.is_long_term {
+            "long-term"
+        } else {
+            "instantaneous"
+        };
+        vec![
+            format!("material.prony={}", text_of(terms)),
+            format!("material.moduli={moduli}"),
+        ]
+    }
+}
+
 impl Unread {
-    /// Notes on the parts that are not read; `shear` is the shear modulus of the law.
+    /// Notes on the parts that are not read and on viscoelasticity; `shear` is the shear modulus of the law.
     pub fn notes(&self, shear: Option<f64>) -> Vec<String> {
         let mut notes = Vec::new();
         if !self.parts.is_empty() {
@@ -64,7 +99,7 @@ impl Unread {
             ));
         }
         if let Some(Relaxation {
-            part,
+            terms,
             is_long_term,
             by,
         }) = &self.relaxation
@@ -73,13 +108,21 @@ impl Unread {
                 true => ("long-term", "instantaneous", "waves and time steps"),
                 false => ("instantaneous", "long-term", "slow loading"),
             };
-            let part = part.filter(|part| (0.0..1.0).contains(part));
-            let value = part.map_or_else(
+            let read = match terms {
+                Some(terms) => format!(
+                    "their Prony series ({}) is read",
+                    counted(terms.len(), "term")
+                ),
+                None => "viscoelasticity is ignored".to_owned(),
+            };
+            let value = terms.as_ref().map_or_else(
                 || "another one".to_owned(),
-                |part| {
-                    let factor = match is_long_term {
-                        true => 1.0 / (1.0 - part),
-                        false => 1.0 - part,
+                |terms| {
+                    let remaining = 1.0 - terms.iter().map(|term| term.shear).sum::<f64>();
+                    let factor = if *is_long_term {
+                        remaining.recip()
+                    } else {
+                        remaining
                     };
                     let modulus = shear
                         .map_or_else(String::new, |shear| format!(", {}", told(factor * shear)));
@@ -87,7 +130,7 @@ impl Unread {
                 },
             );
             notes.push(format!(
-                "the constants are {own} moduli ({by}), and viscoelasticity is ignored; the {other} shear modulus, for {meant}, is {value}"
+                "the constants are {own} moduli ({by}), and {read}; the {other} shear modulus, for {meant}, is {value}"
             ));
         }
         notes

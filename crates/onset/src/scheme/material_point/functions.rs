@@ -3,6 +3,7 @@
 use crate::algebra::{Each, array_of};
 use crate::lattice::cells_between;
 use crate::real::{Dual, Real};
+use crate::scheme::inverse;
 
 /// Largest distance from a knot, in units of the grid spacing, of positions that count as on the knot.
 const KNOT: f64 = 1e-9;
@@ -22,6 +23,9 @@ pub enum GridFunctions {
     Linear,
     /// Hat functions averaged over a particle of constant size (uniform generalized interpolation, GIMP; Bardenhagen and Kober 2004).
     Gimp,
+    /// Hat functions at the corners of a particle that deforms with its point (convected particle domain interpolation, CPDI; Sadeghirad and others,
+    /// Int. J. Numer. Methods Eng. 86 (2011) 1435).
+    Cpdi,
     /// Quadratic B-splines centered at the nodes.
     QuadraticSpline,
     /// Cubic B-splines centered at the nodes.
@@ -58,8 +62,15 @@ struct Piece {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Profile {
     pieces: Vec<Piece>,
+    /// Pieces whose slopes are the gradients; those of the function itself except for convected domains.
+    sloping: Vec<Piece>,
+    /// Half-size, in units of the grid spacing, of a particle whose corners interpolate; `None` for functions of the position of the point alone.
+    domain: Option<f64>,
     gradients: GridGradients,
 }
+
+/// Deformation of a particle since the homogeneous state, in lattice coordinates of the grid.
+pub(super) type Stretch<R, const D: usize> = [[R; D]; D];
 
 /// Value of the function of a node at a position, with derivatives with respect to the lattice coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -71,8 +82,27 @@ pub(super) struct Shape<R, const D: usize> {
 impl GridFunctions {
     /// Returns the function of one coordinate for particles with the half-size `l <= 1/2`.
     pub(super) fn profile(self, l: f64, gradients: GridGradients) -> Profile {
+        // The mean gradient of convected domains in their initial shape is the gradient of GIMP.
+        let sloping = match self {
+            Self::Cpdi => Self::Gimp.pieces(l),
+            own => own.pieces(l),
+        };
+        Profile {
+            pieces: self.pieces(l),
+            sloping,
+            domain: (self == Self::Cpdi).then_some(l),
+            gradients,
+        }
+    }
+
+    fn pieces(self, l: f64) -> Vec<Piece> {
         let pieces: Vec<(f64, [f64; 4])> = match self {
             Self::Linear => vec![(1.0, [1.0, -1.0, 0.0, 0.0])],
+            Self::Cpdi => vec![
+                (l, [1.0 - l, 0.0, 0.0, 0.0]),
+                (1.0 - l, [1.0, -1.0, 0.0, 0.0]),
+                (1.0 + l, [0.5 * (1.0 + l), -0.5, 0.0, 0.0]),
+            ],
             Self::Gimp => {
                 let outer = 0.25 / l;
                 let end = 1.0 + l;
@@ -105,10 +135,7 @@ impl GridFunctions {
                 from = to;
             }
         }
-        Profile {
-            pieces: profile,
-            gradients,
-        }
+        profile
     }
 }
 
@@ -135,18 +162,22 @@ impl Profile {
         let sign = if x.value() < 0.0 { -1.0 } else { 1.0 };
         let r = x * sign;
         let distance = r.value();
-        let (mut value, mut slope) = (R::constant(0.0), R::constant(0.0));
-        for piece in &self.pieces {
-            let is_within = distance >= piece.from - KNOT && distance <= piece.to + KNOT;
-            let is_on_knot =
-                (piece.from > 0.0 && distance <= piece.from + KNOT) || distance >= piece.to - KNOT;
-            if is_within {
-                let share = if is_on_knot { 0.5 } else { 1.0 };
-                value = value + piece.value(r) * share;
-                slope = slope + piece.slope(r) * (sign * share);
+        let sum = |pieces: &[Piece], of: &dyn Fn(&Piece) -> R| {
+            let mut sum = R::constant(0.0);
+            for piece in pieces {
+                let is_within = distance >= piece.from - KNOT && distance <= piece.to + KNOT;
+                let is_on_knot = (piece.from > 0.0 && distance <= piece.from + KNOT)
+                    || distance >= piece.to - KNOT;
+                if is_within {
+                    sum = sum + of(piece) * if is_on_knot { 0.5 } else { 1.0 };
+                }
             }
-        }
-        (value, slope)
+            sum
+        };
+        (
+            sum(&self.pieces, &|piece| piece.value(r)),
+            sum(&self.sloping, &|piece| piece.slope(r)) * sign,
+        )
     }
 
     /// Second moment `D_p` along an axis, `sum_j N_j (x_j - x_p)^2`, at the position `x` relative to a node; in units of the squared grid spacing.
@@ -172,6 +203,8 @@ impl Profile {
             let (value, gradient) = self.along(distance);
             match value.value > KNOT {
                 true => gradient.value * gradient.value / value.value,
+                // The gradient of a convected domain vanishes with the function.
+                false if self.domain.is_some() => 0.0,
                 false => 2.0 * gradient.gradient[0],
             }
         };
@@ -198,6 +231,57 @@ impl Profile {
         cells_between(&low, &high)
     }
 
+    /// Nodes whose functions may be nonzero at the position of a particle that has deformed.
+    pub(super) fn nodes_around<const D: usize>(
+        &self,
+        place: &[f64; D],
+        stretch: &Stretch<f64, D>,
+    ) -> Vec<[i32; D]> {
+        let Some(l) = self.domain else {
+            return self.nodes(place);
+        };
+        let reach = |i: usize| 1.0 + KNOT + l * stretch[i].iter().map(|x| x.abs()).sum::<f64>();
+        let low = array_of(|i| (place[i] - reach(i)).ceil() as i32);
+        let high = array_of(|i| (place[i] + reach(i)).floor() as i32);
+        cells_between(&low, &high)
+    }
+
+    /// Returns the function of a node at the position of a particle that has deformed, all in lattice coordinates.
+    ///
+    /// The corners of a convected domain are at `x_c = x + l M s_c` with the deformation `M` and signs `s_c`. With the hat function `N` of the node, the
+    /// mean of the values interpolated between the corners is `sum_c N(x_c) / 2^d`, and the mean of their gradient is
+    /// `M^-T sum_c s_c N(x_c) / (2^d l)`.
+    pub(super) fn shape_of<R: Real, const D: usize>(
+        &self,
+        place: &[R; D],
+        node: &[i32; D],
+        stretch: &Stretch<R, D>,
+    ) -> Shape<R, D> {
+        let Some(l) = self.domain else {
+            return self.shape(place, node);
+        };
+        let zero = R::constant(0.0);
+        let (mut value, mut along) = (zero, [zero; D]);
+        for corner in 0..1_usize << D {
+            let sign = |k: usize| if corner >> k & 1 == 1 { 1.0 } else { -1.0 };
+            let hat = (0..D).fold(R::constant(1.0), |product, i| {
+                let start = place[i] - f64::from(node[i]);
+                let x = (0..D).fold(start, |sum, k| sum + stretch[i][k] * (l * sign(k)));
+                product * hat(x)
+            });
+            value = value + hat;
+            along = array_of(|k| along[k] + hat * sign(k));
+        }
+        let share = 0.5_f64.powi(D as i32);
+        let inverse = inverse(stretch);
+        let slope =
+            |i: usize| (0..D).fold(zero, |sum, k| sum + inverse[k][i] * along[k]) * (share / l);
+        Shape {
+            value: value * share,
+            slope: array_of(slope),
+        }
+    }
+
     /// Returns the function of a node at a position, both in lattice coordinates.
     pub(super) fn shape<R: Real, const D: usize>(
         &self,
@@ -219,14 +303,28 @@ impl Profile {
     }
 }
 
+/// Hat function `1 - |x|`. On a knot its derivative is the mean of both sides.
+fn hat<R: Real>(x: R) -> R {
+    let value = x.value();
+    let (left, right) = (x + 1.0, -x + 1.0);
+    match value.abs() {
+        distance if distance < KNOT => (left + right) * 0.5,
+        distance if distance > 1.0 + KNOT => R::constant(0.0),
+        distance if distance > 1.0 - KNOT => (if value < 0.0 { left } else { right }) * 0.5,
+        _ if value < 0.0 => left,
+        _ => right,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::{GridFunctions, GridGradients};
     use crate::real::{Dual, Real};
 
-    const ALL: [GridFunctions; 4] = [
+    const ALL: [GridFunctions; 5] = [
         GridFunctions::Linear,
         GridFunctions::Gimp,
+        GridFunctions::Cpdi,
         GridFunctions::QuadraticSpline,
         GridFunctions::CubicSpline,
     ];
@@ -267,7 +365,7 @@ mod tests {
 
     #[test]
     fn slopes_are_derivatives_and_at_knots_the_mean_of_both_sides() {
-        for functions in ALL {
+        for functions in ALL.into_iter().filter(|own| *own != GridFunctions::Cpdi) {
             let profile = functions.profile(0.25, GridGradients::Functions);
             for x in [-1.6, -0.75, -0.5, 0.1, 0.3, 0.5, 1.1, 1.25, 1.5] {
                 let [dual] = Dual::<1>::variables([x]);

@@ -182,6 +182,7 @@ impl<const D: usize> MaterialPoints<D> {
         for (name, value) in [("spacing", spacing), ("density", density)] {
             MethodError::positive(name, value)?;
         }
+        check_domains(&choices)?;
         let lattice = BravaisLattice::new(SMatrix::<f64, D, D>::identity() * spacing)
             .filter(|lattice| lattice.cell_volume().is_normal())
             .ok_or(LatticeError::Spacing { value: spacing })?;
@@ -456,6 +457,26 @@ impl<const D: usize> MaterialPoints<D> {
         }
         let stiffness = blocks.sum(&self.grid);
         WaveSystem::new(self.grid.clone(), stiffness, Mass::Lumped(vec![mass]))
+    }
+}
+
+/// Refuses moments of functions that depend on the deformation of a particle.
+fn check_domains(choices: &MaterialPointChoices) -> Result<(), MethodError> {
+    let is_affine = matches!(
+        choices.formulation,
+        Formulation::Particles {
+            transfer: Transfer::Affine,
+            ..
+        }
+    );
+    let uses_moments = is_affine || choices.gradients == GridGradients::Moments;
+    match choices.functions == GridFunctions::Cpdi && uses_moments {
+        true => Err(MethodError::Incompatible {
+            choice: "grid-functions = cpdi",
+            other: "affine fields or gradients from moments",
+            hint: "the moments of its functions change with the deformation of a particle; set discretization.transfer to flip, pic, xpic or fmpm, or grid-functions = gimp",
+        }),
+        false => Ok(()),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Interaction of the nodes around a material point.
 
-use super::functions::Profile;
+use super::functions::{Profile, Stretch};
 use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::Particle;
@@ -16,6 +16,8 @@ pub(super) struct State<'a, const D: usize> {
     pub(super) response: PointResponse<'a, D>,
     /// Maps vectors in the current configuration to lattice coordinates of the grid.
     pub(super) to_grid: SMatrix<f64, D, D>,
+    /// Primitive vectors of the grid in this state.
+    vectors: SMatrix<f64, D, D>,
     /// Whether points and functions move with the nodes, and the grid is reset at each step.
     pub(super) is_updated: bool,
 }
@@ -34,6 +36,7 @@ impl<'a, const D: usize> State<'a, D> {
         Ok(Self {
             response: PointResponse::new(material, f)?,
             to_grid: SMatrix::from_fn(|i, j| inverse[(i, j)]),
+            vectors: *vectors,
             is_updated,
         })
     }
@@ -43,6 +46,21 @@ impl<'a, const D: usize> State<'a, D> {
         let zero = R::constant(0.0);
         let along = |i: usize| (0..D).fold(zero, |sum, j| sum + slope[j] * self.to_grid[(j, i)]);
         array_of(along)
+    }
+
+    /// Deformation `G (1 + L) G^-1` in lattice coordinates of the grid for a displacement gradient `L`.
+    pub(super) fn stretch<R: Real>(&self, l: &[[R; D]; D]) -> Stretch<R, D> {
+        let (to_grid, vectors) = (&self.to_grid, &self.vectors);
+        let entry = |i: usize, j: usize| {
+            let mut sum = R::constant(f64::from(u8::from(i == j)));
+            for m in 0..D {
+                for n in 0..D {
+                    sum = sum + l[m][n] * (to_grid[(i, m)] * vectors[(n, j)]);
+                }
+            }
+            sum
+        };
+        array_of(|i| array_of(|j| entry(i, j)))
     }
 
     /// Energy density `W` at the displacement gradient `L` on the grid, `F = (1 + L) F0`; energy/volume. NaN if the law is not defined there.
@@ -117,8 +135,8 @@ impl<'a, const D: usize> Point<'a, D> {
         }
     }
 
-    /// Gradients of the functions at the displaced point.
-    fn moved_gradients<R: Real>(&self, displacements: &[[R; D]]) -> Vec<[R; D]> {
+    /// Gradients of the functions at the displaced point, whose particle has the displacement gradient `L`.
+    fn moved_gradients<R: Real>(&self, displacements: &[[R; D]], l: &[[R; D]; D]) -> Vec<[R; D]> {
         let mut moved = [R::constant(0.0); D];
         for (u, (value, _)) in displacements.iter().zip(&self.shapes) {
             moved = array_of(|i| moved[i] + u[i] * *value);
@@ -129,8 +147,9 @@ impl<'a, const D: usize> Point<'a, D> {
             (0..D).fold(base, |sum, j| sum + moved[j] * self.state.to_grid[(i, j)])
         };
         let place: [R; D] = array_of(along);
+        let stretch = self.state.stretch(l);
         let gradient = |node: &Particle<D>| {
-            let shape = self.profile.shape(&place, &node.cell);
+            let shape = self.profile.shape_of(&place, &node.cell, &stretch);
             self.state.gradient(&shape.slope)
         };
         self.nodes.iter().map(gradient).collect()
@@ -152,7 +171,7 @@ impl<const D: usize> Interaction<D> for Point<'_, D> {
         }
         let stress = self.state.stress(&l);
         let gradients = if self.state.is_updated {
-            self.moved_gradients(displacements)
+            self.moved_gradients(displacements, &l)
         } else {
             resting
         };

@@ -73,10 +73,12 @@ impl<'a, const D: usize> Step<'a, D> {
         }
     }
 
-    fn seen(&self, place: &SVector<f64, D>) -> Seen<D> {
+    /// Nodes around a position, for a particle with the displacement gradient `L` since the homogeneous state.
+    fn seen(&self, place: &SVector<f64, D>, l: &SMatrix<f64, D, D>) -> Seen<D> {
         let at: [f64; D] = (*place).into();
+        let stretch = self.state.stretch(&rows(l));
         let node = |cell: [i32; D]| {
-            let shape = self.profile.shape(&at, &cell);
+            let shape = self.profile.shape_of(&at, &cell, &stretch);
             Sight {
                 number: self.nodes.number(&Particle { site: 0, cell }),
                 value: shape.value,
@@ -85,7 +87,8 @@ impl<'a, const D: usize> Step<'a, D> {
                 apart: SVector::from(cell.map(f64::from)) - place,
             }
         };
-        self.profile.nodes(&at).into_iter().map(node).collect()
+        let nodes = self.profile.nodes_around(&at, &stretch);
+        nodes.into_iter().map(node).collect()
     }
 
     /// Second moments `D_p` along the axes of the grid, in units of the squared grid spacing.
@@ -110,12 +113,12 @@ impl<'a, const D: usize> Step<'a, D> {
         let mut seen = Vec::with_capacity(self.points.len());
         for point in &self.points {
             let (mut moved, mut l) = (SVector::zeros(), SMatrix::<f64, D, D>::zeros());
-            for node in self.seen(&point.place) {
+            for node in self.seen(&point.place, &SMatrix::zeros()) {
                 moved += displacements[node.number] * node.value;
                 l += displacements[node.number] * node.gradient.transpose();
             }
             let stress = self.stress(&l);
-            let at_end = self.seen(&self.moved(point, &moved));
+            let at_end = self.seen(&self.moved(point, &moved), &l);
             for node in &at_end {
                 forces[node.number] -= stress * node.gradient * point.volume;
             }
@@ -127,7 +130,8 @@ impl<'a, const D: usize> Step<'a, D> {
     /// Forces on particles: mass times acceleration from the grid, `m_p sum_i N_ip f_i / m_i`, where the velocities of the grid have caused the
     /// displacements.
     fn particle_forces(&self, displacements: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
-        let before: Vec<Seen<D>> = self.points.iter().map(|p| self.seen(&p.place)).collect();
+        let at_rest = |point: &Carried<D>| self.seen(&point.place, &SMatrix::zeros());
+        let before: Vec<Seen<D>> = self.points.iter().map(at_rest).collect();
         let masses = self.nodal_masses(&before);
         let mut nodal = vec![SVector::zeros(); self.nodes.len()];
         for ((point, seen), displacement) in self.points.iter().zip(&before).zip(displacements) {
@@ -343,7 +347,8 @@ impl<const D: usize> PatchTransfer<D> for Step<'_, D> {
                 source: None,
             });
         }
-        let seen: Vec<Seen<D>> = places.iter().map(|place| self.seen(place)).collect();
+        let both = places.iter().zip(&points.gradients);
+        let seen: Vec<Seen<D>> = both.map(|(place, l)| self.seen(place, l)).collect();
         let mut grid = self.to_the_grid(points, &seen, dt)?;
         // Velocities of the nodes that XPIC adds to those after the forces.
         let mut beyond = Vec::new();
@@ -383,7 +388,7 @@ impl<const D: usize> PatchTransfer<D> for Step<'_, D> {
     ) -> PointsInMotion<D> {
         let mut points = PointsInMotion::at_rest(self.points.len());
         for (p, point) in self.points.iter().enumerate() {
-            let seen = self.seen(&point.place);
+            let seen = self.seen(&point.place, &SMatrix::zeros());
             let moving = Self::sampled(&seen, displacements);
             points.displacements[p] = moving.value;
             points.gradients[p] = moving.gradient;

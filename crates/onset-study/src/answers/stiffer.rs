@@ -1,21 +1,25 @@
-//! A state that flows, for disturbances that unload it, and the band in which flow localizes.
+//! Disturbances of a state that are stiffer than its tangent, and the band in which flow localizes.
+//!
+//! A state that flows is stiffer against disturbances that unload it, and a state that has relaxed is stiffer against fast ones.
 
 use super::finite_body::FiniteBodyAnswer;
 use super::mode::{critical_mode, finite_wave_vector};
 use super::problem::{Problem, ProblemError};
 use super::state::{list, named};
-use crate::number::{told, told_below, vector};
+use crate::number::{told, vector};
 use crate::settings::Units;
 use nalgebra::{SVector, SymmetricEigen};
 use onset::kinematics::DeformationGradient;
+use onset::method::MethodError;
 use onset::verdict::{Assessment, Mechanism, Verdict};
 use serde::Serialize;
 
-/// Verdict on a state that flows, with the elastic tangent of increments that unload it.
+/// Verdict on a state with the tangent of its stiffer increments.
 ///
-/// The verdict of the state itself has the tangent of loading that continues. Unloading is stiffer, so its waves are faster and limit the time step.
+/// These are the increments that unload a state that flows, with the elastic tangent, or the increments of a relaxed state that are faster than
+/// relaxation, with the instantaneous tangent. Their waves are faster than those of the state itself and limit the time step.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct UnloadingAnswer {
+pub struct StifferAnswer {
     /// The origin of the first instability.
     pub verdict: Verdict,
     /// The mechanism of a numerical instability; `null` for other verdicts.
@@ -30,27 +34,79 @@ pub struct UnloadingAnswer {
     pub finite_bodies: Option<FiniteBodyAnswer>,
 }
 
-impl UnloadingAnswer {
-    /// Assesses the state; `None` if it does not flow.
+/// Growth of waves in a state that has relaxed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RelaxationAnswer {
+    /// The state for disturbances that are faster than relaxation, with the instantaneous tangent.
+    pub fast: StifferAnswer,
+    /// Growth rate of the fastest growing wave while the material relaxes; zero if no wave grows, `null` in plane stress. 1/time.
+    pub growth_rate: Option<f64>,
+    /// Reference wave vector of the fastest growing wave, zero if no wave grows; 1/length.
+    pub wave_vector: Vec<f64>,
+    /// Wave vector of the fastest growing wave in the deformed lattice; 1/length.
+    pub spatial_wave_vector: Vec<f64>,
+}
+
+impl RelaxationAnswer {
+    /// Computes the growth with relaxation; `None` unless the state has relaxed.
     pub(super) fn new(
         problem: &Problem,
+        disturbed: Option<&StifferAnswer>,
         f: &DeformationGradient,
     ) -> Result<Option<Self>, ProblemError> {
-        if !problem.unloads(f)? {
+        let law = problem.settings.material.relaxed();
+        let Some((law, fast)) = law.map_err(MethodError::from)?.zip(disturbed) else {
             return Ok(None);
-        }
-        let problem = problem.unloading()?;
+        };
+        // The thickness of a sheet follows the disturbance, so that its tangent is not a sum over the terms of the series.
+        let fastest = match problem.material.dimension() {
+            3 => Some(problem.analysis.relaxing(f, &law)?.fastest()),
+            _ => None,
+        };
+        let k = fastest.as_ref().map_or(&[][..], |(_, k)| k);
+        let k = SVector::from_fn(|i, _| k.get(i).copied().unwrap_or(0.0));
+        Ok(Some(Self {
+            fast: fast.clone(),
+            growth_rate: fastest.map(|(rate, _)| rate),
+            wave_vector: list(problem.dimension(), &k),
+            spatial_wave_vector: list(problem.dimension(), &problem.analysis.spatial(f, &k)),
+        }))
+    }
+
+    /// Text of the answer in one line.
+    pub(super) fn words(&self, units: Units) -> String {
+        let growth = match self.growth_rate {
+            Some(rate) if rate > 0.0 => {
+                let grows = match self.fast.growth_rate > 0.0 {
+                    true => "grows",
+                    false => "grows only as stress relaxes",
+                };
+                format!(
+                    "; a wave {grows}, at the rate {}, k = {}",
+                    units.of(told(rate), "1/s"),
+                    units.of(vector(&self.wave_vector), "1/m")
+                )
+            }
+            _ => String::new(),
+        };
+        format!("before relaxation {}{growth}", self.fast.words(units))
+    }
+}
+
+impl StifferAnswer {
+    /// Assesses the state with the tangent of its stiffer increments.
+    pub(super) fn new(problem: &Problem, f: &DeformationGradient) -> Result<Self, ProblemError> {
         let assessment = problem.analysis.assess(f)?;
         let spectrum = &assessment.spectrum;
         let step = Some(spectrum.critical_time_step()).filter(|step| step.is_finite());
-        Ok(Some(Self {
+        Ok(Self {
             verdict: assessment.verdict,
             mechanism: assessment.mechanism(),
             growth_rate: spectrum.growth_rate(),
             maximum_omega: spectrum.maximum_omega,
             critical_time_step: step,
-            finite_bodies: FiniteBodyAnswer::new(&problem, f, step)?,
-        }))
+            finite_bodies: FiniteBodyAnswer::new(problem, f, step)?,
+        })
     }
 
     /// Text of the answer in one line.
@@ -63,20 +119,7 @@ impl UnloadingAnswer {
             }
             false => String::new(),
         };
-        let time = |step: f64| units.of(told_below(step), "s");
-        let steps = [
-            self.critical_time_step
-                .map(|step| format!("{} (central differences, infinite lattice)", time(step))),
-            self.finite_bodies
-                .as_ref()
-                .map(|body| format!("{} (finite bodies)", time(body.time_step))),
-        ];
-        let steps: Vec<String> = steps.into_iter().flatten().collect();
-        let steps = match steps.is_empty() {
-            true => String::new(),
-            false => format!("; time step below {}", steps.join(", ")),
-        };
-        format!("{verdict}{growth}{steps}")
+        format!("{verdict}{growth}")
     }
 }
 

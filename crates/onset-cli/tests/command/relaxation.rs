@@ -1,0 +1,139 @@
+//! Viscoelastic laws in the commands.
+
+use crate::{document, number, onset, onset_line};
+
+const RUBBER: &str =
+    "--set material.model=mooney-rivlin-isochoric --set material.prony=0.3,0,0.01;0.2,0,1";
+const METHOD: &str = "set method=total-lagrangian-sph set penalty=0.1";
+
+/// At `F = 1` there is no stress, so that fast disturbances meet the law with instantaneous moduli.
+#[test]
+fn time_steps_follow_the_instantaneous_moduli() {
+    let step = |rest: &str| {
+        let state = document(&format!("state --stretch 1,1 {METHOD} {rest}"));
+        let limit = document(&format!(
+            "limit --vary discretization.spacing --time-step 0.01 {METHOD} {rest}"
+        ));
+        [
+            number(&state, "/discretization/critical_time_step"),
+            number(&state, "/discretization/finite_bodies/time_step"),
+            number(&limit, "/admitted/0/from/value"),
+        ]
+    };
+    let slow = step(RUBBER);
+    let fast = step(&format!("{RUBBER} --set material.loading=fast"));
+    let long_term = step("--set material.model=mooney-rivlin-isochoric");
+    for ((slow, fast), long_term) in slow.into_iter().zip(fast).zip(long_term) {
+        // The stabilization of the relaxed state is scaled by the relaxed modulus.
+        assert!((slow / fast - 1.0).abs() < 0.05, "{slow} {fast}");
+        assert!((slow / long_term - 1.0).abs() > 1e-4, "{slow} {long_term}");
+    }
+}
+
+/// The instantaneous moduli of constants that are long-term moduli are larger by `1/(1 - 0.5)`.
+#[test]
+fn moduli_say_what_the_constants_are() {
+    let stress = |rest: &str| {
+        let answer = document(&format!("state --stretch 1.2,0.9 {METHOD} {rest}"));
+        let shear = |i: usize| number(&answer, &format!("/material/cauchy/{i}/{i}"));
+        shear(0) - shear(1)
+    };
+    let long_term = stress("--set material.model=mooney-rivlin-isochoric");
+    let own = stress(RUBBER);
+    let instantaneous = stress(&format!("{RUBBER} --set material.moduli=instantaneous"));
+    let fast = stress(&format!("{RUBBER} --set material.loading=fast"));
+    assert!((own / long_term - 1.0).abs() < 1e-12);
+    assert!((instantaneous / long_term - 0.5).abs() < 1e-12);
+    assert!((fast / long_term - 2.0).abs() < 1e-12);
+}
+
+/// The tensile instability of updated SPH is that of a stress which exceeds the stiffness. Fast disturbances meet a larger stiffness under the same stress.
+#[test]
+fn a_wave_that_grows_only_as_the_stress_relaxes_is_told() {
+    let law = "--set material.model=neo-hooke-isochoric --set material.kappa=4 --set material.prony=0.8,0.8,50";
+    let state = format!("state --stretch 1.1,1 set method=updated-sph {law}");
+    let answer = document(&state);
+    assert_eq!(answer["verdict"], "numerical", "{answer}");
+    let relaxation = &answer["relaxation"];
+    assert_eq!(relaxation["fast"]["verdict"], "stable", "{relaxation}");
+    let delayed = number(&answer, "/relaxation/growth_rate");
+    let elastic = number(&answer, "/discretization/growth_rate");
+    assert!(
+        delayed > 0.0 && delayed < 0.2 * elastic,
+        "{delayed} {elastic}"
+    );
+    let text = onset_line(&state).stdout;
+    for words in [
+        "before relaxation stable; a wave grows only as stress relaxes",
+        "without the delay by relaxation",
+    ] {
+        assert!(text.contains(words), "{text}");
+    }
+    let fast = document(&format!("{state} --set material.loading=fast"));
+    assert!(fast["relaxation"].is_null(), "{fast}");
+    let sheet = document(&format!("{state} --set material.plane=stress"));
+    assert!(sheet["relaxation"]["growth_rate"].is_null(), "{sheet}");
+}
+
+#[test]
+fn series_without_meaning_are_refused() {
+    let state = "state --stretch 1.1,1";
+    for (rest, words) in [
+        (
+            "--set material.model=j2 --set material.prony=0.1,0,1",
+            "j2 flows",
+        ),
+        (
+            "--set material.loading=fast",
+            "no effect without `material.prony`",
+        ),
+        (
+            "--set material.prony=0.1,0",
+            "has 2 numbers; expected g, k, tau",
+        ),
+        ("--set material.prony=0.1,x,1", "`x` is not a number"),
+        (
+            "--set material.prony=0.1,0.1,1MPa",
+            "`MPa` is not a unit of time",
+        ),
+        (
+            "--set material.model=blatz-ko --set material.prony=0.1,0,1",
+            "expected g = k",
+        ),
+        (
+            "--set material.model=ogden --set material.prony=1.1,0,1",
+            "a fraction g is 1.1",
+        ),
+        (
+            "--set material.model=neo-hooke-isochoric --set material.mu=1MPa --set material.kappa=9MPa set spacing=1mm set density=1000kg/m^3 --set material.prony=0.1,0,1",
+            "material.prony = 1 has none",
+        ),
+        (
+            "--set material.model=neo-hooke-isochoric --set material.prony=0.1,0,1ms",
+            "`material.prony` has a unit",
+        ),
+        (
+            "--set material.model=neo-hooke-isochoric --set material.plane=membrane --set material.prony=0.1,0.1,1",
+            "a two-dimensional law",
+        ),
+    ] {
+        let answer = onset_line(&format!("{state} {rest}"));
+        assert_eq!(
+            answer.code,
+            Some(2),
+            "{rest}: {}{}",
+            answer.stdout,
+            answer.stderr
+        );
+        assert!(answer.stderr.contains(words), "{rest}: {}", answer.stderr);
+    }
+    let moved = onset_line(&format!("simulate --stretch 1.1,1 {RUBBER}"));
+    assert_eq!(moved.code, Some(2));
+    assert!(
+        moved.stderr.contains("material.loading=fast"),
+        "{}",
+        moved.stderr
+    );
+    let listed = onset(&["list", "materials"]).stdout;
+    assert!(!listed.contains("prony"), "{listed}");
+}

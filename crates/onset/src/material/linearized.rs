@@ -1,0 +1,90 @@
+//! A law linearized about one of its states.
+
+use super::{FourthOrder, Hyperelastic, MaterialError, Response};
+use crate::kinematics::DeformationGradient;
+use nalgebra::Matrix3;
+
+/// Hill's linear comparison solid, `P = P_0 + A (F - F_0)`, about a state `F_0` of a law.
+///
+/// Bodies are run with the stress alone. A law whose tangent is not the derivative of its stress is represented near a state by this law.
+pub struct Linearized {
+    base: Response,
+    undeformed: Response,
+    integrated: Option<FourthOrder>,
+    dimension: usize,
+}
+
+impl Linearized {
+    /// Linearizes a law about a state.
+    ///
+    /// # Errors
+    /// [`MaterialError`] under the conditions of [`Hyperelastic::response`].
+    pub fn about(law: &dyn Hyperelastic, f: &DeformationGradient) -> Result<Self, MaterialError> {
+        Ok(Self {
+            base: law.response(f)?,
+            undeformed: law.undeformed()?,
+            integrated: law.integrated_tangent(f)?,
+            dimension: law.dimension(),
+        })
+    }
+}
+
+impl Hyperelastic for Linearized {
+    fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
+        let (energy, first_piola) = self.energy_and_stress(f)?;
+        Response {
+            energy,
+            first_piola,
+            ..self.base.clone()
+        }
+        .finite()
+    }
+
+    fn energy_and_stress(
+        &self,
+        f: &DeformationGradient,
+    ) -> Result<(f64, Matrix3<f64>), MaterialError> {
+        let n = self.dimension;
+        let (own, base) = (f.components(), self.base.deformation.components());
+        let mut stress = self.base.first_piola;
+        let mut energy = self.base.energy;
+        for k in 0..n {
+            for l in 0..n {
+                let change = own[k][l] - base[k][l];
+                if change == 0.0 {
+                    continue;
+                }
+                energy += self.base.first_piola[(k, l)] * change;
+                for i in 0..n {
+                    for j in 0..n {
+                        stress[(i, j)] += self.base.tangent[(i, j, k, l)] * change;
+                    }
+                }
+            }
+        }
+        let work = |i: usize, j: usize| {
+            let change = own[i][j] - base[i][j];
+            0.5 * (stress[(i, j)] - self.base.first_piola[(i, j)]) * change
+        };
+        energy += (0..n)
+            .flat_map(|i| (0..n).map(move |j| (i, j)))
+            .map(|(i, j)| work(i, j))
+            .sum::<f64>();
+        Ok((energy, stress))
+    }
+
+    fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    fn undeformed(&self) -> Result<Response, MaterialError> {
+        Ok(self.undeformed.clone())
+    }
+
+    fn integrated_tangent(
+        &self,
+        _f: &DeformationGradient,
+    ) -> Result<Option<FourthOrder>, MaterialError> {
+        Ok(self.integrated.clone())
+    }
+}
