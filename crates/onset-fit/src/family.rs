@@ -570,12 +570,25 @@ impl Family {
         name.starts_with("alpha") || name.starts_with("beta")
     }
 
+    /// Smallest magnitude of a constant near a value; zero unless it is an exponent. Bounds of the user closer to zero count instead.
+    pub(crate) fn smallest(&self, n: usize, value: f64, [low, high]: [f64; 2]) -> f64 {
+        if !self.is_exponent(n) {
+            return 0.0;
+        }
+        let nearest = if value < 0.0 { -high } else { low };
+        match nearest > 0.0 {
+            true => nearest.min(SMALLEST_EXPONENT),
+            false => SMALLEST_EXPONENT,
+        }
+    }
+
     /// Ensures that no exponent is too close to zero.
-    pub(crate) fn admissible(&self, constants: &mut [f64]) {
+    pub(crate) fn admissible(&self, constants: &mut [f64], bounds: &[[f64; 2]]) {
         for (n, (own, value)) in self.constants.iter().zip(constants).enumerate() {
             *value = value.clamp(own.bounds[0], own.bounds[1]);
-            if self.is_exponent(n) && value.abs() < SMALLEST_EXPONENT {
-                *value = SMALLEST_EXPONENT.copysign(*value);
+            let smallest = self.smallest(n, *value, bounds[n]);
+            if value.abs() < smallest {
+                *value = smallest.copysign(*value);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Least-squares fit of a law: first without constraints, then subject to stability.
 
-use crate::family::{Family, SMALLEST_EXPONENT};
+use crate::family::Family;
 use crate::moduli::Criterion;
 use crate::proof::{Proof, prove};
 use crate::range::{
@@ -562,8 +562,8 @@ impl Search<'_> {
             let value = constants[n];
             let is_near =
                 |end: f64| end.is_finite() && (value - end).abs() <= BOUND_TOLERANCE * end.abs();
-            let is_smallest =
-                self.family.is_exponent(n) && is_near(SMALLEST_EXPONENT.copysign(value));
+            let smallest = self.family.smallest(n, value, self.bounds[n]);
+            let is_smallest = smallest > 0.0 && is_near(smallest.copysign(value));
             self.is_free[n] && (is_smallest || self.bounds[n].into_iter().any(is_near))
         };
         let names = self.family.constants().iter().map(|own| own.name.clone());

@@ -185,7 +185,7 @@ impl Problem<'_> {
     }
 
     fn confine(&self, constants: &mut [f64]) {
-        self.family.admissible(constants);
+        self.family.admissible(constants, self.bounds);
         for (value, [low, high]) in constants.iter_mut().zip(self.bounds) {
             *value = value.clamp(*low, *high);
         }

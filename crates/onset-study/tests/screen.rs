@@ -378,6 +378,88 @@ fn asked_of_arrays(
     ScreenAnswer::new(&problem, question, run, None, &mut frames, &mut |_| Ok(()))
 }
 
+/// States that are exactly elliptic, and a time step within 2 % of its limit: the law is not at its limit.
+#[test]
+fn a_step_near_its_limit_is_not_a_law_near_its_limit() {
+    let run = stretched(3, |_| 1e-6);
+    let of = |step: f64| {
+        let question = Question {
+            time_step: Some(step),
+            ..HEALTHY.question()
+        };
+        asked_of_arrays(&HEALTHY, &[], &run, &question).expect("an answer")
+    };
+    let limit = of(0.1).time_step.expect("a limit").decisive();
+    let near = of(0.99 * limit);
+    assert_eq!(near.cause, Cause::None);
+    assert!(near.at_the_limit);
+    assert!(
+        near.sentence.contains("The time step is at the limit"),
+        "{}",
+        near.sentence
+    );
+    assert!(!of(0.9 * limit).at_the_limit);
+    let unknown = stretched(12, |time| 0.01 * time);
+    let question = Question {
+        time_step: None,
+        ..HEALTHY.question()
+    };
+    let told = asked_of_arrays(&HEALTHY, &[], &unknown, &question).expect("an answer");
+    assert!(
+        told.sentence.contains("give --time-step"),
+        "{}",
+        told.sentence
+    );
+}
+
+#[test]
+fn positions_that_are_mirrored_or_on_another_lattice_are_noticed() {
+    let (run, mut frames) = stretched(3, |_| 1e-6);
+    let hexagonal = ["discretization.lattice=hexagonal"];
+    let told = of_arrays(&HEALTHY, &hexagonal, &(run.clone(), frames.clone()));
+    let note = "particles of the file are not on the lattice";
+    assert!(
+        told.notes.iter().any(|own| own.contains(note)),
+        "{:?}",
+        told.notes
+    );
+    let own = of_arrays(&HEALTHY, &[], &(run.clone(), frames.clone()));
+    assert!(
+        own.notes.iter().all(|own| !own.contains(note)),
+        "{:?}",
+        own.notes
+    );
+    for frame in &mut frames {
+        frame.x.iter_mut().for_each(|x| x.swap(0, 1));
+    }
+    let refused = asked_of_arrays(&HEALTHY, &[], &(run, frames), &HEALTHY.question());
+    let told = refused.expect_err("no states").to_string();
+    assert!(told.contains("no particle has a state"), "{told}");
+}
+
+/// The distance of material points is a fraction of the side of a grid cell.
+#[test]
+fn the_spacing_of_material_points_is_the_side_of_a_cell() {
+    let run = stretched(3, |_| 1e-6);
+    let points = [
+        "discretization.method=material-points",
+        "discretization.points-per-side=2",
+        "discretization.penalty=0",
+    ];
+    let of = |spacing: &str| {
+        let more = [&points[..], &[spacing]].concat();
+        asked_of_arrays(&HEALTHY, &more, &run, &HEALTHY.question())
+    };
+    assert!(of("discretization.spacing=2").is_ok());
+    let told = of("discretization.spacing=1")
+        .expect_err("another spacing")
+        .to_string();
+    assert!(
+        told.contains("set discretization.spacing=2, the side of a grid cell"),
+        "{told}"
+    );
+}
+
 #[test]
 fn unexplained_short_waves_are_reported_as_forced_or_zero_energy() {
     // Total-Lagrangian SPH in small strain: alternating particles that grow linearly.

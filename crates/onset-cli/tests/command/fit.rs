@@ -472,6 +472,14 @@ fn broken_cells_and_headers_are_refused() {
             ["line 1", "without the area", "undeformed area"],
         ),
         (
+            rows(HEADER, &["1.1,.1", "1.2,.2", "1.3,300", "1.4,.4"]),
+            [
+                "line 4",
+                "changes by the factor",
+                "check the units of the rows",
+            ],
+        ),
+        (
             table("stretch,force [MPa]", |own| own),
             ["line 1", "the unit of a stress", "nominal_stress"],
         ),
@@ -742,6 +750,11 @@ fn equivalent_tables_give_the_same_constants() {
             "tension.csv",
             table("stretch,force [N]", |[a, b]| [a, 20.0 * b]),
             "--area 20",
+        ),
+        (
+            "tension.csv",
+            table("stretch,force [kN]", |[a, b]| [a, 0.02 * b]),
+            "--area 20 --unit MPa",
         ),
         (
             "probe.csv",

@@ -637,7 +637,7 @@ impl LawAnswer {
     fn demand(&self) -> String {
         if self.proof.is_none() {
             return match self.free_losses.first() {
-                None => "It violates no criterion in tension up to stretch 10.".to_owned(),
+                None => "It violates no criterion in uniaxial, equibiaxial and planar tension up to stretch 10; other states are not examined.".to_owned(),
                 Some(_) => format!("It violates {}.", in_words(&self.free_losses)),
             };
         }
@@ -649,9 +649,13 @@ impl LawAnswer {
             "Without the stability constraint it would fit within {}",
             percent(self.free_error)
         );
-        if !self.free_losses.is_empty() {
-            let _ = write!(text, ", and lose {}", in_words(&self.free_losses));
-        }
+        let _ = match self.free_losses.is_empty() {
+            true => write!(
+                text,
+                ", and lose stability within the range, though not in these tests"
+            ),
+            false => write!(text, ", and lose {}", in_words(&self.free_losses)),
+        };
         text + "."
     }
 }

@@ -102,6 +102,19 @@ pub struct Tests {
     pub notes: Vec<String>,
 }
 
+/// Units of force with their values in newtons.
+const FORCES: [(&str, f64); 7] = [
+    ("N", 1.0),
+    ("kN", 1e3),
+    ("MN", 1e6),
+    ("mN", 1e-3),
+    ("lbf", 4.448_221_615_260_5),
+    ("kgf", 9.806_65),
+    ("gf", 9.806_65e-3),
+];
+/// Largest ratio of the secant moduli of neighboring rows of one test.
+const LARGEST_JUMP: f64 = 100.0;
+
 /// Known units of stress.
 const UNITS: &str = "expected Pa, kPa, MPa, GPa, N/mm^2, bar, psi or ksi";
 /// Smallest number of points of a test.
@@ -694,14 +707,42 @@ impl Table<'_> {
                 ));
             }
         }
-        if let (Column::Force, Some(unit)) = (stress.0, &stress.2)
-            && stress_unit(unit).is_some()
-        {
-            return Err(self.line(
-                at,
-                format!("the column `{}` has the unit of a stress", names[stress.1]),
-                "name it nominal_stress, or correct the unit",
-            ));
+        let mut in_newtons = 1.0;
+        if let (Column::Force, Some(unit)) = (stress.0, &stress.2) {
+            if stress_unit(unit).is_some() {
+                return Err(self.line(
+                    at,
+                    format!("the column `{}` has the unit of a stress", names[stress.1]),
+                    "name it nominal_stress, or correct the unit",
+                ));
+            }
+            let Some((_, factor)) = FORCES.iter().find(|(name, _)| name == unit) else {
+                let names: Vec<&str> = FORCES.iter().map(|(name, _)| *name).collect();
+                return Err(self.line(
+                    at,
+                    format!("the unit of force `{}` is not known", brief(unit)),
+                    format!("expected {}", names.join(", ")),
+                ));
+            };
+            if let Some(asked) = self
+                .reading
+                .unit
+                .as_ref()
+                .filter(|own| !["MPa", "Pa", "N/mm^2", "N/m^2"].contains(&own.as_str()))
+            {
+                return Err(self.line(
+                    at,
+                    format!("forces in {unit} do not give stresses in {}", brief(asked)),
+                    "forces are converted to N: name MPa for an area in mm^2, or Pa for an area in m^2",
+                ));
+            }
+            in_newtons = *factor;
+            if self.reading.unit.is_none() {
+                notes.push(format!(
+                    "{}: forces are converted to N, so that the stresses are in N per unit of the area (MPa for mm^2)",
+                    self.path.display()
+                ));
+            }
         }
         *used_area |= stress.0 == Column::Force;
         if stress.0 == Column::Force && self.reading.area.is_none() {
@@ -815,7 +856,7 @@ impl Table<'_> {
             let value = number(stress.1)?;
             self.check_stretch(line, mode, stretch, lateral, along.0)?;
             let value = match stress.0 {
-                Column::Force => value / self.reading.area.unwrap_or(1.0),
+                Column::Force => value * in_newtons / self.reading.area.unwrap_or(1.0),
                 // Nominal stress is true stress times the area ratio, the volume ratio over the stretch.
                 Column::TrueStress if !matches!(mode, Mode::Volumetric | Mode::SimpleShear) => {
                     let volume = match (mode, lateral) {
@@ -1152,6 +1193,24 @@ impl Table<'_> {
                 *line,
                 "the stress is 0 at a nonzero strain",
                 "remove the row, or the offset of the zero point",
+            ));
+        }
+        let secants = rows.windows(2).map(|pair| {
+            let secant = |own: &(usize, Point)| (own.1.stress / strain(&own.1)).abs();
+            (pair[1].0, secant(&pair[1]) / secant(&pair[0]))
+        });
+        let is_jump = |ratio: f64| !(LARGEST_JUMP.recip()..=LARGEST_JUMP).contains(&ratio);
+        if let Some((line, ratio)) = secants
+            .filter(|(_, ratio)| ratio.is_finite() && *ratio > 0.0)
+            .find(|(_, ratio)| is_jump(*ratio))
+        {
+            return Err(self.line(
+                line,
+                format!(
+                    "the stress divided by the strain changes by the factor {} from the row before",
+                    told(ratio)
+                ),
+                "check the units of the rows, and remove rows that were not measured correctly",
             ));
         }
         // Tension and compression may follow each other; within each, the strain grows or falls.

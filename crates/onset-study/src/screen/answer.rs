@@ -5,6 +5,7 @@ use super::course::{
     Course, ELLIPTIC_MARGIN, Event, Moment, Picture, Sink, StepLimit, crossing, follow,
 };
 use super::input::is_spaced;
+use super::neighborhoods::Neighborhoods;
 use super::remedy::{Remedy, expected as expected_in, remedies};
 use super::study::{command, study};
 use super::{Frame, Question, Recording, Run, ScreenError};
@@ -15,7 +16,7 @@ use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
 use crate::json;
 use crate::number::{counted, told, told_with};
 use crate::output::{Files, picture, text};
-use crate::settings::{Effective, Units};
+use crate::settings::{Effective, Family, Units};
 use onset::kinematics::DeformationGradient;
 use onset::verdict::Mechanism;
 use serde::Serialize;
@@ -38,6 +39,15 @@ const DESTROYED_BODY_RATIO: f64 = 10.0;
 const RISE_RATIO: f64 = 10.0;
 /// Largest delay of the predicted time after the observation, as a fraction of the time until the observation.
 const LATENESS_FRACTION: f64 = 0.35;
+
+/// Largest growth exponent between two frames at which times are interpolated reliably.
+const LARGEST_INTERVAL_GROWTH: f64 = 2.0;
+/// Smallest fraction of the vectors between nearest particles that are vectors of the lattice if the particles are on it; the others are at faces.
+const ON_LATTICE: f64 = 0.9;
+/// Largest distance of nearest particles, in spacings.
+const NEAREST: f64 = 1.1;
+/// Largest deviation of lattice coordinates of particles on the lattice.
+const LATTICE_COORDINATE_TOLERANCE: f64 = 0.05;
 
 /// Smallest amplitude in the figure; spacings.
 const SMALLEST_DRAWN_AMPLITUDE: f64 = 1e-8;
@@ -169,6 +179,8 @@ pub struct ScreenAnswer {
     pub sentence: String,
     /// Whether a change of the limit by 2 % would change the cause.
     pub at_the_limit: bool,
+    #[serde(skip)]
+    is_law_at_limit: bool,
     /// Position and time at which the cause begins; for a time step, at which it exceeds the largest stable step. `null` without a cause.
     pub first: Option<Event>,
     /// Time at which short waves are expected to become visible; `null` if they are not expected.
@@ -210,6 +222,9 @@ pub struct ScreenAnswer {
     /// Particles at the time of the first event.
     #[serde(skip)]
     picture: Option<Picture>,
+    /// Number of points near held particles, which are not assessed.
+    #[serde(skip)]
+    unassessed: usize,
     /// Study of the decisive state.
     #[serde(skip)]
     study: Option<String>,
@@ -217,6 +232,44 @@ pub struct ScreenAnswer {
     pub notes: Vec<String>,
     /// All settings in effect.
     pub settings: Effective,
+}
+
+/// Distance of nearest particles in the reference configuration; for material points a fraction of the side of a grid cell.
+pub(super) fn particle_spacing(problem: &Problem) -> f64 {
+    let method = &problem.settings.method;
+    match method.method {
+        Family::MaterialPoints => {
+            problem.analysis.spacing() / f64::from(method.points_per_side.max(1))
+        }
+        _ => problem.analysis.spacing(),
+    }
+}
+
+/// Returns true if the vectors between nearest particles of a regular run are vectors of the lattice of the settings, or if this is not known.
+fn is_on_lattice(problem: &Problem, run: &Run, spacing: f64) -> bool {
+    let has_lattice = problem.analysis.sites() == 1 && run.cells.is_none();
+    if !has_lattice
+        || problem.settings.method.method == Family::MaterialPoints
+        || !is_spaced(spacing, problem.analysis.spacing())
+    {
+        return true;
+    }
+    let reciprocal = problem.analysis.reciprocal();
+    let near = Neighborhoods::new(&run.reference, problem.dimension(), NEAREST * spacing);
+    let mut counts = [0_usize; 2];
+    for n in 0..near.len() {
+        for other in near.numbers(n) {
+            let apart: [f64; 3] =
+                std::array::from_fn(|i| run.reference[other][i] - run.reference[n][i]);
+            let is_vector = reciprocal.iter().all(|b| {
+                let coordinate =
+                    (0..3).map(|i| b[i] * apart[i]).sum::<f64>() / std::f64::consts::TAU;
+                (coordinate - coordinate.round()).abs() < LATTICE_COORDINATE_TOLERANCE
+            });
+            counts[usize::from(is_vector)] += 1;
+        }
+    }
+    counts[1] as f64 >= ON_LATTICE * (counts[0] + counts[1]) as f64
 }
 
 fn place(event: &Event, dimension: usize) -> String {
@@ -238,18 +291,25 @@ impl ScreenAnswer {
         frames: &mut dyn Iterator<Item = Result<Frame, ScreenError>>,
         sink: Sink<'_>,
     ) -> Result<Self, ScreenError> {
-        let spacing = problem.analysis.spacing();
+        let spacing = particle_spacing(problem);
         let measured = || run.spacing(problem.dimension());
         let found = recording.map_or_else(measured, |own| own.spacing);
         let is_near = found / spacing > 0.8 && found / spacing < 1.25;
         if !is_near {
+            let per_side = problem.analysis.spacing() / spacing;
             return Err(ScreenError::Run {
                 what: format!(
                     "the spacing of the particles is {} in the file and {} in the settings",
                     told(found),
                     told(spacing)
                 ),
-                hint: format!("set discretization.spacing={}", told(found)),
+                hint: match per_side > 1.0 {
+                    true => format!(
+                        "set discretization.spacing={}, the side of a grid cell, or another discretization.points-per-side",
+                        told(per_side * found)
+                    ),
+                    false => format!("set discretization.spacing={}", told(found)),
+                },
             });
         }
         // Rounding of positions has the form of short waves.
@@ -262,6 +322,13 @@ impl ScreenAnswer {
         };
         let course = follow(problem, question, run, frames, sink)?;
         let mut answer = Self::of(problem, question, recording, course);
+        if !is_on_lattice(problem, run, found) {
+            answer.notes.insert(
+                0,
+                "particles of the file are not on the lattice of the settings, so that predicted waves are those of another lattice: set discretization.lattice"
+                    .to_owned(),
+            );
+        }
         if is_coarse {
             answer.notes.insert(
                 0,
@@ -339,11 +406,8 @@ impl ScreenAnswer {
         };
         let step = question.time_step;
         let at_limit_of_step = course.step.as_ref().zip(step).is_some_and(|(limit, step)| {
-            // The limit of the undeformed body, and the smallest limit during the run.
-            let limits = limit.least..=limit.body.unwrap_or(limit.lattice).max(limit.least);
             matches!(cause, Cause::None | Cause::TimeStep | Cause::Forced)
-                && step > (1.0 - LIMIT_TOLERANCE) * limits.start()
-                && step < (1.0 + LIMIT_TOLERANCE) * limits.end()
+                && (step / limit.decisive() - 1.0).abs() < LIMIT_TOLERANCE
         });
         // Short waves distort the gradients.
         let until = observed.unwrap_or(f64::INFINITY);
@@ -405,6 +469,7 @@ impl ScreenAnswer {
             mechanism: state.as_ref().and_then(|state| state.mechanism),
             sentence: String::new(),
             at_the_limit: at_limit_of_step || at_limit_of_law,
+            is_law_at_limit: at_limit_of_law,
             first: event,
             expected,
             observed: course.observed.clone(),
@@ -433,10 +498,22 @@ impl ScreenAnswer {
             moments: course.moments,
             actual: course.actual,
             picture,
+            unassessed: course.points[1],
             study: None,
             notes: [course.notes, notes(&problem.settings, &*problem.material)].concat(),
             settings: problem.settings.effective(),
         };
+        if let (Cause::Numerical, Some(event), Some(growth)) = (cause, &answer.first, answer.growth)
+        {
+            let interval = event.window[1] - event.window[0];
+            if growth * interval > LARGEST_INTERVAL_GROWTH {
+                answer.notes.insert(0, format!(
+                    "waves grow by e^{:.1} from one frame to the next, so that times are known to within an interval of {}: write more frames",
+                    growth * interval,
+                    told(interval)
+                ));
+            }
+        }
         answer.evidence = answer.evidence_of(
             problem,
             question,
@@ -627,7 +704,7 @@ impl ScreenAnswer {
         if problem.material.is_path_dependent() {
             limits.push("each state is reached on a proportional path".to_owned());
         }
-        let spacing = problem.analysis.spacing();
+        let spacing = particle_spacing(problem);
         if self
             .recording
             .as_ref()
@@ -674,11 +751,12 @@ impl ScreenAnswer {
         let expected = self.expected.map_or("?".to_owned(), short);
         let step = question.time_step.zip(self.time_step.as_ref());
         let above = step.filter(|(_, limit)| limit.exceeded.is_some());
-        let limit = match (self.at_the_limit, self.cause, above) {
+        let is_step_at_limit = self.at_the_limit && !self.is_law_at_limit;
+        let limit = match (is_step_at_limit, self.cause, above) {
             (false, Cause::None | Cause::Forced, Some((step, limit))) => format!(
                 " The time step {} exceeds the largest stable step, {}{}.",
                 told(step),
-                short(limit.least),
+                short(limit.decisive()),
                 match self.cause {
                     Cause::None => ", although the positions show nothing yet",
                     _ => ", too",
@@ -688,11 +766,15 @@ impl ScreenAnswer {
                 " But waves of the discretization grow: an amplitude of {} spacings is expected at the end.",
                 short(self.moments.last().map_or(0.0, |last| last.predicted))
             ),
-            (false, ..) => String::new(),
-            (true, Cause::None, None) => {
+            _ if self.is_law_at_limit => {
                 " The law is at the limit of ellipticity: a change of 2 % in its modulus would change the verdict."
                     .to_owned()
             }
+            // Neither waves that forces resist little nor loads are distinguished from a step that is too large without the step.
+            (_, Cause::ZeroEnergy | Cause::Forced, _) if question.time_step.is_none() => {
+                " The time step is not known, and may be too large: give --time-step.".to_owned()
+            }
+            (false, ..) => String::new(),
             (true, ..) => " The time step is at the limit: a change of 2 % would change the verdict.".to_owned(),
         };
         let sentence = match self.cause {
@@ -717,7 +799,8 @@ impl ScreenAnswer {
             Cause::TimeStep => {
                 let step = question.time_step.unwrap_or_default();
                 let limit = self.time_step.as_ref();
-                let critical = limit.map_or(0.0, |limit| limit.least);
+                let critical = limit.map_or(0.0, StepLimit::decisive);
+                let least = limit.map_or(0.0, |limit| limit.least);
                 let scheme = question.stepping.name();
                 let of = match limit.and_then(|limit| limit.body) {
                     Some(_) => format!(
@@ -731,7 +814,7 @@ impl ScreenAnswer {
                     from.map_or("?".to_owned(), |event| short(event.time)),
                     told(step),
                     short(critical),
-                    told_with(SAFETY_FACTOR * critical, 2)
+                    told_with(SAFETY_FACTOR * least, 2)
                 )
             }
             Cause::ZeroEnergy => format!(
@@ -740,7 +823,16 @@ impl ScreenAnswer {
             Cause::Forced => format!(
                 "No instability explains the short waves {at}, {observed}: material and discretization are stable in the states of this run. Loads, contact or gradients of strain force them."
             ),
-            Cause::None => "No instability: short waves stay below the threshold, and the material stays strongly elliptic.".to_owned(),
+            Cause::None => format!(
+                "No instability: short waves stay below the threshold, and the material stays strongly elliptic{}.",
+                match self.unassessed {
+                    0 => String::new(),
+                    count => format!(
+                        " except near held particles, where {} are not assessed",
+                        counted(count, "point")
+                    ),
+                }
+            ),
         };
         sentence + &limit
     }
@@ -917,6 +1009,7 @@ impl Brief for ScreenAnswer {
             .recording
             .iter()
             .flat_map(|own| own.notes.clone())
+            .chain(self.notes.iter().cloned())
             .collect();
         short
             .notes(&notes)

@@ -2,7 +2,7 @@
 
 use super::actual::{Actual, Nearest, placed};
 use super::agreement::Agreement;
-use super::answer::Cause;
+use super::answer::{Cause, particle_spacing};
 use super::neighborhoods::Neighborhoods;
 use super::states::{StateRates, States, without_rotation};
 use super::{Frame, Question, Run, ScreenError};
@@ -81,12 +81,21 @@ pub struct StepLimit {
     pub least: f64,
     /// Time at which the step of the run first exceeds the largest stable step; `None` if it never does.
     pub exceeded: Option<f64>,
+    /// Largest stable step at this time; time. Later states are distorted by the oscillation. `None` if the step never exceeds it.
+    pub at_excess: Option<f64>,
     /// Growth rate of the fastest oscillation when the step first exceeds the largest stable step; 1/time.
     pub growth: f64,
     /// Particle that limits the step; `None` for methods whose particles have no forces at arbitrary positions.
     pub particle: Option<usize>,
     /// Reference position of `particle`; length. `None` without such a particle.
     pub place: Option<[f64; 3]>,
+}
+
+impl StepLimit {
+    /// Largest stable step when the step of the run first exceeds it, otherwise its smallest value during the run; time.
+    pub fn decisive(&self) -> f64 {
+        self.at_excess.unwrap_or(self.least)
+    }
 }
 
 /// All measured and predicted quantities of a run.
@@ -354,7 +363,7 @@ impl<'p> Follower<'p> {
         run: &'p Run,
     ) -> Result<Self, ScreenError> {
         let analysis = &problem.analysis;
-        let (dimension, spacing) = (problem.dimension(), analysis.spacing());
+        let (dimension, spacing) = (problem.dimension(), particle_spacing(problem));
         let support = problem.settings.discretization.support;
         let radius = match run.cells {
             Some(_) => RADIUS,
@@ -431,7 +440,7 @@ impl<'p> Follower<'p> {
             let short = self.points.nodes.short_waves(velocity);
             root_mean_square(self.checked(&short)) / self.speed
         });
-        let rounding = self.run.rounding / self.problem.analysis.spacing();
+        let rounding = self.run.rounding / particle_spacing(self.problem);
         mean.max(of_velocity).max(rounding)
     }
 
@@ -455,7 +464,7 @@ impl<'p> Follower<'p> {
 
     fn frame(&mut self, frame: &Frame) -> Result<Fields, ScreenError> {
         let dimension = self.problem.dimension();
-        let spacing = self.problem.analysis.spacing();
+        let spacing = particle_spacing(self.problem);
         let count = self.points.places.len();
         let before = self.course.moments.last();
         let before = before.map_or(frame.time, |moment| moment.time);
@@ -709,6 +718,7 @@ impl<'p> Follower<'p> {
             told.least = told.least.min(critical);
             if told.exceeded.is_none() && step > critical {
                 (told.exceeded, told.growth) = (Some(before), rate);
+                told.at_excess = Some(critical);
             }
         }
         Some(step / critical)
@@ -716,6 +726,14 @@ impl<'p> Follower<'p> {
 
     fn finish(mut self) -> Result<Course, ScreenError> {
         self.course.states = self.growth.states.len();
+        if self.course.states == 0 {
+            return Err(ScreenError::Run {
+                what: "no particle has a state in any frame: the determinant of the deformation gradient from the reference positions is not positive"
+                    .to_owned(),
+                hint: "check the columns of positions and of reference positions with --check; exchanged axes and mirrored positions have this effect"
+                    .to_owned(),
+            });
+        }
         self.course.notes = self.agreement.notes(self.problem);
         self.course.actual = self.actual()?;
         match self.course.moments.len() {
@@ -763,6 +781,7 @@ fn limits(
         body,
         least: body.unwrap_or(lattice),
         exceeded: None,
+        at_excess: None,
         growth: 0.0,
         particle: mode.as_ref().map(|mode| mode.particle),
         place: mode.as_ref().map(|mode| run.reference[mode.particle]),
@@ -787,7 +806,8 @@ fn far_from_held(run: &Run, points: &Points) -> (Vec<bool>, Vec<bool>) {
     let asked = match &points.cells {
         None => is_free(&near),
         Some(cells) => {
-            let is_held = |cell: &[usize]| cell.iter().any(|node| run.held[*node]);
+            // The gradient of an element needs no neighbors.
+            let is_held = |cell: &[usize]| cell.iter().all(|node| run.held[*node]);
             let all = cells.iter().zip(&points.places);
             all.map(|(cell, x)| !is_held(cell) && is_in(x)).collect()
         }

@@ -366,7 +366,15 @@ impl Recording {
             Reference::Recorded => {
                 return Ok(match first.reference.clone() {
                     Some(reference) => (reference, false),
-                    None => (first.position.clone(), true),
+                    None => {
+                        if self.times[0] != 0.0 {
+                            self.notes.push(format!(
+                                "the files have no reference positions: the first frame, at t = {}, is taken as undeformed; --reference names another file",
+                                told(self.times[0])
+                            ));
+                        }
+                        (first.position.clone(), true)
+                    }
                 });
             }
         };
