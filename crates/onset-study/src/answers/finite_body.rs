@@ -6,15 +6,21 @@ use crate::settings::Units;
 use onset::analysis::FiniteBodyGround;
 use onset::kinematics::DeformationGradient;
 use onset::motion::{BodyError, Start};
+use onset::time_step::Integrator;
 use serde::Serialize;
 
 /// Kind of body for which the critical time step of the waves holds.
 pub const LATTICE_NOTE: &str = "infinite lattice; free faces and distorted cells need less";
 
+/// Ratio of the largest undamped step of an integrator to that of central differences.
+pub(crate) fn reach_of(integrator: Integrator) -> f64 {
+    integrator.undamped_reach() / Integrator::CentralDifferences.undamped_reach()
+}
+
 /// Time step for finite bodies of a lattice.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FiniteBodyAnswer {
-    /// Time step of central differences that is stable for finite bodies; time.
+    /// Time step that is stable for finite bodies, of central differences unless another integrator is asked for; time.
     pub time_step: f64,
     /// Whether the bound is proved.
     pub proved: bool,
@@ -65,6 +71,23 @@ impl FiniteBodyAnswer {
                 ground,
             }
         }))
+    }
+
+    /// Returns the step for an integrator, which differs by its reach on the imaginary axis; `None` with damping, which shifts the frequencies off this
+    /// axis, and if no step is stable.
+    pub(crate) fn with_integrator(self, integrator: Integrator, is_damped: bool) -> Option<Self> {
+        let share = reach_of(integrator);
+        let is_like_central_differences = matches!(
+            integrator,
+            Integrator::CentralDifferences
+                | Integrator::KickDriftKick
+                | Integrator::PredictorCorrector
+        );
+        let is_known = share > 0.0 && (is_like_central_differences || !is_damped);
+        is_known.then_some(Self {
+            time_step: share * self.time_step,
+            ..self
+        })
     }
 
     pub(crate) fn words(&self, units: Units) -> String {

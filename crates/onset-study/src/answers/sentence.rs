@@ -55,7 +55,8 @@ pub(super) fn of(
         // This case needs cells with several particles.
         false => "particles of a cell moving relative to each other (k = 0)".to_owned(),
     };
-    let growth = growth(spectrum.growth_rate(), units);
+    let is_delayed = settings.material.is_relaxed();
+    let growth = growth(spectrum.growth_rate(), is_delayed, units);
     let minimum = &assessment.material.minimum;
     let is_undecided = assessment.material.ellipticity == Ellipticity::Undecided;
     let although = match is_undecided {
@@ -230,8 +231,13 @@ fn wave(k: &SVector<f64, 3>, along: impl Fn(&SVector<f64, 3>) -> String, units: 
     }
 }
 
-fn growth(rate: f64, units: Units) -> String {
-    if rate > 0.0 {
+fn growth(rate: f64, is_delayed: bool, units: Units) -> String {
+    if rate > 0.0 && is_delayed {
+        format!(
+            "growth rate {} without the delay by relaxation",
+            units.of(told(rate), "1/s")
+        )
+    } else if rate > 0.0 {
         format!(
             "growth rate {}, e-folding time {}",
             units.of(told(rate), "1/s"),

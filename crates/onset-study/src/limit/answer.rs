@@ -5,6 +5,7 @@ use super::varied::Varied;
 use super::{LimitQuestion, VALUES};
 use crate::answers::{
     BodyStepAnswer, Evidence, FiniteBodyAnswer, LATTICE_NOTE, Problem, ProblemError, Strain, notes,
+    reach_of,
 };
 use crate::csv::Table;
 use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
@@ -16,7 +17,7 @@ use onset::analysis::{Analysis, SteppedWaves};
 use onset::bloch::SpectrumSummary;
 use onset::cancel::Scope;
 use onset::method::MethodError;
-use onset::time_step::{Integrator, undamped_time_step};
+use onset::time_step::undamped_time_step;
 use onset::verdict::Verdict;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -151,8 +152,7 @@ impl Search<'_> {
         }
         let body = BodyStepAnswer::new(&problem, f)?;
         // The step of the body is the limit of central differences, and is rescaled for the integrator.
-        let share = self.question.integrator.undamped_reach()
-            / Integrator::CentralDifferences.undamped_reach();
+        let share = reach_of(self.question.integrator);
         let of_body = body.and_then(|body| body.time_step).map(|own| own * share);
         let step = of_body.map_or(step, |own| own.min(step));
         Ok(Tried {
@@ -234,8 +234,12 @@ impl LimitAnswer {
         let present = present.map(|value| search.tried(value));
         let finite_bodies = match (&problem, &present) {
             (Some(problem), Some(own)) if own.body.is_none() => {
-                let lattice = Some(own.critical_time_step);
+                let integrator = question.integrator;
+                let lattice = Some(own.critical_time_step / reach_of(integrator));
+                let lattice = lattice.filter(|step| step.is_finite());
+                let is_damped = problem.analysis.is_damped();
                 FiniteBodyAnswer::new(problem, &strain.0, lattice)?
+                    .and_then(|body| body.with_integrator(integrator, is_damped))
             }
             _ => None,
         };

@@ -6,12 +6,14 @@ use nalgebra::Matrix3;
 
 /// Hill's linear comparison solid, `P = P_0 + A (F - F_0)`, about a state `F_0` of a law.
 ///
-/// Bodies are run with the stress alone. A law whose tangent is not the derivative of its stress is represented near a state by this law.
+/// Bodies are run with the stress alone. A law whose tangent is not the derivative of its stress is represented near a state by this law, and a law that
+/// is a function of another program is evaluated only twice. The reference state keeps its exact response, which scales penalties and viscosities.
 pub struct Linearized {
     base: Response,
     undeformed: Response,
     integrated: Option<FourthOrder>,
     dimension: usize,
+    is_path_dependent: bool,
 }
 
 impl Linearized {
@@ -25,14 +27,20 @@ impl Linearized {
             undeformed: law.undeformed()?,
             integrated: law.integrated_tangent(f)?,
             dimension: law.dimension(),
+            is_path_dependent: law.is_path_dependent(),
         })
     }
 }
 
 impl Hyperelastic for Linearized {
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
+        let rest = DeformationGradient::identity();
+        if *f == rest && self.base.deformation != rest {
+            return Ok(self.undeformed.clone());
+        }
         let (energy, first_piola) = self.energy_and_stress(f)?;
         Response {
+            deformation: *f,
             energy,
             first_piola,
             ..self.base.clone()
@@ -75,6 +83,10 @@ impl Hyperelastic for Linearized {
 
     fn dimension(&self) -> usize {
         self.dimension
+    }
+
+    fn is_path_dependent(&self) -> bool {
+        self.is_path_dependent
     }
 
     fn undeformed(&self) -> Result<Response, MaterialError> {

@@ -52,15 +52,19 @@ impl Relaxation {
         mean: &DMatrix<Complex>,
     ) -> Self {
         let mean = mean.transpose();
-        // If the forces add up to zero, `Y = L`. In general, `S = D0 + R L^T` satisfies `Y^T S = L^T`.
+        // The unit of the stiffness of translations, so that it is neither free nor rigid beside `D0`.
+        let size = d0.iter().map(|z| z.norm()).fold(0.0, f64::max);
+        let unit = Complex::from(if size > 0.0 { size } else { 1.0 });
+        // If the forces add up to zero, `Y = L`. In general, `S = D0 + s R L^T` satisfies `Y^T S = s L^T`.
         let duals = if (&mean * &d0).norm() <= FREE_STIFFNESS_FRACTION * magnitude {
             mean
         } else {
-            &mean * inverse(&d0 + &translations * &mean)
+            let moved = &translations * &mean * unit;
+            &mean * inverse(&d0 + moved) * unit
         };
         let projector = &translations * &duals;
-        // On the internal displacements this matrix is `D0`, on the translations the identity.
-        let internal = inverse(&d0 + &projector) - projector;
+        // On the internal displacements this matrix is `D0`, on the translations `s`.
+        let internal = inverse(&d0 + &projector * unit) - projector / unit;
         Self {
             d0,
             translations,

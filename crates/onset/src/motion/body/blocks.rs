@@ -1,13 +1,14 @@
 //! Critical time steps of free blocks cut out of a lattice, which represent all finite bodies.
 
 use super::stability::largest_eigenvalue;
-use super::{BodyError, BodyMotion, BodyParticles, Shape, Start, with_body};
+use super::{BodyError, BodyMotion, BodyParticles, PlacedParticle, Shape, Start, with_body};
 use crate::bloch::BlochSum;
 use crate::kinematics::DeformationGradient;
-use crate::material::{Hyperelastic, MaterialError, Response};
+use crate::lattice::Particle;
+use crate::material::{Hyperelastic, Linearized};
 use crate::scheme::Discretization;
 use crate::time_step::Stepping;
-use nalgebra::{DMatrix, DVector, SVector};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 /// Number of particles across the thinnest blocks. With two rows, gradients are far stiffer than with three, and such bodies are rarely intended.
 const THINNEST: usize = 3;
@@ -31,7 +32,7 @@ pub(crate) fn step_of_free_blocks<const D: usize>(
 ) -> Option<f64> {
     let ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][D - 1];
     let reach = (discretization.neighbors() / ball).powf(1.0 / D as f64);
-    let solid = LinearSolid::new(material, f).ok()?;
+    let solid = Linearized::about(material, f).ok()?;
     let is_cut = with_body(
         discretization,
         &solid,
@@ -54,9 +55,18 @@ pub(crate) fn step_of_free_blocks<const D: usize>(
         let side = |i| if i < thin { THINNEST } else { widest };
         std::array::from_fn(side)
     }));
+    let spacing = discretization.crystal().spacing();
+    let vectors = discretization.crystal().lattice().vectors();
+    let is_oblique = !is_diagonal(vectors);
     // Blocks without a state are skipped: they have too few neighbors, or the law is not defined.
     let steps = blocks.iter().filter_map(|sides| match has_bodies {
-        true => step_of_body(discretization, &solid, f, sides),
+        true => {
+            let along_axes = step_of_body(discretization, &solid, f, &block(sides, spacing));
+            let along_rows = is_oblique.then(|| rows(discretization, sides));
+            let along_rows =
+                along_rows.and_then(|body| step_of_body(discretization, &solid, f, &body));
+            along_axes.into_iter().chain(along_rows).reduce(f64::min)
+        }
         false => step_of_cells(&*discretization.on_block(*sides).ok()??, material, f),
     });
     steps.reduce(f64::min).map(|least| MARGIN * least)
@@ -71,14 +81,44 @@ fn block<const D: usize>(sides: &[usize; D], spacing: f64) -> BodyParticles {
     })
 }
 
+/// Body with faces along the rows of the lattice, which meet at the sharp corners of an oblique lattice.
+fn rows<const D: usize>(discretization: &dyn Discretization<D>, sides: &[usize; D]) -> BodyParticles {
+    let crystal = discretization.crystal();
+    let count = sides.iter().product::<usize>();
+    let cell = |mut n: usize| -> [i32; D] {
+        std::array::from_fn(|i| {
+            let own = n % sides[i];
+            n /= sides[i];
+            own as i32
+        })
+    };
+    let sites = 0..crystal.sites().len();
+    let all = (0..count).flat_map(|n| sites.clone().map(move |site| (site, n)));
+    let placed = all.map(|(site, n)| {
+        let position = crystal.position(&Particle { site, cell: cell(n) });
+        PlacedParticle {
+            position: std::array::from_fn(|i| position.get(i).copied().unwrap_or(0.0)),
+            volume: crystal.volumes()[site],
+        }
+    });
+    BodyParticles::Given(placed.collect())
+}
+
+/// Returns true if each row of a matrix has one entry that is not zero.
+fn is_diagonal<const D: usize>(vectors: &SMatrix<f64, D, D>) -> bool {
+    let largest = vectors.amax();
+    let is_entry = |x: &&f64| x.abs() > 1e-9 * largest;
+    let mut rows = vectors.row_iter();
+    rows.all(|row| row.iter().filter(is_entry).count() == 1)
+}
+
 /// Critical step of a body in motion.
 fn step_of_body<const D: usize>(
     discretization: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
-    sides: &[usize; D],
+    particles: &BodyParticles,
 ) -> Option<f64> {
-    let particles = block(sides, discretization.crystal().spacing());
     let start = Start {
         f: *f,
         noise: 0.0,
@@ -89,7 +129,7 @@ fn step_of_body<const D: usize>(
         let started = body.start(&start, 0.0);
         found = started.and_then(|()| body.critical_time_step()).ok();
     };
-    with_body(discretization, material, &particles, &[], None, &mut work).ok()?;
+    with_body(discretization, material, particles, &[], None, &mut work).ok()?;
     found
 }
 
@@ -118,70 +158,4 @@ fn step_of_cells<const D: usize>(
     let damping = system.damping().map_or(Some(0.0), largest)?;
     let step = Stepping::VelocityVerlet.critical_step(squared, damping);
     (step > 0.0 && step.is_finite()).then_some(step)
-}
-
-/// Law with the tangent of one state, `P = P_0 + A (F - F_0)`. A law that is a function of another program is then evaluated only twice, not once for
-/// each particle and each product of the iteration. The reference state keeps its exact response, which scales penalties and viscosities.
-struct LinearSolid<'a> {
-    material: &'a dyn Hyperelastic,
-    state: Response,
-    undeformed: Result<Response, MaterialError>,
-}
-
-impl<'a> LinearSolid<'a> {
-    fn new(material: &'a dyn Hyperelastic, f: &DeformationGradient) -> Result<Self, MaterialError> {
-        Ok(Self {
-            material,
-            state: Response {
-                deformation: *f,
-                ..material.response(f)?
-            },
-            undeformed: material.undeformed(),
-        })
-    }
-}
-
-impl Hyperelastic for LinearSolid<'_> {
-    fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
-        if *f == DeformationGradient::identity() {
-            return self.undeformed.clone();
-        }
-        let Response {
-            deformation: base,
-            energy,
-            first_piola,
-            tangent,
-        } = &self.state;
-        let (own, base) = (f.components(), base.components());
-        let (mut stress, mut energy) = (*first_piola, *energy);
-        for i in 0..3 {
-            for j in 0..3 {
-                for k in 0..3 {
-                    for l in 0..3 {
-                        stress[(i, j)] += tangent[(i, j, k, l)] * (own[k][l] - base[k][l]);
-                    }
-                }
-                let mean = 0.5 * (first_piola[(i, j)] + stress[(i, j)]);
-                energy += mean * (own[i][j] - base[i][j]);
-            }
-        }
-        Ok(Response {
-            deformation: *f,
-            energy,
-            first_piola: stress,
-            tangent: tangent.clone(),
-        })
-    }
-
-    fn dimension(&self) -> usize {
-        self.material.dimension()
-    }
-
-    fn undeformed(&self) -> Result<Response, MaterialError> {
-        self.undeformed.clone()
-    }
-
-    fn is_path_dependent(&self) -> bool {
-        self.material.is_path_dependent()
-    }
 }
