@@ -205,3 +205,52 @@ fn a_study_with_units_is_written_and_read_back_with_its_units() {
         refused.stderr
     );
 }
+
+/// Steel with a spacing of a meter, a millimeter and a micrometer, in cells of several particles: all numbers scale with the spacing.
+#[test]
+fn cells_of_several_particles_have_one_verdict_in_all_units() {
+    let steel = "--set material.young=210GPa --set material.poisson=0.3 set density=7850kg/m^3";
+    let perturbed = "set lattice=square set cells=2 set perturbation=0.1 set corrected=false";
+    let ordinary =
+        "set method=peridynamics set lattice=honeycomb set bonds=ordinary set horizon=2.5";
+    for (stretch, law, method) in [
+        ("0.7,0.8", "neo-hooke", ordinary.to_owned()),
+        ("0.8,0.7", "saint-venant-kirchhoff", ordinary.to_owned()),
+        (
+            "0.8,1.1",
+            "hencky",
+            format!("set method=total-lagrangian-sph {perturbed}"),
+        ),
+        (
+            "0.9,0.8",
+            "neo-hooke",
+            format!("set method=updated-sph {perturbed}"),
+        ),
+    ] {
+        let of = |spacing: &str| {
+            document(&format!(
+                "state --stretch {stretch} --set material.model={law} {steel} {method} set spacing={spacing}"
+            ))
+        };
+        let meter = of("1m");
+        for (spacing, unit) in [("1mm", 1e-3), ("1um", 1e-6)] {
+            let other = of(spacing);
+            for name in ["verdict", "mechanism"] {
+                assert_eq!(other[name], meter[name], "{law} {method} {spacing}");
+            }
+            for (pointer, power) in [
+                ("/discretization/growth_rate", -1),
+                ("/discretization/maximum_omega", -1),
+                ("/discretization/minimum_scaled", 0),
+                ("/discretization/long_wave_minimum_scaled", 0),
+            ] {
+                let [own, expected] = [&other, &meter].map(|own| number(own, pointer));
+                let expected = expected * f64::powi(unit, power);
+                assert!(
+                    (own - expected).abs() <= 1e-6 * expected.abs(),
+                    "{law} {method} {spacing} {pointer}: {own} is not {expected}"
+                );
+            }
+        }
+    }
+}

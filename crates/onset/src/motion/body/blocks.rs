@@ -82,7 +82,10 @@ fn block<const D: usize>(sides: &[usize; D], spacing: f64) -> BodyParticles {
 }
 
 /// Body with faces along the rows of the lattice, which meet at the sharp corners of an oblique lattice.
-fn rows<const D: usize>(discretization: &dyn Discretization<D>, sides: &[usize; D]) -> BodyParticles {
+fn rows<const D: usize>(
+    discretization: &dyn Discretization<D>,
+    sides: &[usize; D],
+) -> BodyParticles {
     let crystal = discretization.crystal();
     let count = sides.iter().product::<usize>();
     let cell = |mut n: usize| -> [i32; D] {
@@ -95,7 +98,10 @@ fn rows<const D: usize>(discretization: &dyn Discretization<D>, sides: &[usize; 
     let sites = 0..crystal.sites().len();
     let all = (0..count).flat_map(|n| sites.clone().map(move |site| (site, n)));
     let placed = all.map(|(site, n)| {
-        let position = crystal.position(&Particle { site, cell: cell(n) });
+        let position = crystal.position(&Particle {
+            site,
+            cell: cell(n),
+        });
         PlacedParticle {
             position: std::array::from_fn(|i| position.get(i).copied().unwrap_or(0.0)),
             volume: crystal.volumes()[site],
