@@ -60,6 +60,10 @@ impl FiniteBodyAnswer {
                 FiniteBodyGround::Lattice => {
                     (true, "any body: bodies have fewer bonds than the lattice")
                 }
+                FiniteBodyGround::Blocks if problem.analysis.sites() > 1 => (
+                    false,
+                    "smallest step of free blocks of whole cells and of the infinite lattice; bodies cut through a cell can need less",
+                ),
                 FiniteBodyGround::Blocks => (
                     false,
                     "smallest step of free blocks and of the infinite lattice, for bodies three particles thick or more",
