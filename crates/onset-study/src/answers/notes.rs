@@ -156,7 +156,8 @@ fn note_on_path(model: Model) -> Option<String> {
     model.is_in_rate_form().then(|| match model.yields() {
         false => format!(
             "{} is hypoelastic: the state is reached along R U^t, 0 <= t <= 1 (proportional logarithmic strain), and waves are evaluated with the tangent of the \
-             rates that continue from there; of a stressed state it has no major symmetry, so that waves can flutter, even where the law is strongly elliptic",
+             rates that continue from there; of a stressed state it has no major symmetry, so that waves can flutter, even where the law is strongly elliptic; in simple shear stress and loss differ \
+             from those along the path of shear itself",
             model.name()
         ),
         true => format!(

@@ -244,9 +244,20 @@ impl LimitAnswer {
             _ => None,
         };
         let body = all.iter().find_map(|one| one.body);
-        let notes_on_problem = problem
+        let mut notes_on_problem = problem
             .as_ref()
             .map_or_else(Vec::new, |problem| notes(settings, &*problem.material));
+        if problem.as_ref().is_some_and(is_transferred)
+            && question.integrator != LimitQuestion::default_integrator()
+        {
+            notes_on_problem.insert(
+                0,
+                format!(
+                    "--integrator {} has no effect: the transfer of the material points defines the step",
+                    question.integrator.name()
+                ),
+            );
+        }
         let mut answer = Self {
             key: question.key(),
             unit: settings.unit(question.key),

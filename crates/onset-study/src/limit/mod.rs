@@ -72,7 +72,7 @@ impl LimitQuestion {
             key,
             range: None,
             safety: 1.0,
-            integrator: Integrator::KickDriftKick,
+            integrator: Self::default_integrator(),
         })
     }
 
@@ -86,6 +86,11 @@ impl LimitQuestion {
     pub fn with_safety(mut self, safety: f64) -> Self {
         self.safety = safety;
         self
+    }
+
+    /// Integrator of a question that names none.
+    pub(super) fn default_integrator() -> Integrator {
+        Integrator::KickDriftKick
     }
 
     /// Selects the time integrator.
