@@ -109,12 +109,12 @@ fn total_lagrangian(settings: &Settings) -> TotalLagrangianChoices {
         penalty_form: settings.method.penalty_form,
         viscosity: viscosity(settings),
         velocity_smoothing: settings.method.velocity_smoothing,
-        shear: shear(settings, PUBLISHED_TOTAL_LAGRANGIAN_SHEAR),
+        shear: shear(
+            settings,
+            TotalLagrangianChoices::PUBLISHED_SHEAR_COEFFICIENT,
+        ),
     }
 }
-
-/// Coefficient of shear forces between pairs in total-Lagrangian SPH, of Wu and others (2023).
-const PUBLISHED_TOTAL_LAGRANGIAN_SHEAR: f64 = 1.07;
 
 /// Shear forces, with the published coefficient by default.
 fn shear(settings: &Settings, published: f64) -> ShearForces {

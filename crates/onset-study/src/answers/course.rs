@@ -273,15 +273,15 @@ fn held_across(loading: Loading, dimension: usize) -> Option<String> {
 fn reached(path: &LoadingPath<'_>, imposed: f64) -> (f64, Option<String>) {
     let mode = path.loading.mode;
     let s = mode.parameter(imposed);
-    let (states, end) = match s >= 0.0 {
-        true => (&path.tension, &path.tension_end),
-        false => (&path.compression, &path.compression_end),
+    let states = match s >= 0.0 {
+        true => &path.tension,
+        false => &path.compression,
     };
     if path.at(s).is_some() {
         return (imposed, None);
     }
     let last = states.last().map_or(0.0, |state| state.parameter);
-    let why = EndAnswer::of(end, imposed, mode).reason;
+    let why = EndAnswer::of(path, s >= 0.0, imposed).reason;
     let why = why.unwrap_or_else(|| "no state with free faces is found beyond it".to_owned());
     (mode.imposed(last), Some(why))
 }

@@ -220,7 +220,7 @@ impl Limits {
         }
     }
 
-    /// One line for each fold (limit point) of the path.
+    /// One line for each fold of the path.
     pub(super) fn folds(&self) -> Vec<String> {
         let ends = [&self.compression_end, &self.tension_end];
         let folds = sides(self.mode).into_iter().zip(ends);

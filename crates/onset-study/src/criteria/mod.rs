@@ -341,14 +341,14 @@ impl KinkAnswer {
 pub struct EndAnswer {
     /// Last imposed stretch of the path; in simple shear the last amount of shear.
     pub imposed: f64,
-    /// Whether the end is a fold, the limit point of the equilibrium of the free faces.
+    /// Whether the end is a fold, where the equilibrium of the free faces turns back.
     pub fold: bool,
     /// Reason why the path ends; `null` at the end of the range.
     pub reason: Option<String>,
 }
 
-const FOLD: &str =
-    "a fold (limit point): beyond it the free faces have no equilibrium nearby (dynamic jump)";
+/// Largest distance between a fold and a kink at the same place, in `ln lambda`.
+const AT_KINK: f64 = 1e-6;
 
 /// Another equilibrium of the free faces at a given imposed stretch.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -689,8 +689,8 @@ impl Question {
             mode: loading.mode,
             lateral: loading.lateral,
             title: self.title(loading),
-            compression_end: EndAnswer::of(&path.compression_end, limits[0], loading.mode),
-            tension_end: EndAnswer::of(&path.tension_end, limits[1], loading.mode),
+            compression_end: EndAnswer::of(&path, false, limits[0]),
+            tension_end: EndAnswer::of(&path, true, limits[1]),
             other_states: other_states(&path),
             kinks: kinks(&path)
                 .iter()
@@ -739,8 +739,13 @@ impl EndAnswer {
         Some(format!("{side} ends at {place}: {reason}"))
     }
 
-    /// End of a path of a mode whose search ends at the stretch `limit`.
-    pub(crate) fn of(end: &PathEnd, limit: f64, mode: Mode) -> Self {
+    /// End of a path, in tension or in compression, whose search ends at the stretch `limit`.
+    pub(crate) fn of(path: &LoadingPath<'_>, tension: bool, limit: f64) -> Self {
+        let mode = path.loading.mode;
+        let end = match tension {
+            true => &path.tension_end,
+            false => &path.compression_end,
+        };
         let (stretch, reason) = match end {
             PathEnd::Range => (limit, None),
             PathEnd::Law { stretch, source } => {
@@ -758,7 +763,17 @@ impl EndAnswer {
                     "the search was stopped after {trials} steps: the law changes too fast with the stretch there"
                 )),
             ),
-            PathEnd::Fold { stretch } => (*stretch, Some(FOLD.to_owned())),
+            PathEnd::Fold { stretch } => {
+                let is_here = |kink: &Kink| (kink.stretch.ln() - stretch.ln()).abs() < AT_KINK;
+                let kind = match kinks(path).iter().any(is_here) {
+                    true => "where the tangent jumps",
+                    false => "(limit point)",
+                };
+                let reason = format!(
+                    "a fold {kind}: beyond it the free faces have no equilibrium nearby (dynamic jump)"
+                );
+                (*stretch, Some(reason))
+            }
             PathEnd::NoState { stretch } => (
                 *stretch,
                 Some("no state with traction-free faces is found beyond it".to_owned()),

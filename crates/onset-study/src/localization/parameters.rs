@@ -554,7 +554,8 @@ impl PlasticSettings {
                 self.has_effect(parameter) && parameter.si_unit().is_some()
             })
             .filter_map(|((parameter, value), (has_unit, origin))| {
-                Some((parameter.key(), value.number()?, *has_unit, origin.as_ref()))
+                let value = Some(value.number()?);
+                Some((parameter.key(), value, *has_unit, origin.as_ref()))
             });
         units::check(measures).map(drop)
     }

@@ -122,9 +122,11 @@ impl MaterialSettings {
         self.units().are_si().then_some(unit)
     }
 
-    /// Values of a law with dimensions: key, value, whether it has a unit, and the place at which it was set. In a user-defined model the formula
-    /// determines the dimensions of numbers, and only values with units are returned.
-    pub(super) fn measures(&self) -> impl Iterator<Item = (Key, f64, bool, Option<&Origin>)> {
+    /// Values of a law with dimensions: key, value (`None` for a file of numbers), whether it has a unit, and the place at which it was set. Of a
+    /// user-defined model, only values of known dimension are returned: its stresses, and values with units.
+    pub(super) fn measures(
+        &self,
+    ) -> impl Iterator<Item = (Key, Option<f64>, bool, Option<&Origin>)> {
         let is_law = matches!(self.model, Model::Law(_));
         // Parameters that follow from moduli have their units.
         let of_moduli: Vec<&str> = self.of_moduli().collect();
@@ -142,10 +144,16 @@ impl MaterialSettings {
             .filter(move |name| !of_moduli.contains(name))
             .chain(moduli);
         let values = self.entries();
-        let own = self.with_units.iter().copied().filter(move |_| !is_law);
+        let stresses = match self.model {
+            Model::Own(model) => model.stresses,
+            Model::Law(_) => &[],
+        };
+        let measured = self.with_units.iter().copied();
+        let measured = measured.filter(|name| !stresses.contains(name));
+        let own = measured.chain(stresses.iter().copied());
         names
             .filter(move |_| is_law)
-            .chain(own)
+            .chain(own.filter(move |_| !is_law))
             .filter_map(move |name| {
                 let key = Key::named(&format!("material.{name}"))?;
                 if is_law {
@@ -155,7 +163,10 @@ impl MaterialSettings {
                     .iter()
                     .find(|(own, _)| *own == name)
                     .map(|(_, value)| value);
-                let value = known.or_else(|| self.given(name))?.number()?;
+                let value = known.or_else(|| self.given(name))?.number();
+                if is_law {
+                    value?;
+                }
                 Some((
                     *key,
                     value,

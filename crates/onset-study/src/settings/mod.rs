@@ -159,7 +159,7 @@ impl Settings {
             .filter_map(|key| {
                 let value = self.value(key.name)?.number()?;
                 let has_unit = self.with_units.contains(key.name);
-                Some((*key, value, has_unit, self.origins.get(key.name)))
+                Some((*key, Some(value), has_unit, self.origins.get(key.name)))
             });
         units::check(self.material.measures().chain(of_discretization)).map(drop)
     }

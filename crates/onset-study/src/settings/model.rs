@@ -28,6 +28,9 @@ pub struct OwnModel {
     pub keys: &'static [Key],
     /// Names of the required keys, without their section.
     pub required: &'static [&'static str],
+    /// Names of the keys, without their section, that hold stresses: numbers, or files of numbers without units. Dimensions of other values are
+    /// unknown.
+    pub stresses: &'static [&'static str],
     /// Whether numbers under any other name are its parameters.
     pub takes_any_parameter: bool,
     /// Check of the settings, which returns an error with its place.

@@ -115,12 +115,12 @@ impl MaterialSettings {
     }
 
     /// Relaxation times: key, value, whether it has a unit, and place.
-    pub(super) fn relaxation_times(&self) -> Vec<(Key, f64, bool, Option<&Origin>)> {
+    pub(super) fn relaxation_times(&self) -> Vec<(Key, Option<f64>, bool, Option<&Origin>)> {
         let Some((Ok(terms), origin)) = self.prony() else {
             return Vec::new();
         };
         let told =
-            |(term, has_unit): Typed| (RELAXATION_KEYS[0], term.time, has_unit, Some(origin));
+            |(term, has_unit): Typed| (RELAXATION_KEYS[0], Some(term.time), has_unit, Some(origin));
         terms.into_iter().map(told).collect()
     }
 

@@ -242,12 +242,12 @@ fn named(dimension: &str) -> &str {
     }
 }
 
-/// Checks that either all values with dimensions have a unit, or none.
+/// Checks that either all values with dimensions have a unit, or none. A value is `None` for a file of numbers, which has no units.
 ///
 /// # Errors
 /// [`SettingError`] that names the values without a unit.
 pub(crate) fn check<'a>(
-    values: impl Iterator<Item = (Key, f64, bool, Option<&'a Origin>)>,
+    values: impl Iterator<Item = (Key, Option<f64>, bool, Option<&'a Origin>)>,
 ) -> Result<bool, SettingError> {
     let (with, without): (Vec<_>, Vec<_>) = values.partition(|(_, _, has_unit, _)| *has_unit);
     let Some((first, ..)) = with.first() else {
@@ -256,18 +256,20 @@ pub(crate) fn check<'a>(
     // Zero needs no unit.
     let without: Vec<_> = without
         .into_iter()
-        .filter(|(_, value, ..)| *value != 0.0)
+        .filter(|(_, value, ..)| *value != Some(0.0))
         .collect();
     let Some((_, _, _, origin)) = without.first() else {
         return Ok(true);
     };
     let told: Vec<String> = without
         .iter()
-        .map(|(key, value, _, origin)| match origin {
-            Some(_) => format!("{} = {value}", key.name),
-            None => format!("{} = {value} (the default)", key.name),
+        .map(|(key, value, _, origin)| match (value, origin) {
+            (None, _) => format!("the numbers of {}", key.name),
+            (Some(value), Some(_)) => format!("{} = {value}", key.name),
+            (Some(value), None) => format!("{} = {value} (the default)", key.name),
         })
         .collect();
+    let file = without.iter().find(|(_, value, ..)| value.is_none());
     let example: Vec<String> = without
         .iter()
         .map(|(key, ..)| {
@@ -284,10 +286,20 @@ pub(crate) fn check<'a>(
         "`{}` has a unit, and {} {} none: give units to all values with dimensions, or to none",
         first.name,
         told.join(", "),
-        if told.len() == 1 { "has" } else { "have" }
+        match (told.len(), file) {
+            (1, None) => "has",
+            _ => "have",
+        }
     );
     let origin = origin.cloned().unwrap_or(Origin::Combination);
-    Err(SettingError::new(origin, message).hint(format!("for example {}", example.join(" "))))
+    let hint = match file {
+        Some((key, ..)) => format!(
+            "omit all units, and write values in consistent units with the stresses of {}",
+            key.name
+        ),
+        None => format!("for example {}", example.join(" ")),
+    };
+    Err(SettingError::new(origin, message).hint(hint))
 }
 
 /// The units of the numbers of an answer.

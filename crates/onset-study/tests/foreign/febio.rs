@@ -221,7 +221,10 @@ fn unsupported_materials_are_refused_with_their_line() {
             "<material id=\"1\" type=\"Ogden\">\n<c1>1</c2>\n</material>".to_owned(),
             "a deck:2:1: the text is not XML",
         ),
-        ("<Mesh/>".to_owned(), "there is no material of FEBio"),
+        (
+            "<Mesh/>".to_owned(),
+            "there is no hyperelastic law of FEBio",
+        ),
     ] {
         let error = told(Febio, &text, None);
         assert!(error.contains(fact), "{text}: {error}");

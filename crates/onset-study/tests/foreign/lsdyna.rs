@@ -198,8 +198,8 @@ fn decks_without_constants_are_refused_with_their_line() {
             "a deck:2:1: *MAT_181 is a table of tests",
         ),
         (
-            "*MAT_ELASTIC\n1,1.,210.,0.3\n",
-            "a deck:1:1: *MAT_ELASTIC is not supported",
+            "*MAT_RIGID\n1,1.,210.,0.3\n",
+            "a deck:1:1: *MAT_RIGID is not supported",
         ),
         (
             "*NODE\n1,0.,0.,0.\n",

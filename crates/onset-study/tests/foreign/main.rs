@@ -9,7 +9,7 @@ mod written;
 
 use onset::kinematics::DeformationGradient;
 use onset::material::Hyperelastic;
-use onset_study::settings::{MaterialSettings, Program, law_from, law_of, law_written};
+use onset_study::settings::{MaterialSettings, Program, Settings, law_from, law_of, law_written};
 use std::sync::Arc;
 
 /// Builds the material of a block with additional assignments.
@@ -693,6 +693,120 @@ fn keywords_of_a_deck_are_read_or_listed_with_their_lines() {
         assert!(first.contains(fact), "{fact} is not in {first}");
     }
     assert!(notes(Program::Ansys, ansys, Some("2")).contains("material 2 (2 of 2"));
+}
+
+/// A table in a file has no units, so that a bulk modulus in MPa would be added to stresses that are read as Pa.
+#[test]
+fn a_table_of_stresses_admits_no_units_in_other_values() {
+    let table = "*HYPERELASTIC, MARLOW\n*UNIAXIAL TEST DATA\n0.1, 0.1\n0.3, 0.5\n";
+    let read = |other: &str| {
+        let own = [
+            "material.model=marlow".to_owned(),
+            format!("material.table={table}"),
+            other.to_owned(),
+        ];
+        Settings::from_assignments(&own)
+            .and_then(|settings| settings.check(&[]))
+            .map_err(|error| error.to_string())
+    };
+    assert_eq!(read("material.kappa=3"), Ok(()));
+    for other in ["material.kappa=3MPa", "discretization.spacing=1mm"] {
+        let error = read(other).expect_err("a unit");
+        assert!(error.contains("the numbers of material.table"), "{error}");
+        assert!(error.contains("omit all units"), "{error}");
+    }
+}
+
+/// The temperature and the field variables follow the last constant, on a new line after eight constants.
+#[test]
+fn temperatures_and_field_variables_of_constants_are_listed_as_not_read() {
+    for (block, expected) in [
+        (
+            "*HYPERELASTIC, NEO HOOKE\n0.5, 0.1, 20.",
+            "temperature 20 (line 2)",
+        ),
+        (
+            "*HYPERELASTIC, NEO HOOKE, DEPENDENCIES=2\n0.5, 0.1, , 3, 4",
+            "field variable 1 = 3 (line 2), field variable 2 = 4 (line 2)",
+        ),
+        (
+            "*HYPERELASTIC, REDUCED POLYNOMIAL, N=4\n1, 0, 0, 0, 0.1, 0, 0, 0\n-10",
+            "temperature -10 (line 3)",
+        ),
+        (
+            "*HYPERELASTIC, MARLOW\n*UNIAXIAL TEST DATA\n0.1, 0.1, , 20\n0.2, 0.3, , 20.",
+            "temperature 20 (line 3)",
+        ),
+    ] {
+        let notes = told(Program::Abaqus, block, None);
+        assert!(notes.contains(expected), "{expected} is not in {notes}");
+    }
+    for block in [
+        "*HYPERELASTIC, NEO HOOKE\n0.5, 0.1, 20.\n0.4, 0.1, 80.",
+        "*HYPERELASTIC, REDUCED POLYNOMIAL, N=4\n1, 0, 0, 0, 0.1, 0, 0, 0\n20\n1, 0, 0, 0, 0.1, 0, 0, 0\n80",
+        "*HYPERELASTIC, MARLOW\n*UNIAXIAL TEST DATA\n0.1, 0.1, , 20\n0.2, 0.3, , 80",
+    ] {
+        let error = told(Program::Abaqus, block, None);
+        assert!(error.contains("one temperature"), "{error}");
+    }
+}
+
+/// A deck without a law that is read is recognized as a deck of its program, so that the error names the missing law.
+#[test]
+fn decks_with_linear_elasticity_alone_name_its_moduli() {
+    for (program, text) in [
+        (
+            Program::Abaqus,
+            "*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0.3\n",
+        ),
+        (Program::Ansys, "/PREP7\nMP,EX,1,210000\nMP,PRXY,1,0.3\n"),
+        (Program::Ansys, "TB,ELAS,1,,2,ISOT\nTBDATA,1,210000,0.3\n"),
+        (
+            Program::LsDyna,
+            "*KEYWORD\n*MAT_ELASTIC\n1, 7.8e-9, 210000., 0.3\n",
+        ),
+        (
+            Program::Radioss,
+            "/MAT/ELAST/1\nsteel\n              7.8e-9\n              210000                 0.3\n",
+        ),
+        (
+            Program::Febio,
+            "<material id=\"1\" type=\"isotropic elastic\"><E>210000</E><v>0.3</v></material>",
+        ),
+    ] {
+        assert_eq!(Program::of_deck(text), Some(program), "{text}");
+        let error = told(program, text, None);
+        for fact in [
+            "linear elasticity",
+            "--set material.model=neo-hooke --set material.young=210000 --set material.poisson=0.3",
+        ] {
+            assert!(error.contains(fact), "{fact} is not in {error}");
+        }
+    }
+    for (program, text) in [
+        (Program::Abaqus, "*HEADING\n*MATERIAL, NAME=A\n*DENSITY\n1"),
+        (Program::Ansys, "TB,BISO,1\nTBDATA,1,300,100"),
+        (Program::LsDyna, "*KEYWORD\n*NODE\n1, 0., 0., 0."),
+        (Program::Radioss, "#RADIOSS STARTER\n/BEGIN\nm"),
+        (Program::Febio, "<febio_spec version=\"4.0\"></febio_spec>"),
+    ] {
+        assert_eq!(Program::of_deck(text), Some(program), "{text}");
+        let error = told(program, text, None);
+        let fact = format!("there is no hyperelastic law of {}", program.title());
+        assert!(error.contains(&fact), "{error}");
+    }
+}
+
+/// ANSYS compares four letters of a name, and its archives have abbreviated names.
+#[test]
+fn abbreviated_names_of_ansys_are_read() {
+    let read = |text: &str| law_from(Program::Ansys, "a deck", text, &[]);
+    let full = read("TB,HYPER,1,1,2,MOONEY\nTBTEMP,20\nTBDATA,1,0.4,0.1,0.02").expect("a law");
+    let short = "TB,HYPE,1,1,2,MOON\nTBTEM,20\nTBDAT,1,0.4,0.1,0.02";
+    assert_eq!(Program::of_deck(short), Some(Program::Ansys));
+    assert_eq!(read(short).expect("a law"), full);
+    let empty = read("TB,HYPE,1,1,2,MOON").expect_err("no data").to_string();
+    assert!(empty.contains("TB,HYPER has no constants"), "{empty}");
 }
 
 /// Keywords are recognized only at the beginning of a line, so that a path with `/mat/` in a study does not count as a deck.

@@ -222,9 +222,12 @@ impl<'a> Field<'a> {
             .filter(|(length, _)| *length < 1.0 + AT_END);
         if checked {
             for count in self.either(CHECK_GRIDS, CHECK_GRIDS_ANISOTROPIC) {
+                let mut beside: Option<Vec<(f64, [f64; 3])>> = None;
                 for _ in 0..SHRINKS {
                     let size = best.map_or(1.0, |(length, _)| length.min(1.0));
-                    let Some(found) = self.inside(&shape, size, count) else {
+                    let beside =
+                        beside.get_or_insert_with(|| self.beside_dilations(&shape, size, count));
+                    let Some(found) = self.inside(&shape, size, count, beside) else {
                         break;
                     };
                     best = Some(found);
@@ -296,8 +299,14 @@ impl<'a> Field<'a> {
         best
     }
 
-    /// Returns the locally shortest ray to a loss inside the box, found by descents from the low points of a grid.
-    fn inside(&self, shape: &Shape, size: f64, count: usize) -> Option<(f64, Point)> {
+    /// Returns the locally shortest ray to a loss inside the box, found by descents from the low points of a grid and of the states `beside` dilations.
+    fn inside(
+        &self,
+        shape: &Shape,
+        size: f64,
+        count: usize,
+        beside: &[(f64, [f64; 3])],
+    ) -> Option<(f64, Point)> {
         let (edge, along) = self.either(
             (EDGE_POINTS, STATES_PER_RAY),
             (EDGE_POINTS_ANISOTROPIC, STATES_PER_RAY_ANISOTROPIC),
@@ -307,7 +316,13 @@ impl<'a> Field<'a> {
         });
         let first = 0.5 / (count - 1) as f64;
         let mut ends = Vec::new();
-        let beside = self.beside_dilations(shape, size, count);
+        let beside = beside
+            .iter()
+            .map(|(value, state)| (*value, shape.place(*state, size)));
+        let beside =
+            beside.filter(|(_, place)| place.iter().all(|t| (t - 0.5).abs() < 0.5 + AT_END));
+        let beside = beside.min_by(|a, b| a.0.total_cmp(&b.0));
+        let beside = beside.map(|(_, place)| place.each(|t: f64| t.clamp(0.0, 1.0)));
         for start in beside.into_iter().chain(within.low_points()) {
             let (value, place) = self.descended(shape, size, start, first, &ends);
             if value > 0.0 {
@@ -322,13 +337,13 @@ impl<'a> Field<'a> {
         None
     }
 
-    /// Returns the lowest point near dilations, for a law that flows. A dilation is elastic, and flow begins at a small distance from it, where the measure
-    /// jumps down: the shell of these states is thinner than the cells of a grid.
-    fn beside_dilations(&self, shape: &Shape, size: f64, count: usize) -> Option<[f64; 3]> {
+    /// Returns logarithmic stretches near dilations with their values, for a law that flows. A dilation is elastic, and flow begins at a small distance from it,
+    /// where the measure jumps down: the shell of these states is thinner than the cells of a grid.
+    fn beside_dilations(&self, shape: &Shape, size: f64, count: usize) -> Vec<(f64, [f64; 3])> {
+        let mut found = Vec::new();
         if !self.material.is_path_dependent() {
-            return None;
+            return found;
         }
-        let mut lowest: Option<(f64, [f64; 3])> = None;
         for n in 0..count {
             let dilation = [n as f64 / (count - 1) as f64; 3];
             for halvings in 0..HALVINGS_TO_DILATION {
@@ -344,14 +359,12 @@ impl<'a> Field<'a> {
                     if !(0.0..=1.0).contains(&place[axis]) {
                         continue;
                     }
-                    let value = self.value(shape.inside(place, size));
-                    if lowest.is_none_or(|(least, _)| value < least) {
-                        lowest = Some((value, place));
-                    }
+                    let state = shape.inside(place, size);
+                    found.push((self.value(state), state));
                 }
             }
         }
-        lowest.map(|(_, place)| place)
+        found
     }
 
     /// Minimizes the measure within a box from `start`. Stops at a loss of ellipticity, at a local minimum or near the end of an earlier descent.
@@ -577,6 +590,11 @@ impl Shape {
     /// Logarithmic stretches at a point of the unit cube, where 0 is the lower end and 1 the upper end of the scaled box.
     fn inside(&self, place: [f64; 3], part: f64) -> [f64; 3] {
         place.each(|t| part * (t * self.high - (1.0 - t) * self.low))
+    }
+
+    /// Point of the unit cube of a scaled box at logarithmic stretches, the inverse of [`Self::inside`].
+    fn place(&self, state: [f64; 3], part: f64) -> [f64; 3] {
+        state.each(|x| (x / part + self.low) / (self.high + self.low))
     }
 
     /// Ray through a state, with the distance of the state along it in units of the box.

@@ -70,6 +70,9 @@ const WIDTH: f64 = 1e-12;
 /// Step beyond the end of a path, in `ln lambda`.
 const STEP_BEYOND_END: f64 = 1e-6;
 
+/// Step beyond a fold, in `ln lambda`, over which a smooth tangent changes by less than the smallest reported jump.
+const STEP_BEYOND_FOLD: f64 = 1e-9;
+
 /// Returns the kinks along a loading, at which a law is not smooth, nearest to the reference configuration first.
 ///
 /// Energy, stress `P` and tangent `dP/dF` are examined. Intervals with locally largest third differences are bisected: the half with the larger
@@ -240,16 +243,23 @@ fn bend(ends: &[PathState; 2], middle: &PathState, order: usize) -> f64 {
     distance(&of(middle), &line)
 }
 
-/// Jump of the stress, or step of the energy, at which a path with free faces ends.
+/// Jump of the stress, step of the energy or, at a fold, kink of the stress, at which a path with free faces ends.
 fn at_end(path: &LoadingPath<'_>, states: &[PathState], end: &PathEnd, sense: f64) -> Option<Kink> {
-    if !matches!(end, PathEnd::NoState { .. }) || path.is_incompressible() {
-        return None;
-    }
+    let (step, kinds): (f64, &[Discontinuity]) = match end {
+        _ if path.is_incompressible() => return None,
+        PathEnd::NoState { .. } => (
+            STEP_BEYOND_END,
+            &[Discontinuity::StepOfEnergy, Discontinuity::JumpOfStress],
+        ),
+        PathEnd::Fold { .. } => (STEP_BEYOND_FOLD, &[Discontinuity::KinkOfStress]),
+        _ => return None,
+    };
     let last = states.last()?;
-    let beyond = last.response.deformation.matrix() + last.rate * (STEP_BEYOND_END * sense);
+    let beyond = last.response.deformation.matrix() + last.rate * (step * sense);
     let mut there = path.respond(&beyond)?;
     let step = beyond - last.response.deformation.matrix();
-    let along = last.response.tangent.contracted(&step);
+    // The path ends at the jump itself, so that the tangent beyond it applies to the whole step.
+    let along = there.tangent.contracted(&step);
     // What remains of the changes are the jumps. The stress may jump anywhere within the step, so that the work of the step lies between the works of
     // the two stresses.
     there.first_piola -= along;
@@ -265,7 +275,7 @@ fn at_end(path: &LoadingPath<'_>, states: &[PathState], end: &PathEnd, sense: f6
         true => between(&last.response, &there, &last.rate, sides),
         false => between(&there, &last.response, &last.rate, sides),
     };
-    kink.filter(|kink| kink.kind != Discontinuity::KinkOfStress)
+    kink.filter(|kink| kinds.contains(&kink.kind))
 }
 
 /// Jump between two states that are almost equal; `rate` is the rate of the deformation gradient along the loading.

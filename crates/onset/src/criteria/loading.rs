@@ -234,15 +234,6 @@ impl Loading {
         &free[..own]
     }
 
-    /// Returns true if the states depend on stretches that are solved for. For incompressible response this is only the case for a sheared cell with
-    /// two free faces.
-    fn solves_for_states(self, material: &dyn Hyperelastic, volume: Volume) -> bool {
-        match volume {
-            Volume::Changes => !self.free_of(material).is_empty(),
-            _ => (self.mode, self.lateral) == (Mode::SimpleShear, Lateral::Free),
-        }
-    }
-
     /// Imposed part of `F` at `s = ln lambda`, with its derivative with respect to `s`. Free directions have length 1.
     pub(super) fn imposed(self, s: f64) -> (Matrix3<f64>, Matrix3<f64>) {
         let stretch = s.exp();
@@ -377,8 +368,8 @@ pub enum PathEnd {
         /// Error of the law beyond the stretch.
         source: MaterialError,
     },
-    /// The branch of states with free faces that starts at the reference configuration has a limit point: the tangent of the free faces is singular
-    /// there, and no equilibrium exists nearby beyond it.
+    /// The branch of states with free faces that starts at the reference configuration turns back, and no equilibrium exists nearby beyond it. At a limit
+    /// point the tangent of the free faces is singular; at a kink of the stress the tangent jumps past this state.
     Fold {
         /// Stretch of the limit point, which is the last state.
         stretch: f64,
@@ -408,11 +399,72 @@ enum Volume {
     },
 }
 
+/// Law under a loading, whose states are solved for.
+#[derive(Clone, Copy)]
+struct Problem<'a> {
+    material: &'a dyn Hyperelastic,
+    loading: Loading,
+    volume: Volume,
+    resolutions: Resolutions,
+}
+
+/// Resolutions of states, in logarithmic stretch.
+#[derive(Clone, Copy)]
+struct Resolutions {
+    /// Whether the law integrates the path to a state: states are costly, and the tangent is not the derivative of the stress.
+    integrated: bool,
+    /// Smallest distance between the end of a path, changes of criteria and kinks, beside the resolution of the search.
+    place: f64,
+    /// Smallest distance from a fold or a minimum, in units of the interval around it: values there differ by the square of the distance.
+    flat: f64,
+    /// Accuracy of the free stretches.
+    free: f64,
+    /// Largest number of iterations for the free stretches.
+    iterations: usize,
+}
+
+impl Resolutions {
+    fn of(material: &dyn Hyperelastic) -> Self {
+        match material.is_path_dependent() {
+            true => Self {
+                integrated: true,
+                place: INTEGRATED,
+                flat: INTEGRATED.sqrt(),
+                free: 0.1 * INTEGRATED,
+                // They converge in less than ten.
+                iterations: 20,
+            },
+            false => Self {
+                integrated: false,
+                place: 0.0,
+                flat: f64::EPSILON,
+                free: 4.0 * f64::EPSILON,
+                iterations: ITERATIONS,
+            },
+        }
+    }
+}
+
+impl Problem<'_> {
+    /// Free directions that are solved for.
+    fn free(&self) -> &'static [usize] {
+        self.loading.free_of(self.material)
+    }
+
+    /// Returns true if the states depend on stretches that are solved for. For incompressible response this is only the case for a sheared cell with
+    /// two free faces.
+    fn solves_for_states(&self) -> bool {
+        match self.volume {
+            Volume::Changes => !self.free().is_empty(),
+            _ => (self.loading.mode, self.loading.lateral) == (Mode::SimpleShear, Lateral::Free),
+        }
+    }
+}
+
 /// States of a loading in tension and in compression, followed from the reference configuration.
 pub struct LoadingPath<'a> {
-    material: &'a dyn Hyperelastic,
+    problem: Problem<'a>,
     isotropic: bool,
-    volume: Volume,
     /// Loading that is followed.
     pub loading: Loading,
     /// States at increasing stretch, starting at the reference configuration.
@@ -438,6 +490,10 @@ const HALVINGS: i32 = 44;
 const ALONG: f64 = 0.9;
 /// Step length; in shorter steps the branch may turn by any angle, as at a kink of the stress.
 const KINKED: f64 = 1e-7;
+/// Smallest jump of the derivatives of the tractions that counts as a kink, relative to their terms.
+const SLOPE_JUMP: f64 = 1e-3;
+/// Largest jump of the tractions that counts as none, relative to the change by a kink over a short step.
+const TRACTION_JUMP: f64 = 0.1;
 /// Longest step along a branch that does not reach the next parameter of the path.
 const LONGEST: f64 = 0.05;
 /// Distance from a fold, in `ln lambda`, within which the rounding error of the free stretches equals the distance.
@@ -448,13 +504,8 @@ const BEFORE_END: f64 = 1e-6;
 const BESIDE_JUMP: f64 = 1e-9;
 /// Largest number of Newton iterations for the free stretches.
 const ITERATIONS: usize = 40;
-/// Largest number of iterations for a law that integrates the path to a state. They converge in less than ten.
-const ITERATIONS_INTEGRATED: usize = 20;
-/// Resolution of the end of a path, changes of criteria and kinks, in `ln lambda`, for a law that integrates the path to a state: closer states differ by
-/// errors of integration.
+/// Distance of states, in `ln lambda`, at which the errors of a law that integrates the path to a state hide their difference.
 const INTEGRATED: f64 = 1e-11;
-/// Accuracy of the free stretches of such a law, in their logarithms.
-const INTEGRATED_FREE: f64 = 0.1 * INTEGRATED;
 /// Largest distance of the next state on a branch from its guess, in units of the step.
 const STRAYED: f64 = 2.0;
 
@@ -540,7 +591,13 @@ impl<'a> LoadingPath<'a> {
         range: &Range,
         volume: Volume,
     ) -> Result<Self, LoadingError> {
-        let start = solve(material, loading, volume, &Start::at(Vector3::zeros()));
+        let problem = Problem {
+            material,
+            loading,
+            volume,
+            resolutions: Resolutions::of(material),
+        };
+        let start = solve(&problem, &Start::at(Vector3::zeros()));
         let reference = start.map_err(|missing| match missing {
             // The law is defined at F = 1 but not at the stretches that would make the faces traction-free.
             Missing::Law(_) if respond(material, &Matrix3::identity()).is_ok() => {
@@ -549,13 +606,12 @@ impl<'a> LoadingPath<'a> {
             Missing::Law(error) => LoadingError::Law(error),
             Missing::Equilibrium => LoadingError::NoReference,
         })?;
-        let side = |end: f64| branch(material, loading, volume, &reference, end.ln());
+        let side = |end: f64| branch(&problem, &reference, end.ln());
         let (tension, tension_end) = side(range.high);
         let (compression, compression_end) = side(range.low);
         Ok(Self {
-            material,
+            problem,
             isotropic,
-            volume,
             loading,
             tension,
             compression,
@@ -567,7 +623,7 @@ impl<'a> LoadingPath<'a> {
 
     /// Law whose loading is followed.
     pub fn material(&self) -> &'a dyn Hyperelastic {
-        self.material
+        self.problem.material
     }
 
     /// Returns true if the law is isotropic.
@@ -577,7 +633,7 @@ impl<'a> LoadingPath<'a> {
 
     /// Returns true if the response is incompressible.
     pub fn is_incompressible(&self) -> bool {
-        self.volume != Volume::Changes
+        self.problem.volume != Volume::Changes
     }
 
     /// Returns true if the path ends in a fold, in tension or in compression.
@@ -591,18 +647,12 @@ impl<'a> LoadingPath<'a> {
 
     /// Resolution of a place along the path, in `ln lambda`; `rounding` is the resolution for a law whose response is exact to rounding.
     pub(super) fn resolved(&self, rounding: f64) -> f64 {
-        match self.material.is_path_dependent() {
-            true => INTEGRATED,
-            false => rounding,
-        }
+        rounding.max(self.problem.resolutions.place)
     }
 
-    /// Resolution of the place of a minimum, in units of the interval around it: values there differ by the square of the distance.
+    /// Resolution of the place of a minimum, in units of the interval around it; `rounding` as in [`Self::resolved`].
     pub(super) fn flat_to(&self, rounding: f64) -> f64 {
-        match self.material.is_path_dependent() {
-            true => INTEGRATED.sqrt(),
-            false => rounding,
-        }
+        rounding.max(self.problem.resolutions.flat)
     }
 
     /// Returns true if the path ends at `s = ln lambda` in a fold.
@@ -643,7 +693,7 @@ impl<'a> LoadingPath<'a> {
         let is_nearer = (s - before.parameter).abs() < (after.parameter - s).abs();
         let beside = if is_nearer { before } else { after };
         let start = Start::at(guess).beside(beside, reach);
-        let state = solve(self.material, self.loading, self.volume, &start);
+        let state = solve(&self.problem, &start);
         state
             .ok()
             .filter(|state| (state.place() - guess).norm() <= reach)
@@ -653,7 +703,7 @@ impl<'a> LoadingPath<'a> {
     ///
     /// This error is large where the branch of free stretches bifurcates, since the equations are nearly singular there.
     pub(super) fn undetermined(&self, state: &PathState) -> Vec<State> {
-        let free = self.loading.free_of(self.material);
+        let free = self.problem.free();
         if free.is_empty() || self.is_incompressible() {
             return Vec::new();
         }
@@ -680,7 +730,7 @@ impl<'a> LoadingPath<'a> {
             for sign in [size, -size] {
                 let lateral = state.lateral + sense * sign;
                 let f = with_free(imposed, free, &lateral);
-                let Ok(response) = respond(self.material, &f) else {
+                let Ok(response) = respond(self.material(), &f) else {
                     continue;
                 };
                 off.push(self.ask(&PathState {
@@ -694,7 +744,7 @@ impl<'a> LoadingPath<'a> {
 
     /// Response of the law at a deformation; `None` if it is not defined.
     pub(super) fn respond(&self, f: &Matrix3<f64>) -> Option<Response> {
-        respond(self.material, f).ok()
+        respond(self.material(), f).ok()
     }
 
     /// State at `s` in the form in which criteria are evaluated; `None` if the path has no state there.
@@ -706,11 +756,11 @@ impl<'a> LoadingPath<'a> {
     pub fn ask(&self, state: &PathState) -> State {
         let asked =
             State::of_response(state.response.clone(), self.isotropic).with_rate(state.rate);
-        let asked = match self.material.dimension() {
+        let asked = match self.material().dimension() {
             2 => asked.in_plane(),
             _ => asked,
         };
-        match self.volume {
+        match self.problem.volume {
             Volume::Changes => asked,
             _ => asked.incompressible(self.loading.free_faces()),
         }
@@ -723,7 +773,7 @@ impl<'a> LoadingPath<'a> {
         if self.is_incompressible() {
             return Vec::new();
         }
-        let count = self.loading.free_of(self.material).len();
+        let count = self.problem.free().len();
         let Some(own) = self.at(s).filter(|_| count > 0) else {
             return Vec::new();
         };
@@ -731,7 +781,7 @@ impl<'a> LoadingPath<'a> {
         let starts = [-1.6, -0.8, -0.4, 0.0, 0.4, 0.8, 1.6];
         let mirrors = self.is_isotropic() && self.loading.mode == Mode::Uniaxial && count == 2;
         // Each state of a law that integrates the path to it is costly, and its mirror image is known.
-        let mirrors = mirrors && self.material.is_path_dependent();
+        let mirrors = mirrors && self.problem.resolutions.integrated;
         for first in starts {
             let seconds: &[f64] = if count == 2 { &starts } else { &[0.0] };
             for second in seconds {
@@ -739,7 +789,7 @@ impl<'a> LoadingPath<'a> {
                     continue;
                 }
                 let start = Start::at(Vector2::new(first, *second).push(s));
-                let Ok(state) = solve(self.material, self.loading, self.volume, &start) else {
+                let Ok(state) = solve(&self.problem, &start) else {
                     continue;
                 };
                 let is_new = |found: &[PathState], lateral: Vector2<f64>| {
@@ -753,7 +803,7 @@ impl<'a> LoadingPath<'a> {
                 found.push(state);
                 if mirrors && is_new(&found, image) {
                     let start = Start::at(image.push(s));
-                    let image = solve(self.material, self.loading, self.volume, &start);
+                    let image = solve(&self.problem, &start);
                     found.extend(image);
                 }
             }
@@ -815,7 +865,7 @@ impl<'p, 'a> LoadingSection<'p, 'a> {
 impl DeformationPath for LoadingSection<'_, '_> {
     fn at(&self, s: f64) -> Result<DeformationGradient, KinematicsError> {
         let imposed = self.imposed(s);
-        let dimension = self.path.material.dimension();
+        let dimension = self.path.material().dimension();
         let state = self.path.at(self.path.loading.mode.parameter(imposed));
         state
             .map(|state| state.response.deformation.given_in(dimension))
@@ -827,13 +877,7 @@ impl DeformationPath for LoadingSection<'_, '_> {
 ///
 /// A step leads to the next parameter of the path. Where the branch curves away from its tangent, shorter steps are taken along the tangent. They
 /// reach a fold and detect that the branch turns back there.
-fn branch(
-    material: &dyn Hyperelastic,
-    loading: Loading,
-    volume: Volume,
-    reference: &PathState,
-    end: f64,
-) -> (Vec<PathState>, PathEnd) {
+fn branch(problem: &Problem<'_>, reference: &PathState, end: f64) -> (Vec<PathState>, PathEnd) {
     let step = end / PATH_STEPS as f64;
     let mut here = reference.clone();
     here.tangent *= step.signum();
@@ -856,7 +900,7 @@ fn branch(
             let reaches = whole <= length;
             let tried = if reaches { whole } else { length.min(LONGEST) };
             // A response that is integrated along a path is worth a better guess.
-            let bend = match material.is_path_dependent() {
+            let bend = match problem.resolutions.integrated {
                 true => bend(&states, tried),
                 false => Vector3::zeros(),
             };
@@ -868,8 +912,8 @@ fn branch(
                 Start::along(guess, here.tangent)
             };
             let start = start.beside(&here, STRAYED * tried);
-            let found = solve(material, loading, volume, &start);
-            let found = found.map(|state| state.differenced(material, loading, &start.normal));
+            let found = solve(problem, &start);
+            let found = found.map(|state| state.differenced(problem, &start.normal));
             let on_branch = |state: &PathState| {
                 let turned_back = state.tangent.dot(&here.tangent) > 0.0
                     && state.tangent.z * step <= 0.0
@@ -887,14 +931,14 @@ fn branch(
                 }
                 // Where nothing is solved for, the law has states arbitrarily close to the jump.
                 Err(Missing::Law(source))
-                    if source.is_of_a_jump() && !loading.solves_for_states(material, volume) =>
+                    if source.is_of_a_jump() && !problem.solves_for_states() =>
                 {
                     target -= BESIDE_JUMP * step;
                     length = f64::INFINITY;
                     continue;
                 }
                 Ok(state) if on_branch(&state) => {
-                    let fold = fold(material, loading, volume, &here, (tried, &state));
+                    let fold = fold(problem, &here, (tried, &state));
                     let stretch = fold.parameter.exp();
                     states.push(fold);
                     return (states, PathEnd::Fold { stretch });
@@ -903,10 +947,8 @@ fn branch(
                 Err(missing) => missing,
             };
             length = 0.5 * tried;
-            let smallest = match material.is_path_dependent() {
-                true => INTEGRATED,
-                false => step.abs() * 0.5_f64.powi(HALVINGS),
-            };
+            let smallest = step.abs() * 0.5_f64.powi(HALVINGS);
+            let smallest = smallest.max(problem.resolutions.place);
             if length * here.tangent.z.abs() <= smallest
                 || here.place() + here.tangent * length == here.place()
             {
@@ -923,6 +965,7 @@ fn branch(
                         });
                         PathEnd::Law { stretch, source }
                     }
+                    _ if folds_at_kink(problem, &states, step) => PathEnd::Fold { stretch },
                     _ => PathEnd::NoState { stretch },
                 };
                 return (states, end);
@@ -930,6 +973,47 @@ fn branch(
         }
     }
     (states, PathEnd::Range)
+}
+
+/// Returns true if the tangent of the law jumps beyond the last state so that the branch turns back there, with a corner in place of a limit point.
+///
+/// The branch crosses a surface at which the derivatives of the tractions jump by `c (x) n`. It goes on along the vector `t` on which the derivatives beyond
+/// the surface vanish, with `t . n > 0`, and turns back if the stretch decreases along `t`.
+fn folds_at_kink(problem: &Problem<'_>, states: &[PathState], step: f64) -> bool {
+    let Some((last, others)) = states.split_last() else {
+        return false;
+    };
+    // The last states may lie beyond the surface to rounding.
+    let is_apart = |state: &&PathState| (state.place() - last.place()).norm() > KINKED;
+    let Some(before) = others.iter().rev().find(is_apart) else {
+        return false;
+    };
+    if problem.resolutions.integrated || problem.volume != Volume::Changes {
+        return false;
+    }
+    let along = before.tangent * KINKED;
+    let sides = [-along, along].map(|change| linearized(problem, &(last.place() + change)));
+    let [Some(near), Some(beyond)] = sides else {
+        return false;
+    };
+    let jump = beyond.slopes - near.slopes;
+    let rows = [jump.row(0), jump.row(1)].map(|row| row.transpose());
+    let [row, other] = rows;
+    let larger = if row.norm() >= other.norm() {
+        row
+    } else {
+        other
+    };
+    let normal = larger * larger.dot(&along).signum();
+    let is_kink = jump.norm() > SLOPE_JUMP * beyond.magnitude;
+    let is_continuous =
+        (beyond.traction - beyond.slopes * along).norm() <= TRACTION_JUMP * jump.norm() * KINKED;
+    let turns_back = || {
+        beyond
+            .direction(&normal)
+            .is_some_and(|onward| onward.z * step < 0.0)
+    };
+    is_kink && is_continuous && turns_back()
 }
 
 /// Change of the tangent of a branch over half a step of length `tried` beyond its last state, extrapolated from the last two states.
@@ -943,28 +1027,22 @@ fn bend(states: &[PathState], tried: f64) -> Vector3<f64> {
 
 /// Fold between a state and another state along its tangent, where the branch already leads back.
 fn fold(
-    material: &dyn Hyperelastic,
-    loading: Loading,
-    volume: Volume,
+    problem: &Problem<'_>,
     before: &PathState,
     (length, behind): (f64, &PathState),
 ) -> PathState {
     let at = |length: f64| {
         let guess = before.place() + before.tangent * length;
         let start = Start::along(guess, before.tangent).beside(before, STRAYED * length);
-        let state = solve(material, loading, volume, &start).ok()?;
-        let state = state.differenced(material, loading, &start.normal);
+        let state = solve(problem, &start).ok()?;
+        let state = state.differenced(problem, &start.normal);
         Some(state.toward(before))
     };
     let outward = before.tangent.z.signum();
     let ends = [(0.0, before), (length, behind)]
         .map(|(length, state)| (length, outward * state.tangent.z));
     let mut slope = |length: f64| Some(outward * at(length)?.tangent.z);
-    // A fold is flat in `s`.
-    let resolution = match material.is_path_dependent() {
-        true => INTEGRATED.sqrt() * length,
-        false => f64::EPSILON * length,
-    };
+    let resolution = problem.resolutions.flat * length;
     let (low, high) = bracket_zero(&mut slope, ends[0], ends[1], resolution);
     at(0.5 * (low + high)).unwrap_or_else(|| before.clone())
 }
@@ -1000,20 +1078,15 @@ impl PathState {
 
     /// Replaces the tangent of the branch of a law whose tangent is not the derivative of its stress, and the derivatives of the tractions, by finite
     /// differences.
-    fn differenced(
-        self,
-        material: &dyn Hyperelastic,
-        loading: Loading,
-        normal: &Vector3<f64>,
-    ) -> Self {
-        let free = loading.free_of(material);
-        if !material.is_path_dependent() || free.is_empty() {
+    fn differenced(self, problem: &Problem<'_>, normal: &Vector3<f64>) -> Self {
+        let free = problem.free();
+        if !problem.resolutions.integrated || free.is_empty() {
             return self;
         }
         let (s, lateral) = (self.parameter, self.lateral);
-        let linear = Linear::of(&self.response, free, &loading.imposed(s).1);
-        let mut linear = linear.differenced(material, loading, s, &lateral);
-        let imposed = linear.imposed_difference(material, loading, s, &lateral);
+        let linear = Linear::of(&self.response, free, &problem.loading.imposed(s).1);
+        let mut linear = linear.differenced(problem, s, &lateral);
+        let imposed = linear.imposed_difference(problem, s, &lateral);
         linear.slopes.set_column(2, &imposed);
         let tangent = linear.direction(normal).unwrap_or(self.tangent);
         Self {
@@ -1060,36 +1133,33 @@ impl<'a> Start<'a> {
 
 /// Solves `tau_kk = P_kk F_kk = 0` for all free directions `k` by Newton's method, to rounding.
 ///
-/// The unknowns are the logarithms of the free stretches and `s`. A law whose tangent is not the derivative of its stress is solved to [`INTEGRATED_FREE`]
-/// by Broyden's method (*Math. Comput.* 19 (1965) 577), with the derivatives of the state near the start or from finite differences.
-fn solve(
-    material: &dyn Hyperelastic,
-    loading: Loading,
-    volume: Volume,
-    start: &Start<'_>,
-) -> Result<PathState, Missing> {
+/// The unknowns are the logarithms of the free stretches and `s`. A law whose tangent is not the derivative of its stress is solved by Broyden's method
+/// (*Math. Comput.* 19 (1965) 577), with the derivatives of the state near the start or from finite differences.
+fn solve(problem: &Problem<'_>, start: &Start<'_>) -> Result<PathState, Missing> {
+    let Problem {
+        material,
+        loading,
+        volume,
+        resolutions,
+    } = *problem;
     let Start {
         guess,
         normal,
         beside,
     } = start;
     if volume != Volume::Changes {
-        return isochoric(material, loading, volume, guess.z, guess.xy());
+        return isochoric(problem, guess.z, guess.xy());
     }
-    let free = loading.free_of(material);
-    let differs = material.is_path_dependent();
-    let (resolution, iterations) = match differs {
-        true => (INTEGRATED_FREE, ITERATIONS_INTEGRATED),
-        false => (4.0 * f64::EPSILON, ITERATIONS),
-    };
+    let free = problem.free();
+    let differs = resolutions.integrated;
     let mut place = *guess;
-    if differs && free.len() == 2 && (place.x - place.y).abs() <= resolution {
+    if differs && free.len() == 2 && (place.x - place.y).abs() <= resolutions.free {
         place.x = place.y;
     }
     let mut last = f64::INFINITY;
     let mut known = beside.and_then(|(state, _)| state.slopes);
     let mut before: Option<(Vector3<f64>, Vector2<f64>)> = None;
-    for _ in 0..iterations {
+    for _ in 0..resolutions.iterations {
         let (s, lateral) = (place.z, place.xy());
         let (imposed, imposed_rate) = loading.imposed(s);
         let f = with_free(imposed, free, &lateral);
@@ -1103,7 +1173,7 @@ fn solve(
                 }),
                 ..tangent
             },
-            (true, None) => tangent.differenced(material, loading, s, &lateral),
+            (true, None) => tangent.differenced(problem, s, &lateral),
         };
         known = differs.then_some(linear.slopes);
         before = Some((place, linear.traction));
@@ -1116,7 +1186,7 @@ fn solve(
         let size = correction.amax();
         // In a converged iteration the corrections and the tractions are rounding, and the corrections no longer decrease.
         let settled = size < 1e-8 && size >= 0.5 * last && linear.is_balanced();
-        if size <= resolution || settled {
+        if size <= resolutions.free || settled {
             let mut branch = linear.direction(normal).ok_or(Missing::Equilibrium)?;
             if differs && linear.has_equal_faces(&lateral) {
                 branch = equalized(branch);
@@ -1154,13 +1224,13 @@ fn solve(
 }
 
 /// State of incompressible response. The stretch alone determines it, except for the thickness of a free sheet in simple shear.
-fn isochoric(
-    material: &dyn Hyperelastic,
-    loading: Loading,
-    volume: Volume,
-    s: f64,
-    guess: Vector2<f64>,
-) -> Result<PathState, Missing> {
+fn isochoric(problem: &Problem<'_>, s: f64, guess: Vector2<f64>) -> Result<PathState, Missing> {
+    let Problem {
+        material,
+        loading,
+        volume,
+        ..
+    } = *problem;
     let (f, rate) = loading.isochoric(s).ok_or(Missing::Equilibrium)?;
     let respond = |f: &Matrix3<f64>| {
         let response = material.isochoric_response(&checked(f)?);
@@ -1242,16 +1312,17 @@ fn checked(f: &Matrix3<f64>) -> Result<DeformationGradient, Missing> {
 }
 
 /// Tractions `tau_kk` on the free faces.
-fn traction(
-    material: &dyn Hyperelastic,
-    loading: Loading,
-    s: f64,
-    lateral: &Vector2<f64>,
-) -> Option<Vector2<f64>> {
-    let (imposed, rate) = loading.imposed(s);
-    let free = loading.free_of(material);
-    let response = respond(material, &with_free(imposed, free, lateral)).ok()?;
-    Some(Linear::of(&response, free, &rate).traction)
+fn traction(problem: &Problem<'_>, s: f64, lateral: &Vector2<f64>) -> Option<Vector2<f64>> {
+    linearized(problem, &lateral.push(s)).map(|linear| linear.traction)
+}
+
+/// Linearized tractions at a place; `None` if the law is not defined there.
+fn linearized(problem: &Problem<'_>, place: &Vector3<f64>) -> Option<Linear> {
+    let (imposed, rate) = problem.loading.imposed(place.z);
+    let free = problem.free();
+    let f = with_free(imposed, free, &place.xy());
+    let response = respond(problem.material, &f).ok()?;
+    Some(Linear::of(&response, free, &rate))
 }
 
 /// Scales the free axes of `F` by stretches given by their logarithms.
@@ -1329,20 +1400,14 @@ impl Linear {
     /// Replaces the derivatives with respect to the free stretches by finite differences, for a law whose tangent is not the derivative of its stress.
     ///
     /// The tangent is kept where a neighboring state does not exist, as at the end of the domain of the law.
-    fn differenced(
-        mut self,
-        material: &dyn Hyperelastic,
-        loading: Loading,
-        s: f64,
-        lateral: &Vector2<f64>,
-    ) -> Self {
+    fn differenced(mut self, problem: &Problem<'_>, s: f64, lateral: &Vector2<f64>) -> Self {
         let senses = match self.has_equal_faces(lateral) {
             // The faces remain equal, and the derivative along their difference does not count.
             true => [Some(Vector2::new(1.0, 1.0)), None],
             false => [Vector2::x(), Vector2::y()].map(Some),
         };
         for sense in senses.into_iter().flatten().take(self.count) {
-            if let Some(there) = traction(material, loading, s, &(lateral + sense * DIFFERENCE)) {
+            if let Some(there) = traction(problem, s, &(lateral + sense * DIFFERENCE)) {
                 let change = (there - self.traction) / DIFFERENCE;
                 self.slopes = updated(self.slopes, &sense.push(0.0), &change);
             }
@@ -1353,15 +1418,14 @@ impl Linear {
     /// Finite-difference derivative with respect to `s`, one-sided toward the reference configuration, where the law has a state.
     fn imposed_difference(
         &self,
-        material: &dyn Hyperelastic,
-        loading: Loading,
+        problem: &Problem<'_>,
         s: f64,
         lateral: &Vector2<f64>,
     ) -> Vector2<f64> {
         let step = if s > 0.0 { -DIFFERENCE } else { DIFFERENCE };
         let there = match self.count {
             0 => None,
-            _ => traction(material, loading, s + step, lateral),
+            _ => traction(problem, s + step, lateral),
         };
         there.map_or(self.slopes.column(2).into_owned(), |there| {
             (there - self.traction) / step

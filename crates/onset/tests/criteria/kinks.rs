@@ -319,3 +319,37 @@ fn incompressible_shear_passes_a_concave_kink() {
     let gamma = Mode::SimpleShear.imposed(track.limit().expect("a limit").ln());
     assert!((gamma - 0.5_f64.sqrt()).abs() < 1e-9, "{gamma}");
 }
+
+/// `P_33 = mu (t - 1/t) + kappa ln(J)/t - 2 b macaulay(I1 - 4) t`: the stress is continuous at `I1 = l^2 + 2 t^2 = 4`, and its slope drops there, so that the
+/// free stretch `t` can only go on with smaller `l`.
+#[test]
+fn a_path_turns_back_at_a_kink_of_the_stress() {
+    let energy = "(I1 - 3 - 2*ln(J))/2 + ln(J)^2/2 - b*macaulay(I1 - 4)^2/2";
+    let loading = Loading {
+        mode: Mode::Uniaxial,
+        lateral: Lateral::Free,
+    };
+    for b in [1.0, 2.0, 5.0, 20.0] {
+        let law = Formula::parse(energy).expect("a formula");
+        let law = law.with(&[("b", b)]).expect("a law");
+        let path = LoadingPath::new(&law, true, loading, &Range::default()).expect("a path");
+        let PathEnd::Fold { stretch } = path.tension_end else {
+            panic!("{b}: {:?}", path.tension_end);
+        };
+        let last = path.tension.last().expect("a state").response.deformation;
+        let i1 = last.invariants().first;
+        assert!((i1 - 4.0).abs() < 1e-9, "{b}: {i1}");
+        let found = kinks(&path);
+        let here = found
+            .iter()
+            .find(|kink| (kink.stretch - stretch).abs() < 1e-9);
+        let here = here.expect("a kink");
+        assert_eq!(here.kind, Discontinuity::KinkOfStress);
+        assert!(
+            !here.is_concave && here.largest_stress.abs() < 1e-6,
+            "{here:?}"
+        );
+        let load = follow(&path, Criterion::LoadMaximum, true).expect("defined");
+        assert_eq!(load.limit(), None, "the load rises up to the fold");
+    }
+}

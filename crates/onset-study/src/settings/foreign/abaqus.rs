@@ -74,24 +74,36 @@ pub(super) fn read(
             .ok_or_else(|| Trouble::no_such_material(wanted, &names))?,
     };
     let Some((name, own)) = with_law.get(at) else {
-        return Err(Trouble::new(
-            1,
-            format!(
-                "there is no hyperelastic law of {} in this text",
-                program.title()
-            ),
-            "expected *HYPERELASTIC, *HYPERFOAM or *ANISOTROPIC HYPERELASTIC with its data lines, for example `*HYPERELASTIC, OGDEN, N=1` \
-             and `0.4, 1.3, 0.02`",
-        ));
+        return Err(elastic(&blocks).unwrap_or_else(|| {
+            Trouble::no_law(
+                program,
+                "expected *HYPERELASTIC, *HYPERFOAM or *ANISOTROPIC HYPERELASTIC with its data lines, for example `*HYPERELASTIC, OGDEN, N=1` \
+                 and `0.4, 1.3, 0.02`",
+            )
+        }));
     };
-    let mut law = law(own)?;
-    law.unread = unread(own)?;
+    let mut unread = unread(own)?;
+    let mut law = law(own, &mut unread)?;
+    law.unread = unread;
     law.unread.material = Some(Chosen {
         name: name.clone(),
         place: at,
         count: names.len(),
     });
     Ok(law)
+}
+
+/// Error for the first isotropic `*ELASTIC` of a text.
+fn elastic(blocks: &[Block<'_>]) -> Option<Trouble> {
+    let is_isotropic = |block: &&Block<'_>| {
+        let kind = block.value("TYPE").unwrap_or("ISOTROPIC");
+        block.keyword == "ELASTIC" && "ISOTROPIC".starts_with(kind)
+    };
+    let block = blocks.iter().find(is_isotropic)?;
+    let (line, data) = block.data.first()?;
+    let mut fields = data.split(',').map(|field| number(field, *line).ok());
+    let mut next = || fields.next().unwrap_or(Some(0.0));
+    Trouble::linear(block.line, &block.title, [next()?, next()?])
 }
 
 /// Reads the first law with Marlow's form in a text.
@@ -108,7 +120,7 @@ pub(super) fn marlow_of(text: &str) -> Result<ForeignLaw, Trouble> {
                 "expected *HYPERELASTIC, MARLOW with *UNIAXIAL TEST DATA below it",
             ))
         },
-        |(_, blocks)| law(blocks),
+        |(_, blocks)| law(blocks, &mut Unread::default()),
     )
 }
 
@@ -189,7 +201,7 @@ fn unread(blocks: &[Block<'_>]) -> Result<Unread, Trouble> {
 }
 
 /// Reads the law from the blocks of a material.
-fn law(blocks: &[Block<'_>]) -> Result<ForeignLaw, Trouble> {
+fn law(blocks: &[Block<'_>], unread: &mut Unread) -> Result<ForeignLaw, Trouble> {
     let block = blocks
         .iter()
         .find(|block| is_law(block))
@@ -204,7 +216,7 @@ fn law(blocks: &[Block<'_>]) -> Result<ForeignLaw, Trouble> {
         ));
     }
     if block.keyword == "HYPERELASTIC" && block.has("MARLOW") {
-        return marlow(block, blocks);
+        return marlow(block, blocks, unread);
     }
     if block.has("TESTDATAINPUT") {
         return Err(Trouble::new(
@@ -214,9 +226,9 @@ fn law(blocks: &[Block<'_>]) -> Result<ForeignLaw, Trouble> {
         ));
     }
     match block.keyword.as_str() {
-        "HYPERFOAM" => foam(block),
-        "ANISOTROPICHYPERELASTIC" => fibers(block),
-        _ => rubber(block),
+        "HYPERFOAM" => foam(block, unread),
+        "ANISOTROPICHYPERELASTIC" => fibers(block, unread),
+        _ => rubber(block, unread),
     }
 }
 
@@ -348,8 +360,11 @@ impl Block<'_> {
         (own, note)
     }
 
-    /// Constants of one temperature; missing fields at the end of a line are zero.
-    fn constants(&self, count: usize) -> Result<Vec<f64>, Trouble> {
+    /// Constants at one temperature; missing fields at the end of a line are zero. The temperature and the field variables after them are not read.
+    fn constants(&self, count: usize, unread: &mut Unread) -> Result<Vec<f64>, Trouble> {
+        let variables = self.value("DEPENDENCIES");
+        let variables = variables.and_then(|own| own.parse().ok()).unwrap_or(0);
+        let fields = count + 1 + variables.min(CONSTANTS_PER_LINE);
         let lines = count.div_ceil(CONSTANTS_PER_LINE);
         if self.data.len() < lines {
             return Err(Trouble::new(
@@ -362,7 +377,7 @@ impl Block<'_> {
                 "constants are on the lines below the keyword, eight on each line",
             ));
         }
-        if let Some((line, _)) = self.data.get(lines) {
+        if let Some((line, _)) = self.data.get(fields.div_ceil(CONSTANTS_PER_LINE)) {
             return Err(Trouble::new(
                 *line,
                 "there are more data lines than this law has constants for one temperature",
@@ -371,11 +386,11 @@ impl Block<'_> {
         }
         let mut constants = Vec::with_capacity(count);
         for (n, (line, text)) in self.data.iter().enumerate() {
-            let own = (count - n * CONSTANTS_PER_LINE).min(CONSTANTS_PER_LINE);
+            let before = n * CONSTANTS_PER_LINE;
+            let own = count.saturating_sub(before).min(CONSTANTS_PER_LINE);
+            let admitted = (fields - before).min(CONSTANTS_PER_LINE);
             let fields: Vec<&str> = text.trim_end_matches(',').split(',').collect();
-            // A temperature may follow the last constant.
-            let spare = usize::from(n + 1 == lines);
-            if fields.len() > own + spare {
+            if fields.len() > admitted {
                 return Err(Trouble::new(
                     *line,
                     format!(
@@ -388,12 +403,15 @@ impl Block<'_> {
             for place in 0..own {
                 constants.push(number(fields.get(place).copied().unwrap_or(""), *line)?);
             }
+            for (place, field) in fields.iter().enumerate().skip(own) {
+                unread.condition(before + place - count, field, *line)?;
+            }
         }
         Ok(constants)
     }
 }
 
-fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
+fn rubber(block: &Block<'_>, unread: &mut Unread) -> Result<ForeignLaw, Trouble> {
     const FORMS: [&str; 8] = [
         "NEOHOOKE",
         "MOONEY-RIVLIN",
@@ -431,11 +449,11 @@ fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
     };
     match form {
         "NEOHOOKE" => {
-            let c = block.constants(2)?;
+            let c = block.constants(2, unread)?;
             Ok(polynomial(one(), &[((1, 0), c[0])], &c[1..]))
         }
         "MOONEY-RIVLIN" => {
-            let c = block.constants(3)?;
+            let c = block.constants(3, unread)?;
             let constants = [((1, 0), c[0]), ((0, 1), c[1])];
             Ok(polynomial(one(), &constants, &c[2..]))
         }
@@ -445,20 +463,20 @@ fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
             } else {
                 block.count("N", 6)?
             };
-            let c = block.constants(2 * n)?;
+            let c = block.constants(2 * n, unread)?;
             let constants: Vec<_> = (0..n).map(|i| ((i + 1, 0), c[i])).collect();
             Ok(polynomial(title(n), &constants, &c[n..]))
         }
         "POLYNOMIAL" => {
             let n = block.count("N", 6)?;
             let powers = powers_to(n);
-            let c = block.constants(powers.len() + n)?;
+            let c = block.constants(powers.len() + n, unread)?;
             let constants: Vec<_> = powers.iter().copied().zip(c.iter().copied()).collect();
             Ok(polynomial(title(n), &constants, &c[powers.len()..]))
         }
         "OGDEN" => {
             let n = block.count("N", 6)?;
-            let c = block.constants(3 * n)?;
+            let c = block.constants(3 * n, unread)?;
             let mut terms = Vec::new();
             for pair in c[..2 * n].chunks_exact(2) {
                 if pair[1] == 0.0 {
@@ -472,13 +490,13 @@ fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
             Ok(ForeignLaw::ogden(line, title(n), &terms, Volume::Powers(&d)).noted(note))
         }
         "ARRUDA-BOYCE" => {
-            let c = block.constants(3)?;
+            let c = block.constants(3, unread)?;
             let (d, note) = block.filled(c[0], &c[2..]);
             let law = ForeignLaw::arruda_boyce(line, one(), (c[0], c[1]), Volume::logarithm(d[0]));
             Ok(law.noted(note))
         }
         _ => {
-            let c = block.constants(5)?;
+            let c = block.constants(5, unread)?;
             let (d, note) = block.filled(c[0], &c[4..]);
             let law = van_der_waals(
                 line,
@@ -492,7 +510,11 @@ fn rubber(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
 }
 
 /// Reads Marlow's form with the table of the one test that follows it.
-fn marlow(block: &Block<'_>, blocks: &[Block<'_>]) -> Result<ForeignLaw, Trouble> {
+fn marlow(
+    block: &Block<'_>,
+    blocks: &[Block<'_>],
+    unread: &mut Unread,
+) -> Result<ForeignLaw, Trouble> {
     let tests: Vec<(Test, &Block<'_>)> = blocks
         .iter()
         .skip_while(|other| other.line <= block.line)
@@ -523,7 +545,7 @@ fn marlow(block: &Block<'_>, blocks: &[Block<'_>]) -> Result<ForeignLaw, Trouble
     let poisson = poisson
         .map(|(_, value)| number(value.as_deref().unwrap_or_default(), block.line))
         .transpose()?;
-    marlow::law(table.line, test, &table.data, poisson)
+    marlow::law(table.line, test, &table.data, poisson, unread)
 }
 
 fn exponent(block: &Block<'_>) -> Trouble {
@@ -535,7 +557,7 @@ fn exponent(block: &Block<'_>) -> Trouble {
 }
 
 /// Foam energy `2 mu_i/alpha_i^2 (sum lambda^alpha_i - 3 + (J^(-alpha_i beta_i) - 1)/beta_i)` with `beta_i = nu_i/(1 - 2 nu_i)`.
-fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
+fn foam(block: &Block<'_>, unread: &mut Unread) -> Result<ForeignLaw, Trouble> {
     // Abaqus uses POISSON only in fits: "valid only when testData = ON" (Abaqus Scripting Reference Guide, Hyperfoam object).
     if let Some(nu) = block.value("POISSON") {
         return Err(Trouble::new(
@@ -547,7 +569,7 @@ fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         ));
     }
     let n = block.count("N", 3)?;
-    let c = block.constants(3 * n)?;
+    let c = block.constants(3 * n, unread)?;
     let mut terms = Vec::new();
     for term in 0..n {
         let (mu, alpha, nu) = (c[2 * term], c[2 * term + 1], c[2 * n + term]);
@@ -569,7 +591,7 @@ fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
 
 /// Holzapfel, Gasser and Ogden with dispersion: `c10 (I1bar - 3) + k1/(2 k2) sum (exp(k2 <E>^2) - 1) + ((J^2 - 1)/2 - ln J)/D` with `E = k (I1bar -
 /// 3) + (1 - 3 k) (I4bar - 1)`.
-fn fibers(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
+fn fibers(block: &Block<'_>, unread: &mut Unread) -> Result<ForeignLaw, Trouble> {
     if !block.has("HOLZAPFEL") {
         return Err(Trouble::new(
             block.line,
@@ -578,7 +600,7 @@ fn fibers(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
         ));
     }
     let families = block.count("LOCALDIRECTIONS", 2)?;
-    let c = block.constants(5)?;
+    let c = block.constants(5, unread)?;
     let (k2, dispersion) = (c[3], c[4]);
     if !(0.0..=1.0 / 3.0).contains(&dispersion) || k2 <= 0.0 {
         return Err(Trouble::new(

@@ -1,4 +1,4 @@
-//! Reader for `TB,HYPER` with `TBDATA`.
+//! Reader for `TB,HYPER` with `TBDATA`. As in ANSYS, four letters of a name suffice.
 //!
 //! The energies follow the Mechanical APDL Theory Reference. With `d = 2/K` the volumetric part is `(J - 1)^(2i)/d_i`, except for Arruda-Boyce and
 //! Gent with `((J^2 - 1)/2 - ln J)/d`. Ogden's moduli enter as `mu/alpha`.
@@ -6,7 +6,7 @@
 use super::law::{Energy, ForeignLaw, LOGARITHM, SQUARE, Volume, extended_tube, powers_to};
 use super::unread::{Chosen, Relaxation, Unread};
 use super::write::{Block, Form, Refusal, Sheet, list, order, ordered};
-use super::{Trouble, number};
+use super::{Program, Trouble, number};
 use onset::material::PronyTerm;
 
 /// Table of constants with its form.
@@ -92,6 +92,77 @@ fn law(table: &Table) -> Result<ForeignLaw, Trouble> {
     }
 }
 
+/// The known name that a field abbreviates to four or more letters; other fields unchanged.
+fn name(field: &str) -> &str {
+    const NAMES: [&str; 12] = [
+        "HYPER",
+        "PRONY",
+        "ELASTIC",
+        "TBDATA",
+        "TBTEMP",
+        "SHEAR",
+        "MOONEY",
+        "OGDEN",
+        "BOYCE",
+        "BLATZ",
+        "ETUBE",
+        "ISOTROPIC",
+    ];
+    let known = NAMES
+        .into_iter()
+        .find(|known| known.get(..4) == field.get(..4));
+    known.unwrap_or(field)
+}
+
+/// Commands of a text with their line numbers, fields in capitals. `!` begins a comment.
+fn commands(text: &str) -> impl Iterator<Item = (usize, Vec<String>)> {
+    let commands = text.lines().map(|line| {
+        let own = line.split('!').next().unwrap_or_default();
+        let fields = own
+            .split(',')
+            .map(|field| field.trim().to_ascii_uppercase());
+        fields.map(|field| name(&field).to_owned()).collect()
+    });
+    (1..).zip(commands)
+}
+
+/// Error for linear elasticity by `MP,EX` or `TB,ELASTIC`: the first material with a modulus.
+fn elastic(text: &str) -> Option<Trouble> {
+    let commands: Vec<(usize, Vec<String>)> = commands(text).collect();
+    let field = |place: usize| {
+        move |own: &(usize, Vec<String>)| own.1.get(place).cloned().unwrap_or_default()
+    };
+    let [command, label, material] = [0, 1, 2].map(field);
+    let at = commands.iter().position(|own| {
+        let (command, label) = (command(own), label(own));
+        matches!(
+            (command.as_str(), label.as_str()),
+            ("MP", "EX") | ("TB", "ELASTIC")
+        )
+    })?;
+    let first = &commands[at];
+    let value = |own: &(usize, Vec<String>), place: usize| {
+        number(own.1.get(place).map_or("", String::as_str), own.0).ok()
+    };
+    let title = format!("{},{}", command(first), label(first));
+    let moduli = match command(first).as_str() {
+        "MP" => {
+            let ratio = commands.iter().find(|own| {
+                command(own) == "MP"
+                    && ["PRXY", "NUXY"].contains(&label(own).as_str())
+                    && material(own) == material(first)
+            });
+            let ratio = ratio.map_or(Some(0.3), |own| value(own, 3));
+            [value(first, 3)?, ratio?]
+        }
+        _ => {
+            let data = commands[at..].iter().find(|own| command(own) == "TBDATA")?;
+            [value(data, 2)?, value(data, 3)?]
+        }
+    };
+    Trouble::linear(first.0, &title, moduli)
+}
+
 /// Finds the table of the named material, or of the first material with a law, and the commands that are not read.
 fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble> {
     let mut found: Option<Table> = None;
@@ -103,12 +174,7 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
     let mut is_open = false;
     // Part of the stress, shear or bulk, whose table of relaxation is open.
     let mut relaxing: Option<&str> = None;
-    for (n, line) in text.lines().enumerate() {
-        let own = line.split('!').next().unwrap_or_default();
-        let fields: Vec<String> = own
-            .split(',')
-            .map(|field| field.trim().to_ascii_uppercase())
-            .collect();
+    for (line, fields) in commands(text) {
         let field = |place: usize| fields.get(place).map_or("", String::as_str);
         let is_of_own = |own: &str| field(2) == own || field(2).is_empty();
         if field(0) == "TB" {
@@ -125,7 +191,7 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
             if !is_open {
                 unread
                     .parts
-                    .push((format!("TB,{},{}", field(1), field(2)), n + 1));
+                    .push((format!("TB,{},{}", field(1), field(2)), line));
             }
             if field(1) == "PRONY"
                 && found.is_some()
@@ -145,7 +211,7 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
                 let pairs = fields.get(2..).unwrap_or_default().chunks(2);
                 for pair in pairs {
                     let [own, time] = [0, 1].map(|n| pair.get(n).map_or("", String::as_str));
-                    let [own, time] = [number(own, n + 1)?, number(time, n + 1)?];
+                    let [own, time] = [number(own, line)?, number(time, line)?];
                     let [shear, bulk] = if part == "BULK" {
                         [0.0, own]
                     } else {
@@ -165,7 +231,7 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
                 .filter(|table| is_open && !table.constants.is_empty())
             {
                 return Err(Trouble::new(
-                    n + 1,
+                    line,
                     format!(
                         "the law has constants for several temperatures, the first ones for the table of line {}",
                         table.line
@@ -174,26 +240,26 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
                 ));
             }
             if is_open {
-                unread.parts.push((format!("TBTEMP,{}", field(1)), n + 1));
+                unread.parts.push((format!("TBTEMP,{}", field(1)), line));
             }
             continue;
         } else if !field(0).is_empty() && field(0) != "TBDATA" && !field(0).starts_with(['/', '*'])
         {
             unread
                 .parts
-                .push((format!("{},{}", field(0), field(1)), n + 1));
+                .push((format!("{},{}", field(0), field(1)), line));
         }
         match (field(0), &mut found) {
             ("TB", None) if is_open => {
                 field(2).clone_into(&mut own_material);
                 found = Some(Table {
-                    line: n + 1,
+                    line: line,
                     form: field(5).to_owned(),
                     terms: match field(4) {
                         "" => None,
                         text => Some(text.parse().map_err(|_| {
                             Trouble::new(
-                                n + 1,
+                                line,
                                 format!("NPTS is `{text}`"),
                                 "expected TB,HYPER,MAT,NTEMP,NPTS,TBOPT, for example TB,HYPER,1,,3,OGDEN",
                             )
@@ -211,7 +277,7 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
                         .filter(|start| (1..=64).contains(start))
                         .ok_or_else(|| {
                             Trouble::new(
-                                n + 1,
+                                line,
                                 format!("TBDATA begins at `{text}`"),
                                 "expected TBDATA,1,C1,C2,...",
                             )
@@ -222,7 +288,7 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
                     if table.constants.len() <= place {
                         table.constants.resize(place + 1, 0.0);
                     }
-                    table.constants[place] = number(text, n + 1)?;
+                    table.constants[place] = number(text, line)?;
                 }
             }
             _ => {}
@@ -235,11 +301,12 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
     });
     found.map(|table| (table, unread)).ok_or_else(|| match material {
         Some(wanted) if !with_law.is_empty() => Trouble::no_such_material(wanted, &with_law),
-        _ => Trouble::new(
-            1,
-            "there is no hyperelastic law of ANSYS in this text",
-            "expected TB,HYPER and TBDATA, for example `TB,HYPER,1,,1,OGDEN` and `TBDATA,1,0.6,1.3,0.02`",
-        ),
+        _ => elastic(text).unwrap_or_else(|| {
+            Trouble::no_law(
+                Program::Ansys,
+                "expected TB,HYPER and TBDATA, for example `TB,HYPER,1,,1,OGDEN` and `TBDATA,1,0.6,1.3,0.02`",
+            )
+        }),
     })
 }
 
@@ -259,7 +326,14 @@ impl Table {
 
     /// Constants, with zeros for missing constants as in ANSYS.
     fn constants(&self, count: usize) -> Result<Vec<f64>, Trouble> {
-        if self.constants.len() > count || self.constants.is_empty() {
+        if self.constants.is_empty() {
+            return Err(Trouble::new(
+                self.line,
+                "TB,HYPER has no constants",
+                "write them below it, for example `TBDATA,1,0.6,1.3,0.02`",
+            ));
+        }
+        if self.constants.len() > count {
             return Err(Trouble::new(
                 self.line,
                 format!(

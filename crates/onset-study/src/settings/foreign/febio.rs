@@ -9,7 +9,7 @@
 use super::law::{Energy, ForeignLaw, HENCKY, LOGARITHM, SQUARE, Volume, named};
 use super::unread::{Chosen, Relaxation, Unread};
 use super::write::{Block, Form, Refusal, Sheet, order, ordered};
-use super::{Trouble, number};
+use super::{Program, Trouble, number};
 use onset::material::PronyTerm;
 use roxmltree::{Document, Node};
 use std::cell::RefCell;
@@ -91,15 +91,17 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
         let names: Vec<&str> = with_law.iter().map(|(name, _, _)| name.as_str()).collect();
         return Err(match (material, materials.first()) {
             (Some(wanted), _) if !names.is_empty() => Trouble::no_such_material(wanted, &names),
-            (_, Some(node)) => Trouble::new(
-                line_of(node),
-                format!(
-                    "the type \"{}\" is not supported",
-                    node.attribute("type").unwrap_or_default()
-                ),
-                HINT,
-            ),
-            (_, None) => Trouble::new(1, "there is no material of FEBio in this text", HINT),
+            (_, Some(node)) => elastic(*node).unwrap_or_else(|| {
+                Trouble::new(
+                    line_of(node),
+                    format!(
+                        "the type \"{}\" is not supported",
+                        node.attribute("type").unwrap_or_default()
+                    ),
+                    HINT,
+                )
+            }),
+            (_, None) => Trouble::no_law(Program::Febio, HINT),
         });
     };
     let (own, node, (law, reader)) = &with_law[at];
@@ -115,6 +117,22 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
 
 const HINT: &str = "supported: neo-Hookean, incomp neo-Hookean, Mooney-Rivlin, coupled Mooney-Rivlin, Yeoh, polynomial, Ogden, Ogden unconstrained, \
                     Arruda-Boyce and Gent";
+
+/// Error for a material of the type `isotropic elastic`.
+fn elastic(node: Node<'_, '_>) -> Option<Trouble> {
+    if node.attribute("type") != Some("isotropic elastic") {
+        return None;
+    }
+    let modulus = |name: &str| {
+        let own = node.children().find(|child| child.has_tag_name(name))?;
+        value_of(&own).ok()
+    };
+    Trouble::linear(
+        line_of(&node),
+        "\"isotropic elastic\"",
+        [modulus("E")?, modulus("v")?],
+    )
+}
 
 fn line_of(node: &Node<'_, '_>) -> usize {
     node.document().text_pos_at(node.range().start).row as usize

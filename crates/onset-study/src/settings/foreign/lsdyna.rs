@@ -12,7 +12,7 @@ use super::fields::{Card, terms};
 use super::law::{Energy, ForeignLaw, LINEAR, SQUARE, Volume, bulk_modulus, named};
 use super::unread::{Chosen, Relaxation, Unread};
 use super::write::{self, Form, Refusal, Sheet, columns, ordered};
-use super::{Trouble, number};
+use super::{Program, Trouble, number};
 
 /// Laws by name and by number, and what reads them.
 const LAWS: [(&str, &str, Reader); 6] = [
@@ -86,17 +86,21 @@ fn no_law(blocks: &[Block<'_>]) -> Trouble {
             ),
             "fit a law with constants to the table",
         ),
-        Some(block) => Trouble::new(
-            block.line,
-            format!("*{} is not supported", block.keyword),
-            HINT,
-        ),
-        None => Trouble::new(
-            1,
-            "there is no hyperelastic law of LS-DYNA in this text",
-            HINT,
-        ),
+        Some(block) => elastic(block).unwrap_or_else(|| {
+            let message = format!("*{} is not supported", block.keyword);
+            Trouble::new(block.line, message, HINT)
+        }),
+        None => Trouble::no_law(Program::LsDyna, HINT),
     }
+}
+
+/// Error for `*MAT_ELASTIC`.
+fn elastic(block: &Block<'_>) -> Option<Trouble> {
+    if !matches!(block.keyword.as_str(), "MAT_ELASTIC" | "MAT_001" | "MAT_1") {
+        return None;
+    }
+    let [_, _, young, poisson] = block.cards.first()?.numbers(block.width).ok()?;
+    Trouble::linear(block.line, &format!("*{}", block.keyword), [young, poisson])
 }
 
 fn is_simplified(keyword: &str) -> bool {

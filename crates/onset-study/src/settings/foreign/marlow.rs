@@ -9,6 +9,7 @@
 //! extrapolated along its tangent.
 
 use super::law::{Energy, ForeignLaw, Volume};
+use super::unread::Unread;
 use super::{Trouble, number};
 use crate::number::counted;
 use onset::kinematics::DeformationGradient;
@@ -67,8 +68,9 @@ pub(super) fn law(
     test: Test,
     data: &[(usize, &str)],
     poisson: Option<f64>,
+    unread: &mut Unread,
 ) -> Result<ForeignLaw, Trouble> {
-    let knots = knots(line, test, data)?;
+    let knots = knots(line, test, data, unread)?;
     let shear = 2.0 * knots[0].w;
     let compressibility = match poisson {
         None => 0.0,
@@ -102,17 +104,44 @@ pub(super) fn law(
 }
 
 /// The points of the table by `x`, with an additional first point at `x = 0`.
-fn knots(line: usize, test: Test, data: &[(usize, &str)]) -> Result<Vec<Knot>, Trouble> {
+fn knots(
+    line: usize,
+    test: Test,
+    data: &[(usize, &str)],
+    unread: &mut Unread,
+) -> Result<Vec<Knot>, Trouble> {
     let mut points: Vec<(f64, f64)> = Vec::new();
     let mut sense = 0.0;
+    let mut conditions: Option<Vec<f64>> = None;
     for (own, text) in data {
         let fields: Vec<&str> = text.trim_end_matches(',').split(',').collect();
         let stress = number(fields[0], *own)?;
         let strain = number(fields.get(1).copied().unwrap_or(""), *own)?;
+        // The temperature and the field variables of the table follow the lateral strain.
+        let rest = fields.get(3..).unwrap_or_default();
+        let here: Result<Vec<f64>, Trouble> =
+            rest.iter().map(|field| number(field, *own)).collect();
+        let here = here?;
+        match &conditions {
+            None => {
+                for (place, field) in rest.iter().enumerate() {
+                    unread.condition(place, field, *own)?;
+                }
+                conditions = Some(here);
+            }
+            Some(first) if *first != here => {
+                return Err(Trouble::new(
+                    *own,
+                    "the table has several temperatures or field variables",
+                    "keep the rows of one temperature",
+                ));
+            }
+            Some(_) => {}
+        }
         if stress == 0.0 && strain == 0.0 {
             continue;
         }
-        if test == Test::Uniaxial && number(fields.get(2).copied().unwrap_or(""), *own)? != 0.0 {
+        if number(fields.get(2).copied().unwrap_or(""), *own)? != 0.0 {
             return Err(Trouble::new(
                 *own,
                 "the third column is a lateral strain, which determines the change of volume and is not supported",

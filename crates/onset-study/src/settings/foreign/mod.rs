@@ -22,6 +22,7 @@ use unread::Unread;
 pub use write::{WriteError, Writing, law_written};
 
 use super::{Origin, SettingError, did_you_mean, sections};
+use std::borrow::Cow;
 use std::str::FromStr;
 
 /// A program whose blocks can be read.
@@ -117,8 +118,8 @@ impl Program {
         format!("{article} {} deck", self.title())
     }
 
-    /// Recognizes the program of a deck by its keywords of hyperelastic laws; `None` for a study, and for a text without such a keyword. CalculiX has
-    /// the keywords of Abaqus, and is recognized as Abaqus.
+    /// Recognizes the program of a deck by its keywords, first by those of materials; `None` for a study, and for a text without keywords. CalculiX
+    /// has the keywords of Abaqus, and is recognized as Abaqus.
     pub fn of_deck(text: &str) -> Option<Self> {
         // A comment of a study may mention a program. A study with an error is recognized by its sections.
         let is_section = |line: &str| {
@@ -154,7 +155,7 @@ impl Program {
         ];
         let words: [(Self, &[&str]); 4] = [
             (Self::Abaqus, &["*HYPER", "*ANISOTROPICHYPERELASTIC"]),
-            (Self::Ansys, &["TB,HYPER"]),
+            (Self::Ansys, &["TB,HYPE"]),
             (Self::Felupe, &["FEM.", "FELUPE"]),
             (
                 Self::Hyperelastic,
@@ -165,14 +166,31 @@ impl Program {
                 ],
             ),
         ];
-        let by_line = lines
-            .iter()
-            .find(|(_, words)| words.iter().any(begins_line));
+        // Decks without a supported law.
+        let others: [(Self, &[&str]); 3] = [
+            (Self::LsDyna, &["*KEYWORD"]),
+            (Self::Radioss, &["#RADIOSS", "/BEGIN"]),
+            (Self::Ansys, &["/PREP7", "TB,", "MP,"]),
+        ];
+        let is_keyword = |line: &str| {
+            let name = line.trim_start().strip_prefix('*');
+            name.is_some_and(|name| name.starts_with(|first: char| first.is_ascii_alphabetic()))
+        };
+        let by_line = |lines: &[(Self, &[&str])]| {
+            let found = lines
+                .iter()
+                .find(|(_, words)| words.iter().any(begins_line));
+            found.map(|(program, _)| *program)
+        };
         let by_word = || {
             let mut words = words.iter();
-            words.find(|(_, words)| words.iter().any(|word| plain.contains(word)))
+            let found = words.find(|(_, words)| words.iter().any(|word| plain.contains(word)));
+            found.map(|(program, _)| *program)
         };
-        by_line.or_else(by_word).map(|(program, _)| *program)
+        by_line(&lines)
+            .or_else(by_word)
+            .or_else(|| by_line(&others))
+            .or_else(|| text.lines().any(is_keyword).then_some(Self::Abaqus))
     }
 }
 
@@ -289,16 +307,38 @@ fn place(name: &str, line: usize) -> Origin {
 struct Trouble {
     line: usize,
     message: String,
-    hint: &'static str,
+    hint: Cow<'static, str>,
 }
 
 impl Trouble {
-    fn new(line: usize, message: impl Into<String>, hint: &'static str) -> Self {
+    fn new(line: usize, message: impl Into<String>, hint: impl Into<Cow<'static, str>>) -> Self {
         Self {
             line,
             message: message.into(),
-            hint,
+            hint: hint.into(),
         }
+    }
+
+    /// Returns the error for a deck without a hyperelastic law; `hint` names the expected keywords.
+    fn no_law(program: Program, hint: &'static str) -> Self {
+        let message = format!(
+            "there is no hyperelastic law of {} in this text",
+            program.title()
+        );
+        Self::new(1, message, hint)
+    }
+
+    /// Returns the error for a deck whose law is linear elasticity with Young's modulus and Poisson's ratio; `None` for invalid moduli.
+    fn linear(line: usize, keyword: &str, [young, poisson]: [f64; 2]) -> Option<Self> {
+        let message = format!(
+            "{keyword} is linear elasticity of small strains, and the text has no hyperelastic law"
+        );
+        let hint = format!(
+            "in place of the deck, use a law of large strains with these moduli: --set material.model=neo-hooke --set material.young={young} \
+             --set material.poisson={poisson}; hypoelastic-jaumann is the rate form in which most programs use the moduli at large strains"
+        );
+        let is_valid = young > 0.0 && poisson > -1.0 && poisson < 0.5;
+        is_valid.then(|| Self::new(line, message, hint))
     }
 
     /// Returns the error that no material of the requested name has a supported law.

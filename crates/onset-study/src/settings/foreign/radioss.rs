@@ -14,7 +14,7 @@ use super::fields::{Card, terms};
 use super::law::{ForeignLaw, LINEAR, LOGARITHM, SQUARE, Volume, bulk_modulus};
 use super::unread::{Chosen, Relaxation};
 use super::write::{self, Form, Refusal, Sheet, columns, order, ordered, ratio};
-use super::{Trouble, number};
+use super::{Program, Trouble, number};
 use onset::material::PronyTerm;
 
 /// Laws by number and name, and what reads them.
@@ -72,16 +72,11 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
             (Some(wanted), _) if !with_law.is_empty() => {
                 Trouble::no_such_material(wanted, &numbers().collect::<Vec<_>>())
             }
-            (_, Some(block)) => Trouble::new(
-                block.line,
-                format!("/MAT/{} is not supported", block.law),
-                HINT,
-            ),
-            (_, None) => Trouble::new(
-                1,
-                "there is no hyperelastic law of Radioss in this text",
-                HINT,
-            ),
+            (_, Some(block)) => elastic(block).unwrap_or_else(|| {
+                let message = format!("/MAT/{} is not supported", block.law);
+                Trouble::new(block.line, message, HINT)
+            }),
+            (_, None) => Trouble::no_law(Program::Radioss, HINT),
         });
     };
     let (block, reader) = with_law[at];
@@ -95,6 +90,15 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
 }
 
 const HINT: &str = "supported: /MAT/LAW42 (OGDEN), /MAT/LAW62 (VISC_HYP), /MAT/LAW82, /MAT/LAW92, /MAT/LAW94 (YEOH) and /MAT/LAW100 (MNF)";
+
+/// Error for `/MAT/LAW1` (`ELAST`): the moduli are on the line after the density.
+fn elastic(block: &Block<'_>) -> Option<Trouble> {
+    if !matches!(block.law.as_str(), "LAW1" | "LAW01" | "ELAST") {
+        return None;
+    }
+    let moduli = block.cards.get(1)?.numbers(20).ok()?;
+    Trouble::linear(block.line, &format!("/MAT/{}", block.law), moduli)
+}
 
 /// Splits a text into materials. `#` begins a comment line, `/` a keyword; the first line of a material is its title.
 fn blocks(text: &str) -> Vec<Block<'_>> {

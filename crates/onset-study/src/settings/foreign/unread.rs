@@ -1,5 +1,6 @@
 //! Parts of a text that are not read, apart from the law.
 
+use super::{Trouble, number};
 use crate::number::{counted, told};
 use crate::settings::relaxation::text_of;
 use onset::material::PronyTerm;
@@ -85,6 +86,20 @@ impl Relaxation {
 }
 
 impl Unread {
+    /// Adds the temperature (place 0) or a field variable at which constants are given, unless its field is empty.
+    pub fn condition(&mut self, place: usize, field: &str, line: usize) -> Result<(), Trouble> {
+        if field.trim().is_empty() {
+            return Ok(());
+        }
+        let value = told(number(field, line)?);
+        let name = match place {
+            0 => format!("temperature {value}"),
+            _ => format!("field variable {place} = {value}"),
+        };
+        self.parts.push((name, line));
+        Ok(())
+    }
+
     /// Notes on the parts that are not read and on viscoelasticity; `shear` is the shear modulus of the law.
     pub fn notes(&self, shear: Option<f64>) -> Vec<String> {
         let mut notes = Vec::new();

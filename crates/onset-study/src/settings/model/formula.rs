@@ -17,6 +17,7 @@ pub(super) const MODEL: OwnModel = OwnModel {
         "the energy per reference volume, as a formula",
     )],
     required: &["energy"],
+    stresses: &[],
     takes_any_parameter: true,
     check,
     build,

@@ -46,6 +46,7 @@ static MODEL: OwnModel = OwnModel {
     source: "your own",
     keys: &[],
     required: &[],
+    stresses: &[],
     takes_any_parameter: true,
     check: |_| Ok(()),
     build,

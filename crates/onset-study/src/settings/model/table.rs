@@ -20,6 +20,7 @@ pub(super) const MODEL: OwnModel = OwnModel {
         "file with the table: *HYPERELASTIC, MARLOW of Abaqus and its test data",
     )],
     required: &["table"],
+    stresses: &["kappa", "table"],
     takes_any_parameter: true,
     check,
     build,

@@ -59,6 +59,7 @@ pub(super) const MODEL: OwnModel = OwnModel {
         ),
     ],
     required: &[LIBRARY],
+    stresses: &[],
     takes_any_parameter: false,
     check,
     build,

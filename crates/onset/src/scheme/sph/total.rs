@@ -44,7 +44,7 @@ pub enum ShearForces {
     /// `da_I/dt = 2 zeta mu / rho_I sum_J V_J (e . v_IJ) e W'(r) / r`, `e = x_IJ / r` (Zhang, Zhang, Rezavand and Hu, J. Comput. Phys. 2024, doi
     /// 10.1016/j.jcp.2024.113072). A chain has no shear.
     Pairs {
-        /// Coefficient `zeta`. Published are 1.07 for total-Lagrangian and `0.7 D + 2.1` for updated SPH.
+        /// Coefficient `zeta`; the published ones belong to the choices of the two methods.
         coefficient: f64,
     },
 }
@@ -75,6 +75,11 @@ pub struct TotalLagrangianChoices {
     pub velocity_smoothing: f64,
     /// Forces of the shear stress.
     pub shear: ShearForces,
+}
+
+impl TotalLagrangianChoices {
+    /// Published coefficient `zeta` of shear forces between pairs, of Wu and others (2023).
+    pub const PUBLISHED_SHEAR_COEFFICIENT: f64 = 1.07;
 }
 
 impl Default for TotalLagrangianChoices {
