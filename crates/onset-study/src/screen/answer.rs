@@ -228,8 +228,11 @@ pub struct ScreenAnswer {
     /// Study of the decisive state.
     #[serde(skip)]
     study: Option<String>,
-    /// Notes on law and method.
+    /// Notes on the files, followed by notes on law and method.
     pub notes: Vec<String>,
+    /// Number of notes on law and method.
+    #[serde(skip)]
+    general: usize,
     /// All settings in effect.
     pub settings: Effective,
 }
@@ -464,6 +467,7 @@ impl ScreenAnswer {
         let time = time.map(|event| event.window[1]);
         let mut pictures = course.pictures.iter();
         let picture = pictures.find(|own| Some(own.time) == time).cloned();
+        let general = notes(&problem.settings, &*problem.material);
         let mut answer = Self {
             cause,
             mechanism: state.as_ref().and_then(|state| state.mechanism),
@@ -500,7 +504,8 @@ impl ScreenAnswer {
             picture,
             unassessed: course.points[1],
             study: None,
-            notes: [course.notes, notes(&problem.settings, &*problem.material)].concat(),
+            general: general.len(),
+            notes: [course.notes, general].concat(),
             settings: problem.settings.effective(),
         };
         if let (Cause::Numerical, Some(event), Some(growth)) = (cause, &answer.first, answer.growth)
@@ -1009,7 +1014,11 @@ impl Brief for ScreenAnswer {
             .recording
             .iter()
             .flat_map(|own| own.notes.clone())
-            .chain(self.notes.iter().cloned())
+            .chain(
+                self.notes[..self.notes.len() - self.general]
+                    .iter()
+                    .cloned(),
+            )
             .collect();
         short
             .notes(&notes)
