@@ -32,7 +32,7 @@ fn time_steps_follow_the_instantaneous_moduli() {
 
 /// The instantaneous moduli of constants that are long-term moduli are larger by `1/(1 - 0.5)`.
 #[test]
-fn moduli_say_what_the_constants_are() {
+fn constants_are_long_term_moduli_unless_they_are_set_as_instantaneous() {
     let stress = |rest: &str| {
         let answer = document(&format!("state --stretch 1.2,0.9 {METHOD} {rest}"));
         let shear = |i: usize| number(&answer, &format!("/material/cauchy/{i}/{i}"));
@@ -49,7 +49,7 @@ fn moduli_say_what_the_constants_are() {
 
 /// Compression destabilizes a relaxed bar. Fast disturbances meet a larger stiffness under the same stress.
 #[test]
-fn a_wave_that_grows_only_as_the_stress_relaxes_is_told() {
+fn a_wave_that_grows_only_as_the_stress_relaxes_has_its_delayed_rate() {
     let law = "--set material.model=saint-venant-kirchhoff --set material.prony=0.8,0.8,50";
     let state = format!("state --stretch 0.5,1 set method=fem {law}");
     let answer = document(&state);

@@ -12,7 +12,7 @@ use serde::Serialize;
 /// Kind of body for which the critical time step of the waves holds.
 pub const LATTICE_NOTE: &str = "infinite lattice; free faces and distorted cells need less";
 
-/// Ratio of the largest undamped step of an integrator to that of central differences.
+/// Ratio of the largest undamped step of an integrator to the step of central differences.
 pub(crate) fn reach_of(integrator: Integrator) -> f64 {
     integrator.undamped_reach() / Integrator::CentralDifferences.undamped_reach()
 }
@@ -20,7 +20,7 @@ pub(crate) fn reach_of(integrator: Integrator) -> f64 {
 /// Time step for finite bodies of a lattice.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FiniteBodyAnswer {
-    /// Time step that is stable for finite bodies, of central differences unless another integrator is asked for; time.
+    /// Time step that is stable for finite bodies, of central differences unless another integrator is chosen; time.
     pub time_step: f64,
     /// Whether the bound is proved.
     pub proved: bool,

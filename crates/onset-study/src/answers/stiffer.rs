@@ -17,7 +17,7 @@ use serde::Serialize;
 /// Verdict on a state with the tangent of its stiffer increments.
 ///
 /// These are the increments that unload a state that flows, with the elastic tangent, or the increments of a relaxed state that are faster than
-/// relaxation, with the instantaneous tangent. Their waves are faster than those of the state itself and limit the time step.
+/// relaxation, with the instantaneous tangent. Their waves are faster than the waves of the state itself and limit the time step.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StifferAnswer {
     /// The origin of the first instability.

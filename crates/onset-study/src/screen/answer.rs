@@ -45,7 +45,7 @@ const LARGEST_INTERVAL_GROWTH: f64 = 2.0;
 /// Smallest fraction of the vectors between nearest particles that are vectors of the lattice if the particles are on it; the others are at faces.
 const ON_LATTICE: f64 = 0.9;
 /// Largest distance of nearest particles, in spacings.
-const NEAREST: f64 = 1.1;
+const NEIGHBOR_DISTANCE: f64 = 1.1;
 /// Largest deviation of lattice coordinates of particles on the lattice.
 const LATTICE_COORDINATE_TOLERANCE: f64 = 0.05;
 
@@ -258,7 +258,11 @@ fn is_on_lattice(problem: &Problem, run: &Run, spacing: f64) -> bool {
         return true;
     }
     let reciprocal = problem.analysis.reciprocal();
-    let near = Neighborhoods::new(&run.reference, problem.dimension(), NEAREST * spacing);
+    let near = Neighborhoods::new(
+        &run.reference,
+        problem.dimension(),
+        NEIGHBOR_DISTANCE * spacing,
+    );
     let mut counts = [0_usize; 2];
     for n in 0..near.len() {
         for other in near.numbers(n) {
@@ -328,7 +332,7 @@ impl ScreenAnswer {
         if !is_on_lattice(problem, run, found) {
             answer.notes.insert(
                 0,
-                "particles of the file are not on the lattice of the settings, so that predicted waves are those of another lattice: set discretization.lattice"
+                "particles of the file are not on the lattice of the settings, so that the predicted waves belong to another lattice: set discretization.lattice"
                     .to_owned(),
             );
         }

@@ -122,7 +122,7 @@ impl MaterialSettings {
         self.units().are_si().then_some(unit)
     }
 
-    /// Values of a law with dimensions: key, value (`None` for a file of numbers), whether it has a unit, and the place at which it was set. Of a
+    /// Values of a law with dimensions: key, value (`None` for a file of numbers), whether it has a unit, and the place at which it was set. For a
     /// user-defined model, only values of known dimension are returned: its stresses, and values with units.
     pub(super) fn measures(
         &self,
@@ -538,7 +538,7 @@ impl MaterialSettings {
         self.in_dimension(self.build()?, dimension)
     }
 
-    /// Law of space as seen by a body of the given dimension.
+    /// Law for a body of the given dimension.
     pub(super) fn in_dimension(
         &self,
         law: Arc<dyn Hyperelastic>,

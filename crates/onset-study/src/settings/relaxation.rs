@@ -33,7 +33,7 @@ pub(super) const RELAXATION_KEYS: [Key; 3] = [
     key(
         "material.loading",
         Kind::Words(OF_LOADING),
-        "speed at which states of a law with a Prony series are reached: slow, so that all stress has relaxed, or fast, so that none has",
+        "speed at which states of a law with a Prony series are reached: slow, so that the stress has relaxed, or fast, so that it has not",
     ),
 ];
 
@@ -163,7 +163,7 @@ impl MaterialSettings {
         match self.prony() {
             Some((_, origin)) if self.is_slow() => Err(SettingError::new(
                 origin.clone(),
-                "the particles of this command move with an elastic law, and `material.prony` sets one that relaxes",
+                "the particles of this command move with an elastic law, and `material.prony` makes the stress relax",
             )
             .hint("set material.loading=fast for motion that is faster than relaxation, or omit material.prony")),
             _ => Ok(()),

@@ -953,7 +953,7 @@ fn prony_series_of_decks_are_read() {
         prony(Program::LsDyna, dyna),
         told("0.75, 0, 0.05", "long-term")
     );
-    // The shear modulus 2 (C10 + C01) is 2, to which G1 = 2 is added.
+    // The shear modulus 2 (C10 + C01) is 2, and G1 = 2 is added.
     let rubber = "*MAT_HYPERELASTIC_RUBBER\n1,1.0,0.49,0,1\n1.0,0,0,0,0,0\n2.0,4.0\n";
     assert_eq!(
         prony(Program::LsDyna, rubber),

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, SVector};
 
 /// Relative accuracy of growth rates.
 const RATE_ACCURACY: f64 = 1e-12;
-/// Number of decades below the growth rate of the relaxed state in which the rate is sought; slower growth counts as none.
+/// Number of decades below the growth rate of the relaxed state in which the rate is searched for; slower growth counts as zero.
 const DECADES: i32 = 24;
 /// Number of halvings of an interval of rates.
 const HALVINGS: usize = 60;
@@ -80,8 +80,8 @@ impl<const D: usize> RelaxingWaves<D> {
 
     /// All rates `s` of a wave vector, largest real part first. 1/time.
     ///
-    /// The imaginary part is the frequency, the real part the growth rate. With `N` terms there are `2 + N` rates for each degree of freedom; those of
-    /// overstress that a wave does not excite are `-1/tau`.
+    /// The imaginary part is the frequency, the real part the growth rate. With `N` terms there are `2 + N` rates for each degree of freedom; the
+    /// rates of overstress that a wave does not excite are `-1/tau`.
     pub fn rates(&self, k: &SVector<f64, D>) -> Vec<Complex> {
         let parts = self.parts(k);
         let (n, count) = (parts.relaxed.nrows(), self.terms.len());
@@ -92,8 +92,8 @@ impl<const D: usize> RelaxingWaves<D> {
         let entries = own.iter().flat_map(|matrix| matrix.iter());
         let norm = entries.map(|z| z.norm()).fold(0.0, f64::max);
         let unit = if norm > 0.0 { norm.sqrt() } else { 1.0 };
-        // `u' = v`, `v' = -D u - C v - sum D_i w_i`, `w_i' = v - w_i / tau_i`, with velocities in units of a typical frequency. The displacements are
-        // those that smoothed velocities would have without smoothing.
+        // `u' = v`, `v' = -D u - C v - sum D_i w_i`, `w_i' = v - w_i / tau_i`, with velocities in units of a typical frequency. If velocities
+        // are smoothed, `u` is the integral of the velocities before smoothing.
         let mut matrix = DMatrix::zeros((2 + count) * n, (2 + count) * n);
         let one = DMatrix::<Complex>::identity(n, n);
         let mut put = |row: usize, column: usize, block: DMatrix<Complex>| {

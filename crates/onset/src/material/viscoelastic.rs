@@ -1,7 +1,7 @@
 //! Viscoelasticity: a Prony series multiplies the deviatoric and the mean stress of a law.
 //!
-//! At the strain history `F(t)` the stress is the sum of the long-term stress and of overstresses that decay. With the deviatoric part `P_d` and the
-//! part of the mean stress `P_m` of the instantaneous law, and with second Piola-Kirchhoff stresses `S = F^-1 P` as in Simo (1987),
+//! At the strain history `F(t)` the stress is the sum of the long-term stress and of overstresses that decay. Let `P_d` and `P_m` be the parts of the
+//! deviatoric and of the mean stress of the instantaneous law. With second Piola-Kirchhoff stresses `S = F^-1 P` as in Simo (1987),
 //!
 //! `S = (1 - sum g_i) S_d + (1 - sum k_i) S_m + sum_i Q_i`, `dQ_i/dt + Q_i/tau_i = g_i dS_d/dt + k_i dS_m/dt`.
 //!
@@ -59,7 +59,7 @@ const MEAN_STRESS_ROUNDING: f64 = 1e-9;
 pub struct Viscoelastic {
     law: Arc<dyn Hyperelastic>,
     terms: Vec<PronyTerm>,
-    /// Ratios of the long-term and of the instantaneous deviatoric and mean stress to those of the law.
+    /// Ratios of the long-term and of the instantaneous deviatoric and mean stress to the stresses of the law.
     relaxed: [f64; 2],
     instantaneous: [f64; 2],
 }
@@ -235,7 +235,7 @@ impl Hyperelastic for Scaled {
         }
         let mean = whole.clone().of_mean_stress(3)?;
         let side = f.jacobian().cbrt();
-        // The energy of a law in rate form is that of its path.
+        // The energy of a law in rate form belongs to its path.
         let of_volume = match self.law.is_path_dependent() {
             true => whole.energy,
             false => {

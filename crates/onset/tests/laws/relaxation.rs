@@ -75,7 +75,7 @@ fn integrated(
 }
 
 #[test]
-fn the_tangent_of_a_growing_disturbance_is_that_of_the_integrated_history() {
+fn the_tangent_of_a_growing_disturbance_follows_from_the_integrated_history() {
     let mut random = Random::new(20);
     for (name, alike) in [
         ("neo-hooke-isochoric", false),
@@ -111,7 +111,7 @@ fn the_tangent_of_a_growing_disturbance_is_that_of_the_integrated_history() {
             (found - expected).amax() < 1e-5 * scale,
             "{name}: {found} {expected}"
         );
-        // Without the disturbance the stress is that of the relaxed law.
+        // Without the disturbance the relaxed law gives the stress.
         let rest = integrated(&*law, &terms, [&f, &h], 0.0, rate);
         assert!(
             (rest - response.first_piola).amax() < 1e-11 * rest.amax(),
@@ -137,7 +137,7 @@ fn constants_are_long_term_or_instantaneous_moduli() {
         let [long, short] = [build(Moduli::LongTerm), build(Moduli::Instantaneous)];
         assert_eq!(long.relaxed().response(&f).expect("a response"), own);
         assert_eq!(short.instantaneous().response(&f).expect("a response"), own);
-        // Scaling the constants back and forth is no change.
+        // Scaling the constants back and forth changes nothing.
         let whole = Viscoelastic::new(short.relaxed(), series(alike), Moduli::LongTerm);
         let whole = whole.expect("a series").instantaneous().response(&f);
         let difference = whole.expect("a response").first_piola - own.first_piola;
@@ -196,7 +196,7 @@ fn impossible_series_are_refused_with_a_reason() {
 /// At `F = 1` a single term with `g = k` makes each wave a standard linear solid: `s^2 + w^2 (1 - g)(...)`, with the frequency `w` of the instantaneous law,
 /// `s^2 (1 + s tau) + w^2 (1 - g)(1 + s tau) + w^2 g s tau = 0`.
 #[test]
-fn waves_at_rest_are_standard_linear_solids() {
+fn waves_of_the_reference_state_are_standard_linear_solids() {
     let (part, time) = (0.4, 0.2);
     let terms = vec![PronyTerm {
         shear: part,

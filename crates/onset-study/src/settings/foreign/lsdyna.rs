@@ -70,7 +70,7 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
     Ok(law)
 }
 
-/// Error for a text without a law that is read.
+/// Error for a text without a supported law.
 fn no_law(blocks: &[Block<'_>]) -> Trouble {
     const HINT: &str = "supported: *MAT_HYPERELASTIC_RUBBER (*MAT_077_H), *MAT_OGDEN_RUBBER (*MAT_077_O), *MAT_MOONEY-RIVLIN_RUBBER (*MAT_027), \
                         *MAT_ARRUDA_BOYCE_RUBBER (*MAT_127), *MAT_HILL_FOAM (*MAT_177) and *MAT_VISCOELASTIC (*MAT_006)";

@@ -44,7 +44,7 @@ impl Chosen {
 /// Viscoelasticity that belongs to a law.
 #[derive(Debug)]
 pub(super) struct Relaxation {
-    /// Terms of the Prony series; `None` if the block does not give one that can be read.
+    /// Terms of the Prony series; `None` if the block has no series of a supported form.
     pub terms: Option<Vec<PronyTerm>>,
     /// Whether the constants are long-term moduli.
     pub is_long_term: bool,

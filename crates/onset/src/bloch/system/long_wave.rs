@@ -52,7 +52,7 @@ impl Relaxation {
         mean: &DMatrix<Complex>,
     ) -> Self {
         let mean = mean.transpose();
-        // The unit of the stiffness of translations, so that it is neither free nor rigid beside `D0`.
+        // Stiffness that replaces the zero stiffness of translations, of the magnitude of `D0`.
         let size = d0.iter().map(|z| z.norm()).fold(0.0, f64::max);
         let unit = Complex::from(if size > 0.0 { size } else { 1.0 });
         // If the forces add up to zero, `Y = L`. In general, `S = D0 + s R L^T` satisfies `Y^T S = s L^T`.

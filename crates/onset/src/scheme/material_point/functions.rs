@@ -62,7 +62,7 @@ struct Piece {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Profile {
     pieces: Vec<Piece>,
-    /// Pieces whose slopes are the gradients; those of the function itself except for convected domains.
+    /// Pieces whose slopes are the gradients: the pieces of the function itself except for convected domains.
     sloping: Vec<Piece>,
     /// Half-size, in units of the grid spacing, of a particle whose corners interpolate; `None` for functions of the position of the point alone.
     domain: Option<f64>,
