@@ -1,7 +1,7 @@
 //! Viscoelasticity: a Prony series multiplies the deviatoric and the mean stress of a law.
 //!
-//! At the strain history `F(t)` the stress is the sum of the long-term stress and of overstresses that decay. Let `P_d` and `P_m` be the parts of the
-//! deviatoric and of the mean stress of the instantaneous law. With second Piola-Kirchhoff stresses `S = F^-1 P` as in Simo (1987),
+//! The stress is the sum of the long-term stress and of overstresses that decay. Let `P_d` and `P_m` be the deviatoric and the mean part of the stress of
+//! the instantaneous law. The second Piola-Kirchhoff stresses `S = F^-1 P` satisfy (Simo 1987)
 //!
 //! `S = (1 - sum g_i) S_d + (1 - sum k_i) S_m + sum_i Q_i`, `dQ_i/dt + Q_i/tau_i = g_i dS_d/dt + k_i dS_m/dt`.
 //!
@@ -9,8 +9,8 @@
 //!
 //! `A(s) = A_inf + sum_i (g_i B_d + k_i B_m) s tau_i / (1 + s tau_i)`,
 //!
-//! where `A_inf` is the tangent of the long-term law, and `B_iJkL = F_iM dS_MJ/dF_kL` are the tangents of the instantaneous law without the stress that
-//! moves with the material: the overstress is zero, so that its rotation costs nothing. For hypoelastic laws `B` is their elastic stiffness.
+//! where `A_inf` is the tangent of the long-term law. The tangents `B_iJkL = F_iM dS_MJ/dF_kL` of the instantaneous law lack the stress that moves with the
+//! material, because the overstress is zero and its rotation costs nothing. For hypoelastic laws `B` is their elastic stiffness.
 
 use super::{FourthOrder, Hyperelastic, MaterialError, Response};
 use crate::algebra::array_of;

@@ -94,7 +94,7 @@ fn no_law(blocks: &[Block<'_>]) -> Trouble {
     }
 }
 
-/// Error for `*MAT_ELASTIC`.
+/// Error for `*MAT_ELASTIC`, whose moduli are not a law of large strains.
 fn elastic(block: &Block<'_>) -> Option<Trouble> {
     if !matches!(block.keyword.as_str(), "MAT_ELASTIC" | "MAT_001" | "MAT_1") {
         return None;
