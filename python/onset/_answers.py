@@ -348,7 +348,8 @@ class State(_Moving):
     def critical_time_step(self) -> float | None:
         """Critical time step of the infinite lattice, ``2/omega_max`` for central differences; time. ``None`` if no wave oscillates.
 
-        For a transfer of material points it is the largest stable step of the transfer. Free faces and distorted cells need a smaller step.
+        For a transfer of material points it is the largest stable step of the transfer. Stiffer increments of the state, which unload it or are faster than
+        its relaxation, limit the step too. Free faces and distorted cells need a smaller step.
         """
         return cast("float | None", self._fields["discretization"]["critical_time_step"])
 
@@ -361,6 +362,14 @@ class State(_Moving):
     def unloading(self) -> dict[str, Any] | None:
         """Verdict, growth rate and critical time step for disturbances that unload a state that flows; ``None`` for other states."""
         return cast("dict[str, Any] | None", self._fields.get("unloading"))
+
+    @property
+    def relaxation(self) -> dict[str, Any] | None:
+        """The state of a viscoelastic law: ``fast`` before it relaxes, and the growth rate with its wave while it relaxes.
+
+        None unless the material has a Prony series and states are reached slowly.
+        """
+        return cast("dict[str, Any] | None", self._fields.get("relaxation"))
 
     @property
     def cauchy(self) -> Floats:

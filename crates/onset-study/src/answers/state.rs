@@ -82,6 +82,7 @@ pub struct StateAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unloading: Option<StifferAnswer>,
     /// The state of a viscoelastic law before and while it relaxes; `null` for other laws.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub relaxation: Option<RelaxationAnswer>,
     /// Proofs; `null` if they were not requested.
     #[serde(skip_serializing_if = "Option::is_none")]
