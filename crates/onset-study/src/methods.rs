@@ -234,6 +234,7 @@ fn material_points(settings: &Settings) -> MaterialPointChoices {
         offset: [method.offset; 3],
         functions: method.grid_functions,
         gradients: method.grid_gradients,
+        dilatation: method.dilatation,
         formulation: match method.unknowns {
             Unknowns::TotalLagrangian => Formulation::TotalLagrangian { mass },
             Unknowns::Updated => Formulation::Updated {

@@ -10,7 +10,8 @@ use onset::scheme::element::{ElementMass, ElementMesh, ElementOrder, HourglassSc
 use onset::scheme::sph::{DensityEvolution, MomentumForm};
 use onset::scheme::stabilization::{PenaltyForm, SmoothedMotion, ViscositySwitch};
 use onset::scheme::{
-    Calibration, GridFunctions, GridGradients, GridMass, Influence, PartialVolumes, PointLayout,
+    Calibration, GridFunctions, GridGradients, GridMass, Influence, PartialVolumes,
+    PointDilatation, PointLayout,
 };
 use serde::{Deserialize, Serialize};
 
@@ -213,6 +214,8 @@ pub struct MethodSettings {
     pub grid_functions: GridFunctions,
     /// Material points: gradients in forces and velocity gradients.
     pub grid_gradients: GridGradients,
+    /// Dilatation that determines the stress of a material point.
+    pub dilatation: PointDilatation,
     /// Material points: unknowns of the method.
     pub unknowns: Unknowns,
     /// Material points: transfer of velocities through the grid.
@@ -269,6 +272,7 @@ impl Default for MethodSettings {
             offset: 0.0,
             grid_functions: GridFunctions::Linear,
             grid_gradients: GridGradients::Functions,
+            dilatation: PointDilatation::Point,
             unknowns: Unknowns::Updated,
             transfer: Velocities::Continuous,
             flip_share: 1.0,
@@ -627,6 +631,12 @@ pub(super) const METHOD_KEYS: &[Key] = &[
         "material points: gradients in forces and velocity gradients, of the functions or first moments as in MLS-MPM",
     )
     .only_with(SMOOTH_FUNCTIONS),
+    key(
+        "discretization.dilatation",
+        Kind::Words(&["point", "cell"]),
+        "material points: dilatation for the stress of a point, its own or the mean of the points in the cell (F-bar), against locking",
+    )
+    .only_with(SEVERAL_POINTS),
     key(
         "discretization.unknowns",
         Kind::Words(&["total-lagrangian", "updated", "particles"]),

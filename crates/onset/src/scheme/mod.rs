@@ -36,7 +36,7 @@ pub(crate) use layout::{Measure, Weighed};
 pub use linearized::{Forced, linearized};
 pub use material_point::{
     Formulation, GridFunctions, GridGradients, GridMass, MaterialPointChoices, MaterialPoints,
-    PointLayout, Transfer,
+    PointDilatation, PointLayout, Transfer,
 };
 pub use pairs::{Bond, PairLaw};
 pub use parts::FiniteBodies;

@@ -74,6 +74,45 @@ impl<const D: usize> StrainOperator<D> {
         self.add(particles.to_vec(), vec![SeenForm::Strain(gradients)]);
     }
 
+    /// Adds the strains of points with volumes and gradients at the same particles, with the mean of their dilatations, `sym grad u + (mean div u - div u) / D`,
+    /// as scalars whose squares add up to the squared norm.
+    pub(crate) fn add_with_mean_dilatation(
+        &mut self,
+        particles: &[Particle<D>],
+        points: &[(f64, Vec<SVector<f64, D>>)],
+    ) {
+        let whole: f64 = points.iter().map(|(volume, _)| volume).sum();
+        let mean = |a: usize| -> SVector<f64, D> {
+            let own = points
+                .iter()
+                .map(|(volume, gradients)| gradients[a] * *volume);
+            own.sum::<SVector<f64, D>>() / whole
+        };
+        for (volume, gradients) in points {
+            let share = (volume / whole).sqrt();
+            let component = |i: usize, j: usize| {
+                let of_node = |(a, b): (usize, &SVector<f64, D>)| match i == j {
+                    true => {
+                        let unit = SVector::from_fn(|m, _| if m == i { b[i] } else { 0.0 });
+                        (unit + (mean(a) - b) / D as f64) * share
+                    }
+                    false => {
+                        let half = 0.5_f64.sqrt() * share;
+                        SVector::from_fn(|m, _| match m {
+                            _ if m == i => half * b[j],
+                            _ if m == j => half * b[i],
+                            _ => 0.0,
+                        })
+                    }
+                };
+                SeenForm::Control(gradients.iter().enumerate().map(of_node).collect())
+            };
+            let pairs = (0..D).flat_map(|i| (i..D).map(move |j| (i, j)));
+            let forms = pairs.map(|(i, j)| component(i, j)).collect();
+            self.add(particles.to_vec(), forms);
+        }
+    }
+
     /// Adds the nonuniform part of the displacements of a point's particles, `u_J - u_0 - (sum_K u_K (x) b_K) X_J`, or its component along `X_J`. The
     /// particle of the point comes first.
     pub(crate) fn add_nonuniform(

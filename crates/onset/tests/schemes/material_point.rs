@@ -10,7 +10,7 @@ use onset::material::{BlatzKo, Hyperelastic, ModifiedMooneyRivlin};
 use onset::method::{CurrentLattice, MethodError};
 use onset::scheme::{
     Discretization, Formulation, GridFunctions, GridMass, MaterialPointChoices, MaterialPoints,
-    PointLayout, Transfer,
+    PointDilatation, PointLayout, Transfer, element,
 };
 use std::f64::consts::PI;
 
@@ -208,6 +208,51 @@ fn convected_particle_domains_have_the_published_weights() {
                 found[(row, column)]
             );
         }
+    }
+}
+
+/// Forces of the mean dilatation of a cell, for points that share nodes only in part, compared with the motion of a patch; and the stiffness of elements with
+/// a mean dilatation.
+#[test]
+fn points_with_the_mean_dilatation_of_their_cell_have_the_stiffness_of_elements() {
+    for (functions, formulation, per_side) in [
+        (GridFunctions::Linear, FIXED, 2),
+        (GridFunctions::Linear, UPDATED, 2),
+        (GridFunctions::Gimp, UPDATED, 3),
+        (GridFunctions::QuadraticSpline, PARTICLES, 2),
+    ] {
+        let choices = MaterialPointChoices {
+            spacing: 0.8,
+            density: 1.7,
+            functions,
+            dilatation: PointDilatation::Cell,
+            ..choices(formulation, per_side)
+        };
+        let material = ModifiedMooneyRivlin::default();
+        assert_scheme(&points::<2>(choices), &material, &state::<2>());
+    }
+    let points = points::<2>(MaterialPointChoices {
+        layout: PointLayout::Gauss,
+        dilatation: PointDilatation::Cell,
+        ..choices(FIXED, 2)
+    });
+    let elements = element::FiniteElements::<2>::new(&element::ElementChoices {
+        formulation: element::Formulation {
+            integration: element::Integration::MeanDilatation,
+            ..element::Formulation::default()
+        },
+        ..element::ElementChoices::default()
+    });
+    let material = ModifiedMooneyRivlin::default();
+    let elements = elements
+        .expect("elements")
+        .waves(&material, &rest())
+        .expect("waves");
+    let found = waves(&points, &rest());
+    for k in [[0.4, 0.1], [2.0, -1.3], [PI, PI]] {
+        let k = SVector::from(k);
+        let [own, expected] = [&found, &elements].map(|system| system.stiffness().at(&k));
+        assert!((own - &expected).camax() < 1e-11 * expected.camax());
     }
 }
 

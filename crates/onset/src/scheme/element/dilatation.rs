@@ -9,8 +9,7 @@ use crate::method::MethodError;
 use crate::real::Real;
 use crate::scheme::lagrangian::{LagrangianPoint, Stressed, stressed};
 use crate::scheme::response::{determinant, inverse};
-use crate::scheme::{Interaction, Motion, PointResponse, SeenForm, StrainOperator};
-use nalgebra::SVector;
+use crate::scheme::{Interaction, Motion, PointResponse, StrainOperator};
 
 /// Integration point of an element, or all points of an element with a mean dilatation.
 pub(super) enum Integrated<'a, const D: usize> {
@@ -48,41 +47,16 @@ pub(super) fn integrated<'a, const D: usize>(
     Ok(points.chunks(count).map(element).collect())
 }
 
-/// Adds the strains of elements with a mean dilatation, `sym grad u + (mean div u - div u) / D`, as scalars whose squares add up to the squared norm.
+/// Adds the strains of elements with a mean dilatation.
 pub(super) fn add_strains<const D: usize>(
     points: &[LagrangianPoint<D>],
     count: usize,
     strain: &mut StrainOperator<D>,
 ) {
     for element in points.chunks(count) {
-        let volume: f64 = element.iter().map(LagrangianPoint::volume).sum();
-        let mean = |a: usize| -> SVector<f64, D> {
-            let own = element.iter().map(|q| q.gradients()[a] * q.volume());
-            own.sum::<SVector<f64, D>>() / volume
-        };
-        for point in element {
-            let share = point.volume().sqrt() / volume.sqrt();
-            let component = |i: usize, j: usize| {
-                let of_node = |(a, b): (usize, &SVector<f64, D>)| match i == j {
-                    true => {
-                        let unit = SVector::from_fn(|m, _| if m == i { b[i] } else { 0.0 });
-                        (unit + (mean(a) - b) / D as f64) * share
-                    }
-                    false => {
-                        let half = 0.5_f64.sqrt() * share;
-                        SVector::from_fn(|m, _| match m {
-                            _ if m == i => half * b[j],
-                            _ if m == j => half * b[i],
-                            _ => 0.0,
-                        })
-                    }
-                };
-                SeenForm::Control(point.gradients().iter().enumerate().map(of_node).collect())
-            };
-            let pairs = (0..D).flat_map(|i| (i..D).map(move |j| (i, j)));
-            let forms = pairs.map(|(i, j)| component(i, j)).collect();
-            strain.add(point.particles().to_vec(), forms);
-        }
+        let own = |point: &LagrangianPoint<D>| (point.volume(), point.gradients().to_vec());
+        let points: Vec<_> = element.iter().map(own).collect();
+        strain.add_with_mean_dilatation(element[0].particles(), &points);
     }
 }
 

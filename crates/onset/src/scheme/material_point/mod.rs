@@ -22,7 +22,7 @@ use crate::method::{CurrentLattice, MethodError};
 use crate::quadrature::gauss_line;
 use functions::Profile;
 use nalgebra::{DMatrix, SMatrix, SVector};
-use point::{Point, State};
+use point::{Cell, Point, State};
 use std::collections::BTreeMap;
 use step::Step;
 
@@ -45,6 +45,22 @@ pub enum PointLayout {
     Uniform,
     /// Gauss-Legendre points with their weights as volumes; up to three along each side.
     Gauss,
+}
+
+/// Dilatation that determines the stress of a material point.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum PointDilatation {
+    /// The volume ratio of the point.
+    #[default]
+    Point,
+    /// The mean volume ratio of the points in the cell, `Fbar = (J' / J)^(1/D) F`, against locking of nearly incompressible laws (Coombs and others, Comput.
+    /// Methods Appl. Mech. Eng. 333 (2018) 1). The forces do not derive from an energy.
+    Cell,
 }
 
 /// Mass matrix that relates the forces on the nodes to accelerations.
@@ -126,6 +142,8 @@ pub struct MaterialPointChoices {
     pub functions: GridFunctions,
     /// Gradients used in forces and velocity gradients.
     pub gradients: GridGradients,
+    /// Dilatation that determines the stress of a point.
+    pub dilatation: PointDilatation,
     /// Degrees of freedom and masses.
     pub formulation: Formulation,
 }
@@ -140,6 +158,7 @@ impl Default for MaterialPointChoices {
             offset: [0.0; 3],
             functions: GridFunctions::Linear,
             gradients: GridGradients::Functions,
+            dilatation: PointDilatation::Point,
             formulation: Formulation::Updated {
                 mass: GridMass::Lumped,
                 grid: CurrentLattice::Convected,
@@ -266,10 +285,25 @@ impl<const D: usize> MaterialPoints<D> {
     ) -> Result<Forced<D>, MethodError> {
         let state = self.state(material, f)?;
         let mut forced = Forced::default();
-        for (place, volume) in &self.points {
-            forced.add(&Point::new(state, &self.profile, *place, *volume));
+        for cell in self.cells(state) {
+            forced.add(&cell);
         }
         Ok(forced)
+    }
+
+    /// Returns true if the points of a cell share the mean of their dilatations.
+    fn shares_dilatation(&self) -> bool {
+        self.choices.dilatation == PointDilatation::Cell && self.points.len() > 1
+    }
+
+    /// Points of a cell that share a mean dilatation, or each point alone.
+    fn cells<'a>(&'a self, state: State<'a, D>) -> Vec<Cell<'a, D>> {
+        let point = |(place, volume): &(_, _)| Point::new(state, &self.profile, *place, *volume);
+        let points = self.points.iter().map(point);
+        match self.shares_dilatation() {
+            true => vec![Cell::new(points.collect())],
+            false => points.map(|point| Cell::new(vec![point])).collect(),
+        }
     }
 
     /// Mass of the points of a cell, equal to the mass of a node.
@@ -573,18 +607,41 @@ impl<const D: usize> Discretization<D> for MaterialPoints<D> {
     fn strain(&self) -> Result<StrainOperator<D>, MethodError> {
         let inverse = self.grid.lattice().reciprocal() / std::f64::consts::TAU;
         let mut strain = StrainOperator::new();
-        for (place, _) in &self.points {
+        let mut points: Vec<(f64, BTreeMap<Particle<D>, SVector<f64, D>>)> = Vec::new();
+        for (place, volume) in &self.points {
             let at: [f64; D] = (*place).into();
             let nodes = self.profile.nodes(&at).into_iter().map(|cell| {
                 let slope: SVector<f64, D> = self.profile.shape(&at, &cell).slope.into();
                 (Particle { site: 0, cell }, inverse * slope)
             });
-            let (particles, gradients): (Vec<_>, Vec<_>) = match self.moves_points() {
-                true => self.through_nodes(nodes).into_iter().unzip(),
-                false => nodes.unzip(),
+            let gradients: BTreeMap<_, _> = match self.moves_points() {
+                true => self.through_nodes(nodes),
+                false => nodes.collect(),
             };
-            strain.add_strain(&particles, gradients);
+            points.push((*volume, gradients));
         }
+        if !self.shares_dilatation() {
+            for (_, gradients) in points {
+                let (particles, gradients): (Vec<_>, Vec<_>) = gradients.into_iter().unzip();
+                strain.add_strain(&particles, gradients);
+            }
+            return Ok(strain);
+        }
+        let mut particles: Vec<Particle<D>> = points
+            .iter()
+            .flat_map(|(_, own)| own.keys().copied())
+            .collect();
+        particles.sort_unstable();
+        particles.dedup();
+        let of_all = |own: &BTreeMap<Particle<D>, SVector<f64, D>>| {
+            let gradient = |particle| own.get(particle).copied().unwrap_or_else(SVector::zeros);
+            particles.iter().map(gradient).collect::<Vec<_>>()
+        };
+        let points: Vec<_> = points
+            .iter()
+            .map(|(volume, own)| (*volume, of_all(own)))
+            .collect();
+        strain.add_with_mean_dilatation(&particles, &points);
         Ok(strain)
     }
 
@@ -597,10 +654,7 @@ impl<const D: usize> Discretization<D> for MaterialPoints<D> {
     ) -> Result<(), MethodError> {
         let state = self.state(material, f)?;
         if let Formulation::TotalLagrangian { .. } = self.choices.formulation {
-            let profile = &self.profile;
-            let point = |(place, volume): &(_, _)| Point::new(state, profile, *place, *volume);
-            let points: Vec<Point<'_, D>> = self.points.iter().map(point).collect();
-            work(&Assembled::new(patch, &points));
+            work(&Assembled::new(patch, &self.cells(state)));
             return Ok(());
         }
         work(&Step::new(state, self, patch.cells()));
@@ -637,7 +691,8 @@ impl<const D: usize> Discretization<D> for MaterialPoints<D> {
                 !self.moves_points() && self.transfer_of_a_step().is_none()
             }
         };
-        if !is_lumped {
+        // The mean dilatation of a cell depends on the points that it holds.
+        if !is_lumped || self.shares_dilatation() {
             return Ok(None);
         }
         let state = self.state(material, f)?;

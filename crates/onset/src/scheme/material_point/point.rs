@@ -7,7 +7,7 @@ use crate::lattice::Particle;
 use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use crate::real::Real;
-use crate::scheme::{Interaction, Motion, PointResponse};
+use crate::scheme::{Interaction, Motion, PointResponse, determinant};
 use nalgebra::{DMatrix, SMatrix, SVector};
 
 /// Grid in a homogeneous state of a material.
@@ -63,25 +63,63 @@ impl<'a, const D: usize> State<'a, D> {
         array_of(|i| array_of(|j| entry(i, j)))
     }
 
-    /// Energy density `W` at the displacement gradient `L` on the grid, `F = (1 + L) F0`; energy/volume. NaN if the law is not defined there.
-    pub(super) fn energy(&self, l: &[[f64; D]; D]) -> f64 {
-        self.response.energy(&moved(l, &self.response.leading()))
+    /// Energy density `W` of `b F` at the displacement gradient `L` on the grid; energy/volume. NaN if the law is not defined there.
+    pub(super) fn energy(&self, l: &[[f64; D]; D], ratio: f64) -> f64 {
+        let f = self.deformed(l);
+        self.response
+            .energy(&array_of(|i| array_of(|j| f[i][j] * ratio)))
+    }
+
+    /// Deformation gradient at the displacement gradient `L` on the grid, `F0 + L`, or `(1 + L) F0` if the grid is updated.
+    pub(super) fn deformed<R: Real>(&self, l: &[[R; D]; D]) -> [[R; D]; D] {
+        let base = self.response.leading::<f64>();
+        match self.is_updated {
+            true => moved(l, &base),
+            false => array_of(|i| array_of(|j| l[i][j] + base[i][j])),
+        }
     }
 
     /// Stress that is multiplied by the volume, at the displacement gradient `L` on the grid.
     ///
-    /// Total-Lagrangian: `P` at `F = F0 + L`. Updated: `J sigma = P F^T` at `F = (1 + L) F0`.
-    pub(super) fn stress<R: Real>(&self, l: &[[R; D]; D]) -> [[R; D]; D] {
-        let base = self.response.leading::<f64>();
+    /// Total-Lagrangian: `P` at `F = F0 + L`. Updated: `J sigma = P F^T` at `F = (1 + L) F0`. With a ratio `b` of the mean dilatation, the stress of `b F` acts
+    /// on the geometry of `F`: both are those of `P(b F) b^(1-D)`.
+    pub(super) fn stress<R: Real>(&self, l: &[[R; D]; D], ratio: Option<R>) -> [[R; D]; D] {
         let zero = R::constant(0.0);
-        if !self.is_updated {
-            let f = array_of(|i| array_of(|j| l[i][j] + base[i][j]));
-            return self.response.first_piola(&f);
+        let f = self.deformed(l);
+        let mut stress = match ratio {
+            Some(b) => self
+                .response
+                .first_piola(&array_of(|i| array_of(|j| f[i][j] * b))),
+            None => self.response.first_piola(&f),
+        };
+        if let Some(b) = ratio {
+            let factor = (1..D).fold(R::constant(1.0), |product, _| product / b);
+            stress = array_of(|i| array_of(|j| stress[i][j] * factor));
         }
-        let f = moved(l, &base);
-        let stress = self.response.first_piola(&f);
+        if !self.is_updated {
+            return stress;
+        }
         let product = |i: usize, j: usize| (0..D).fold(zero, |sum, m| sum + stress[i][m] * f[j][m]);
         array_of(|i| array_of(|j| product(i, j)))
+    }
+
+    /// Ratios `b = (J' / J)^(1/D)` of points with the volumes `V` and the displacement gradients `L` that share the mean `J' = sum V J / sum V` of their volume
+    /// ratios.
+    pub(super) fn ratios<R: Real>(&self, points: &[(f64, [[R; D]; D])]) -> Vec<R> {
+        let volume_ratio = |(_, l): &(f64, [[R; D]; D])| determinant(&self.deformed(l));
+        let own: Vec<R> = points.iter().map(volume_ratio).collect();
+        let whole: f64 = points.iter().map(|(volume, _)| volume).sum();
+        let Some(first) = own.first().copied() else {
+            return own;
+        };
+        // Equal volume ratios have this mean exactly.
+        let both = points.iter().zip(&own);
+        let mean = both.fold(first, |sum, ((volume, _), j)| {
+            sum + (*j - first) * (volume / whole)
+        });
+        own.iter()
+            .map(|j| (mean / *j).powf(1.0 / D as f64))
+            .collect()
     }
 }
 
@@ -156,24 +194,30 @@ impl<'a, const D: usize> Point<'a, D> {
     }
 }
 
-impl<const D: usize> Interaction<D> for Point<'_, D> {
-    fn particles(&self) -> &[Particle<D>] {
-        &self.nodes
-    }
-
-    fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
-        let displacements = motion.displacements;
-        let fixed = |(_, gradient): &(f64, [f64; D])| gradient.map(R::constant);
-        let resting: Vec<[R; D]> = self.shapes.iter().map(fixed).collect();
+impl<const D: usize> Point<'_, D> {
+    /// Displacement gradient on the grid.
+    fn displacement_gradient<R: Real>(&self, displacements: &[[R; D]]) -> [[R; D]; D] {
         let mut l = [[R::constant(0.0); D]; D];
-        for (u, gradient) in displacements.iter().zip(&resting) {
+        for (u, (_, gradient)) in displacements.iter().zip(&self.shapes) {
             l = array_of(|i| array_of(|j| l[i][j] + u[i] * gradient[j]));
         }
-        let stress = self.state.stress(&l);
-        let gradients = if self.state.is_updated {
-            self.moved_gradients(displacements, &l)
-        } else {
-            resting
+        l
+    }
+
+    /// Forces on the nodes; `ratio` as in [`State::stress`].
+    fn forces_with<R: Real>(
+        &self,
+        displacements: &[[R; D]],
+        l: &[[R; D]; D],
+        ratio: Option<R>,
+    ) -> Vec<[R; D]> {
+        let stress = self.state.stress(l, ratio);
+        let gradients = match self.state.is_updated {
+            true => self.moved_gradients(displacements, l),
+            false => {
+                let fixed = |(_, gradient): &(f64, [f64; D])| gradient.map(R::constant);
+                self.shapes.iter().map(fixed).collect()
+            }
         };
         let zero = R::constant(0.0);
         let force = |gradient: &[R; D]| -> [R; D] {
@@ -183,5 +227,72 @@ impl<const D: usize> Interaction<D> for Point<'_, D> {
             })
         };
         gradients.iter().map(force).collect()
+    }
+}
+
+impl<const D: usize> Interaction<D> for Point<'_, D> {
+    fn particles(&self) -> &[Particle<D>] {
+        &self.nodes
+    }
+
+    fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
+        let l = self.displacement_gradient(motion.displacements);
+        self.forces_with(motion.displacements, &l, None)
+    }
+}
+
+/// Material points of a cell, with the mean of their dilatations if there are several.
+pub(super) struct Cell<'a, const D: usize> {
+    points: Vec<Point<'a, D>>,
+    nodes: Vec<Particle<D>>,
+    /// Places of the nodes of each point among all nodes.
+    places: Vec<Vec<usize>>,
+}
+
+impl<'a, const D: usize> Cell<'a, D> {
+    pub(super) fn new(points: Vec<Point<'a, D>>) -> Self {
+        let mut nodes: Vec<Particle<D>> = points.iter().flat_map(|own| own.nodes.clone()).collect();
+        if points.len() > 1 {
+            nodes.sort_unstable();
+            nodes.dedup();
+        }
+        let place = |node: &Particle<D>| nodes.iter().position(|own| own == node).unwrap_or(0);
+        Self {
+            places: points
+                .iter()
+                .map(|point| point.nodes.iter().map(place).collect())
+                .collect(),
+            nodes,
+            points,
+        }
+    }
+}
+
+impl<const D: usize> Interaction<D> for Cell<'_, D> {
+    fn particles(&self) -> &[Particle<D>] {
+        &self.nodes
+    }
+
+    fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
+        if let [point] = &self.points[..] {
+            return point.forces(motion);
+        }
+        let of_point = |places: &Vec<usize>| -> Vec<[R; D]> {
+            places.iter().map(|n| motion.displacements[*n]).collect()
+        };
+        let displacements: Vec<Vec<[R; D]>> = self.places.iter().map(of_point).collect();
+        let both = self.points.iter().zip(&displacements);
+        let gradients: Vec<(f64, [[R; D]; D])> = both
+            .map(|(point, own)| (point.volume, point.displacement_gradient(own)))
+            .collect();
+        let ratios = self.points[0].state.ratios(&gradients);
+        let mut forces = vec![[R::constant(0.0); D]; self.nodes.len()];
+        for (n, point) in self.points.iter().enumerate() {
+            let own = point.forces_with(&displacements[n], &gradients[n].1, Some(ratios[n]));
+            for (place, force) in self.places[n].iter().zip(own) {
+                forces[*place] = array_of(|i| forces[*place][i] + force[i]);
+            }
+        }
+        forces
     }
 }

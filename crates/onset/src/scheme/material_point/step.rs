@@ -7,6 +7,7 @@ use crate::algebra::array_of;
 use crate::lattice::Particle;
 use crate::scheme::{NoForce, PatchForces, PatchTransfer, PeriodicPatch, PointsInMotion};
 use nalgebra::{SMatrix, SVector};
+use std::collections::BTreeMap;
 
 /// Distance in cells at which a point counts as lost, because nodes are no longer distinct in floating point.
 const LOST_DISTANCE: f64 = 1e9;
@@ -29,6 +30,8 @@ pub(super) struct Step<'a, const D: usize> {
     moves_points: bool,
     /// Transfer of the time step; `None` if integrators step the equations.
     transfer: Option<Transfer>,
+    /// Whether the points of a cell share the mean of their dilatations.
+    shares_dilatation: bool,
 }
 
 /// Node whose function is nonzero at a position.
@@ -70,6 +73,7 @@ impl<'a, const D: usize> Step<'a, D> {
             nodes,
             moves_points: method.moves_points(),
             transfer: method.transfer_of_a_step().map(|(transfer, _)| transfer),
+            shares_dilatation: method.shares_dilatation(),
         }
     }
 
@@ -101,24 +105,69 @@ impl<'a, const D: usize> Step<'a, D> {
         point.place + self.state.to_grid * displacement
     }
 
-    /// Stress `J sigma` at a displacement gradient from the homogeneous state.
-    fn stress(&self, l: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
-        let stress = self.state.stress(&rows(l));
-        SMatrix::from_fn(|i, j| stress[i][j])
+    /// Ratios of the mean dilatation of each point, as in [`State::stress`], for positions and displacement gradients from the homogeneous state; `None`
+    /// if each point has its own dilatation.
+    fn ratios<'l>(
+        &self,
+        places: impl Iterator<Item = &'l SVector<f64, D>>,
+        gradients: &[SMatrix<f64, D, D>],
+    ) -> Option<Vec<f64>> {
+        if !self.shares_dilatation {
+            return None;
+        }
+        let mut cells: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (n, place) in places.enumerate() {
+            let cell = array_of(|i| place[i].floor() as i32);
+            let number = self.nodes.number(&Particle { site: 0, cell });
+            cells.entry(number).or_default().push(n);
+        }
+        let mut ratios = vec![1.0; gradients.len()];
+        for members in cells.values() {
+            let own: Vec<_> = members
+                .iter()
+                .map(|n| (self.points[*n].volume, rows(&gradients[*n])))
+                .collect();
+            for (n, ratio) in members.iter().zip(self.state.ratios(&own)) {
+                ratios[*n] = ratio;
+            }
+        }
+        Some(ratios)
+    }
+
+    /// Stresses `J sigma` of the points at displacement gradients from the homogeneous state.
+    fn stresses<'l>(
+        &self,
+        places: impl Iterator<Item = &'l SVector<f64, D>>,
+        gradients: &[SMatrix<f64, D, D>],
+    ) -> Vec<SMatrix<f64, D, D>> {
+        let ratios = self.ratios(places, gradients);
+        let stress = |(n, l): (usize, &SMatrix<f64, D, D>)| {
+            let ratio = ratios.as_ref().map(|all| all[n]);
+            let stress = self.state.stress(&rows(l), ratio);
+            SMatrix::from_fn(|i, j| stress[i][j])
+        };
+        gradients.iter().enumerate().map(stress).collect()
     }
 
     /// Forces on the nodes after a step that displaces them, and the nodes around each point at its new position.
     fn stepped(&self, displacements: &[SVector<f64, D>]) -> (Vec<SVector<f64, D>>, Vec<Seen<D>>) {
         let mut forces = vec![SVector::zeros(); self.nodes.len()];
         let mut seen = Vec::with_capacity(self.points.len());
+        let mut shifts = Vec::with_capacity(self.points.len());
+        let mut gradients = Vec::with_capacity(self.points.len());
         for point in &self.points {
             let (mut moved, mut l) = (SVector::zeros(), SMatrix::<f64, D, D>::zeros());
             for node in self.seen(&point.place, &SMatrix::zeros()) {
                 moved += displacements[node.number] * node.value;
                 l += displacements[node.number] * node.gradient.transpose();
             }
-            let stress = self.stress(&l);
-            let at_end = self.seen(&self.moved(point, &moved), &l);
+            shifts.push(moved);
+            gradients.push(l);
+        }
+        let stresses = self.stresses(self.points.iter().map(|point| &point.place), &gradients);
+        for (n, point) in self.points.iter().enumerate() {
+            let stress = stresses[n];
+            let at_end = self.seen(&self.moved(point, &shifts[n]), &gradients[n]);
             for node in &at_end {
                 forces[node.number] -= stress * node.gradient * point.volume;
             }
@@ -262,13 +311,15 @@ impl<const D: usize> Step<'_, D> {
     fn to_the_grid(
         &self,
         points: &PointsInMotion<D>,
+        places: &[SVector<f64, D>],
         seen: &[Seen<D>],
         dt: f64,
     ) -> Result<OnTheGrid<D>, NoForce> {
         let zero = vec![SVector::zeros(); self.nodes.len()];
         let (mut momenta, mut forces) = (zero.clone(), zero);
+        let stresses = self.stresses(places.iter(), &points.gradients);
         for (number, (point, seen)) in self.points.iter().zip(seen).enumerate() {
-            let stress = self.stress(&points.gradients[number]);
+            let stress = stresses[number];
             if !stress.iter().all(|component| component.is_finite()) {
                 return Err(NoForce {
                     particle: number,
@@ -349,7 +400,7 @@ impl<const D: usize> PatchTransfer<D> for Step<'_, D> {
         }
         let both = places.iter().zip(&points.gradients);
         let seen: Vec<Seen<D>> = both.map(|(place, l)| self.seen(place, l)).collect();
-        let mut grid = self.to_the_grid(points, &seen, dt)?;
+        let mut grid = self.to_the_grid(points, &places, &seen, dt)?;
         // Velocities of the nodes that XPIC adds to those after the forces.
         let mut beyond = Vec::new();
         match transfer {
@@ -413,11 +464,16 @@ impl<const D: usize> PatchTransfer<D> for Step<'_, D> {
     }
 
     fn strain_energy(&self, points: &PointsInMotion<D>) -> f64 {
-        let of = |l: &SMatrix<f64, D, D>| self.state.energy(&rows(l));
-        let at_rest = of(&SMatrix::zeros());
+        let moved = self.points.iter().zip(&points.displacements);
+        let places: Vec<SVector<f64, D>> = moved.map(|(p, u)| self.moved(p, u)).collect();
+        let ratios = self.ratios(places.iter(), &points.gradients);
+        let at_rest = self.state.energy(&rows(&SMatrix::zeros()), 1.0);
+        let of = |(n, (point, l)): (usize, (&Carried<D>, &SMatrix<f64, D, D>))| {
+            let ratio = ratios.as_ref().map_or(1.0, |all| all[n]);
+            point.volume * (self.state.energy(&rows(l), ratio) - at_rest)
+        };
         let both = self.points.iter().zip(&points.gradients);
-        both.map(|(point, l)| point.volume * (of(l) - at_rest))
-            .sum()
+        both.enumerate().map(of).sum()
     }
 
     fn momentum(&self, points: &PointsInMotion<D>) -> SVector<f64, D> {
