@@ -634,7 +634,7 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     key(
         "discretization.dilatation",
         Kind::Words(&["point", "cell"]),
-        "material points: dilatation for the stress of a point, its own or the mean of the points in the cell (F-bar), against locking",
+        "material points: dilatation for the stress, of the point itself or the mean of all points in the cell (F-bar), against locking",
     )
     .only_with(SEVERAL_POINTS),
     key(

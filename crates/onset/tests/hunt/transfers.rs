@@ -9,7 +9,7 @@ use onset::material::Hyperelastic;
 use onset::method::CurrentLattice;
 use onset::scheme::{
     Discretization, Formulation, GridFunctions, GridGradients, MaterialPointChoices,
-    MaterialPoints, PointLayout, Transfer,
+    MaterialPoints, PointDilatation, PointLayout, Transfer,
 };
 use onset::time_step::TransferredWaves;
 use std::f64::consts::TAU;
@@ -63,6 +63,7 @@ fn choices(random: &mut Random) -> MaterialPointChoices {
             GridFunctions::CubicSpline,
         ]),
         gradients: random.one_of(&[GridGradients::Functions, GridGradients::Moments]),
+        dilatation: PointDilatation::Point,
         formulation: Formulation::Particles {
             grid: random.one_of(&[CurrentLattice::Convected, CurrentLattice::Regular]),
             transfer: random.one_of(&[

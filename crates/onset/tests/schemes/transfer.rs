@@ -10,7 +10,7 @@ use onset::method::{CurrentLattice, KernelMethodChoices, MethodError};
 use onset::motion::{PatchMotion, Stepper};
 use onset::scheme::{
     Discretization, Formulation, GridFunctions, GridGradients, GridMass, MaterialPointChoices,
-    MaterialPoints, MethodChoices, PointLayout, Transfer,
+    MaterialPoints, MethodChoices, PointDilatation, PointLayout, Transfer,
 };
 use onset::time_step::{Integrator, TransferredWaves};
 use onset::verdict::Survey;
@@ -40,6 +40,7 @@ fn choices(transfer: Transfer, functions: GridFunctions) -> MaterialPointChoices
         offset: [0.11, 0.07, -0.13],
         functions,
         gradients: GridGradients::Functions,
+        dilatation: PointDilatation::Point,
         formulation: Formulation::Particles {
             grid: CurrentLattice::Convected,
             transfer,

@@ -82,7 +82,7 @@ impl<'a, const D: usize> State<'a, D> {
     /// Stress that is multiplied by the volume, at the displacement gradient `L` on the grid.
     ///
     /// Total-Lagrangian: `P` at `F = F0 + L`. Updated: `J sigma = P F^T` at `F = (1 + L) F0`. With a ratio `b` of the mean dilatation, the stress of `b F` acts
-    /// on the geometry of `F`: both are those of `P(b F) b^(1-D)`.
+    /// on the geometry of `F`, and `P(b F) b^(1-D)` replaces `P`.
     pub(super) fn stress<R: Real>(&self, l: &[[R; D]; D], ratio: Option<R>) -> [[R; D]; D] {
         let zero = R::constant(0.0);
         let f = self.deformed(l);

@@ -106,7 +106,7 @@ impl<'a, const D: usize> Step<'a, D> {
     }
 
     /// Ratios of the mean dilatation of each point, as in [`State::stress`], for positions and displacement gradients from the homogeneous state; `None`
-    /// if each point has its own dilatation.
+    /// if the points do not share a dilatation.
     fn ratios<'l>(
         &self,
         places: impl Iterator<Item = &'l SVector<f64, D>>,
