@@ -71,3 +71,22 @@ fn a_kink_is_not_mistaken_for_a_missing_energy() {
         assert_finite(&audit);
     }
 }
+
+/// A law that is consistent at small strains can fail beyond them, so that the answer has the range of its states.
+#[test]
+fn an_audit_has_the_range_of_its_stretches() {
+    let states = states(0.2).expect("states");
+    let audit = of_energy("(I1 - 3)/2 - ln(J) + ln(J)^2", &states);
+    let all = states.iter().flat_map(|f| f.principal_stretches());
+    let (low, high) = all.fold((1.0_f64, 1.0_f64), |(low, high), x| {
+        (low.min(x), high.max(x))
+    });
+    assert_eq!(audit.stretches, [low, high]);
+    assert!(
+        (audit.jacobians[0] - 0.8_f64.powi(3)).abs() < 1e-12,
+        "{audit:?}"
+    );
+    let text = audit.to_string();
+    assert!(text.contains("principal stretches 0.6944 to "), "{text}");
+    assert!(text.contains("not tested beyond (--strain)"), "{text}");
+}

@@ -80,6 +80,10 @@ pub struct Audit {
     pub verdict: String,
     /// Number of audited states, including the reference configuration.
     pub states: usize,
+    /// Smallest and largest principal stretch of the states; nothing is tested beyond them.
+    pub stretches: [f64; 2],
+    /// Smallest and largest Jacobian of the states.
+    pub jacobians: [f64; 2],
     /// Results of the checks.
     pub checks: Vec<Check>,
     /// Identification of the tangent.
@@ -152,6 +156,7 @@ impl Audit {
         let tangent = TangentFinding::new(subject, &reference, &measured)?;
         let mut checks = checks::all(subject, &reference, &measured)?;
         checks.push(tangent.check(subject, &measured));
+        let deformations = || measured.iter().map(|own| own.sample.deformation);
         let is_open =
             |check: &Check| matches!(check.outcome, Outcome::Failed | Outcome::Undetermined);
         let consistent = !checks.iter().any(is_open);
@@ -160,11 +165,21 @@ impl Audit {
             consistent,
             verdict: report::verdict(consistent, &checks, &tangent),
             states: measured.len(),
+            stretches: range(deformations().flat_map(|f| f.principal_stretches())),
+            jacobians: range(deformations().map(|f| f.jacobian())),
             checks,
             tangent,
             notes: Vec::new(),
         })
     }
+}
+
+/// Smallest and largest of some values.
+fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let unknown = [f64::INFINITY, f64::NEG_INFINITY];
+    values.fold(unknown, |[low, high], value| {
+        [low.min(value), high.max(value)]
+    })
 }
 
 fn description(settings: &MaterialSettings) -> String {

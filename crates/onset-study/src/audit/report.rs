@@ -2,6 +2,7 @@
 
 use super::checks::{Check, Outcome};
 use super::{Audit, TangentFinding};
+use crate::number::told_with;
 use std::fmt::{self, Display, Formatter};
 
 /// Summary of the audit, in a sentence or two.
@@ -55,7 +56,13 @@ impl Display for Audit {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}\n", self.verdict)?;
         writeln!(f, "material   {}", self.material)?;
-        writeln!(f, "states     {}", self.states)?;
+        let [low, high] = self.stretches.map(|value| told_with(value, 4));
+        let [smaller, larger] = self.jacobians.map(|value| told_with(value, 4));
+        writeln!(
+            f,
+            "states     {}, principal stretches {low} to {high}, J {smaller} to {larger}; not tested beyond (--strain)",
+            self.states
+        )?;
         for note in &self.notes {
             writeln!(f, "note       {note}")?;
         }

@@ -1,5 +1,6 @@
 //! Lowest modes of the body in the actual state of a frame.
 
+use super::course::largest;
 use super::neighborhoods::Neighborhoods;
 use super::{Run, ScreenError};
 use crate::answers::{Problem, ProblemError};
@@ -240,8 +241,8 @@ impl BodyModeAnswer {
             () if strained < LOCALIZED.0 && width < LOCALIZED.1 => ModeKind::Localized,
             () => ModeKind::Structural,
         };
-        let particle = (0..u.len()).max_by(|a, b| squares(&u[*a]).total_cmp(&squares(&u[*b])));
-        let particle = particle.unwrap_or(0);
+        let sizes = u.iter().map(squares).enumerate();
+        let particle = largest(sizes, &run.reference).map_or(0, |(n, _)| n);
         Self {
             omega_squared: exact(mode.squared.re),
             omega_squared_imaginary: exact(mode.squared.im.abs()),

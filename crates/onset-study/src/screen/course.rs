@@ -16,6 +16,7 @@ use onset::motion::BodyMode;
 use onset::time_step::Stepping;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::cmp::Ordering;
 
 /// Smallest integral of the growth rate that counts as growth: amplitudes have grown by five percent.
 const INTEGRAL_AT_BEGINNING: f64 = 0.05;
@@ -242,11 +243,24 @@ impl<'p> Growth<'p> {
             self.rate[n] = rate;
         }
     }
+}
 
-    fn largest(&self) -> Option<(usize, f64)> {
-        let all = self.integral.iter().copied().enumerate();
-        all.max_by(|a, b| a.1.total_cmp(&b.1))
-    }
+/// Largest relative difference of values that count as equal, because they can differ by rounding.
+const TIED: f64 = 1e-6;
+
+/// Number and value of the largest of some numbered values; of equal values the one at the smallest reference position, by its coordinates in order, so that
+/// the order of the particles in the files has no effect.
+pub(super) fn largest(
+    values: impl Iterator<Item = (usize, f64)> + Clone,
+    places: &[[f64; 3]],
+) -> Option<(usize, f64)> {
+    let most = values.clone().map(|(_, value)| value);
+    let most = most.max_by(f64::total_cmp)?;
+    let tied = values.filter(|(_, value)| *value >= most - TIED * most.abs());
+    tied.min_by(|(a, _), (b, _)| {
+        let mut axes = (0..3).map(|i| places[*a][i].total_cmp(&places[*b][i]));
+        axes.find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
+    })
 }
 
 /// Fraction of an interval at which an exponentially growing amplitude crosses a limit.
@@ -515,7 +529,8 @@ impl<'p> Follower<'p> {
         };
         let at = |point: usize| (point, self.points.places[point]);
         // Predicted amplitudes start from the short waves at the beginning of growth.
-        let (grown, integral) = self.growth.largest().unwrap_or((0, 0.0));
+        let integrals = self.growth.integral.iter().copied().enumerate();
+        let (grown, integral) = largest(integrals, &self.points.places).unwrap_or((0, 0.0));
         if !self.has_begun && integral > INTEGRAL_AT_BEGINNING {
             self.has_begun = true;
             // Short waves above the threshold have already grown and are not the seed.
@@ -549,7 +564,6 @@ impl<'p> Follower<'p> {
         let critical = critical.map(|(limit, _)| limit.body.unwrap_or(limit.lattice));
         let mut undefined = 0;
         let (mut squared, mut extra) = (0.0_f64, 0.0_f64);
-        let mut softest: Option<(usize, f64)> = None;
         let mut fastest: Option<f64> = None;
         for point in (0..count).filter(|point| self.is_asked[*point]) {
             let rates = rates_of(point).filter(|_| !self.growth.is_over[point]);
@@ -562,9 +576,6 @@ impl<'p> Follower<'p> {
             squared = squared.max(rates.squared);
             if let Some(stepped) = rates.stepped {
                 extra = extra.max(stepped - rates.growth.max(0.0));
-            }
-            if softest.is_none_or(|(_, least)| rates.acoustic < least) {
-                softest = Some((point, rates.acoustic));
             }
             let amplitude = amplified(seed, self.growth.integral[point]);
             (fields.acoustic[point], fields.growth[point]) = (rates.acoustic, rate);
@@ -581,6 +592,10 @@ impl<'p> Follower<'p> {
             }
             .number();
         }
+        let known = fields.acoustic.iter().copied().enumerate();
+        let known = known.filter(|(_, least)| !least.is_nan());
+        let softest = largest(known.map(|(n, least)| (n, -least)), &self.points.places);
+        let softest = softest.map(|(point, least)| (point, -least));
         let last = self.course.moments.last();
         if self.course.lost.is_none()
             && let Some((point, least)) = softest.filter(|(_, least)| *least < ELLIPTICITY_ROUNDING)
@@ -602,11 +617,9 @@ impl<'p> Follower<'p> {
             self.course.grown_until_observed = integral;
             self.course.growing = rates_of(grown).cloned();
             if most_observed > threshold {
-                let all = observed.iter().zip(&self.nodes).enumerate();
-                let all = all.filter(|(_, (_, counts))| **counts);
-                let node = all
-                    .max_by(|a, b| a.1.0.total_cmp(b.1.0))
-                    .map_or(0, |(n, _)| n);
+                let all = observed.iter().copied().enumerate();
+                let all = all.filter(|(n, _)| self.nodes[*n]);
+                let node = largest(all, &self.run.reference).map_or(0, |(n, _)| n);
                 let f = self.points.nodes.deformation(node, &frame.x);
                 let f = f.and_then(|f| without_rotation(&f));
                 let f = f.unwrap_or_else(Matrix3::identity);

@@ -5,7 +5,8 @@ use super::course::{Course, amplified, crossing, own_rate};
 use super::states::States;
 use crate::answers::{Problem, stabilization};
 use crate::number::told;
-use crate::settings::{Family, Value};
+use crate::settings::{Family, Settings, Value};
+use crate::tune::{TuneAnswer, TuneQuestion};
 use nalgebra::Matrix3;
 use onset::method::Frame;
 use serde::Serialize;
@@ -40,6 +41,13 @@ impl Remedy {
     }
 }
 
+/// Smallest coefficient that leaves no spurious and no weakly controlled mode, as `onset tune` recommends it; `None` if the coefficient cannot do this.
+fn tuned(settings: &Settings, key: &str) -> Option<f64> {
+    let question = TuneQuestion::of(key).ok()?;
+    let answer = TuneAnswer::new(settings, &question, |_| ()).ok()?;
+    answer.recommended
+}
+
 /// Sequences of changes, from the smallest to the largest change; in each sequence the first change that helps is reported.
 fn ladders(problem: &Problem) -> Vec<Vec<Vec<String>>> {
     let settings = &problem.settings;
@@ -49,18 +57,28 @@ fn ladders(problem: &Problem) -> Vec<Vec<Vec<String>>> {
             Some(Value::Number(now)) => now,
             _ => 0.0,
         };
-        let values = match now > 0.0 {
-            true => FACTORS.map(|factor| factor * now),
-            false => VALUES,
+        let least = tuned(settings, key).unwrap_or(0.0);
+        let values = match now.max(least) {
+            0.0 => VALUES.to_vec(),
+            from => [1.0]
+                .into_iter()
+                .chain(FACTORS)
+                .map(|factor| factor * from)
+                .filter(|value| *value > now)
+                .collect(),
         };
-        let rung = |value: f64| vec![format!("{key}={}", told(value))];
-        ladders.push(values.map(rung).to_vec());
+        let rung = |value: &f64| vec![format!("{key}={}", told(*value))];
+        ladders.push(values.iter().map(rung).collect());
     }
     match settings.method.method {
-        Family::UpdatedSph => ladders.push(vec![vec![
-            "discretization.method=total-lagrangian-sph".to_owned(),
-            "discretization.penalty=0.1".to_owned(),
-        ]]),
+        Family::UpdatedSph => {
+            const KEY: &str = "discretization.penalty";
+            let method = "discretization.method=total-lagrangian-sph".to_owned();
+            let mut other = settings.clone();
+            let penalty = other.assign(&method).ok().and_then(|()| tuned(&other, KEY));
+            let penalty = penalty.map(|value| format!("{KEY}={}", told(value)));
+            ladders.extend(penalty.map(|penalty| vec![vec![method, penalty]]));
+        }
         Family::Kernel if settings.discretization.frame == Frame::Eulerian => {
             ladders.push(vec![vec!["discretization.frame=lagrangian".to_owned()]]);
         }

@@ -14,6 +14,10 @@ use crate::settings::{Origin, SettingError};
 
 /// Number of values on the grid.
 const VALUES: usize = 13;
+/// Default range of the coefficient.
+const RANGE: (f64, f64) = (0.0, 1.0);
+/// Default range of the stretches for which verdicts are compared.
+const STRETCHES: (f64, f64) = (0.7, 1.5);
 
 /// Coefficient to tune, with its range.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +29,14 @@ pub struct TuneQuestion {
 }
 
 impl TuneQuestion {
+    /// Creates the question with the default ranges and thresholds.
+    ///
+    /// # Errors
+    /// [`SettingError`] when the key does not exist or is not a number.
+    pub fn of(name: &str) -> Result<Self, SettingError> {
+        Self::new(name, RANGE, STRETCHES)
+    }
+
     /// Parses the key of the coefficient, the range of its values, and the range of stretches for which verdicts are compared.
     ///
     /// # Errors

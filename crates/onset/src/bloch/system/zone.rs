@@ -56,6 +56,8 @@ const FOLLOWED_GROWTH_RATIO: f64 = 0.7;
 const FOLLOWED_SHELL_RATIO: f64 = 0.4;
 /// Relative tolerance of squared frequencies: a wave that is no lower than the wave at `k = 0` is replaced by it.
 const EQUAL_FREQUENCY_TOLERANCE: f64 = 1e-9;
+/// Relative difference of the lengths of wave vectors that count as equal.
+const EQUAL_LENGTH_TOLERANCE: f64 = 1e-6;
 /// Distance from a known bottom, in grid steps, within which a descent that does not reach a lower value has found the same bottom.
 const KNOWN_BOTTOM_STEPS: f64 = 0.02;
 /// Number of times that boxes are halved.
@@ -73,6 +75,8 @@ const DAMPED_GRID_POINTS: usize = 12;
 const DAMPED_WELLS: usize = 4;
 /// Sizes of rings around `k = 0` for the search for crossings of branches, in units of the largest shell of long waves.
 const RING_SIZES: [f64; 8] = [1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 0.06];
+/// Accuracy of the crossing of two branches along a ray, in the same units.
+const CROSSING_TOLERANCE: f64 = 1e-5;
 /// Ratios of short to long steps in a narrow valley.
 const VALLEY_WIDTHS: [f64; 3] = [0.1, 1e-2, 1e-3];
 /// Half the side of the cube of points around `k = 0`, in grid steps: the largest shell of long waves.
@@ -660,6 +664,11 @@ impl<'a, const D: usize> Sweep<'a, D> {
             None if grows_at_gamma => None,
             None => self.bottom(Objective::Scaled, long_wave.scaled),
         };
+        let is_finite = covered.as_ref().is_none_or(|covered| !covered.is_long_wave);
+        let softest = softest.map(|own| match is_finite && own.0.abs() <= long.tolerance {
+            true => self.shortest_zero(own, long.tolerance),
+            false => own,
+        });
         let softest = softest
             .filter(|(value, _)| *value < long_wave.scaled)
             .map_or(long_wave, |(value, k)| match &covered {
@@ -702,6 +711,27 @@ impl<'a, const D: usize> Sweep<'a, D> {
             },
             bound: covered.map_or(f64::NEG_INFINITY, |covered| covered.bound),
         }
+    }
+
+    /// Shortest wave of zero energy among a known one and the bottoms of the wells of the grid. Which of several separate waves a search for the smallest
+    /// value finds is decided by rounding.
+    fn shortest_zero(&self, known: Candidate<D>, tolerance: f64) -> Candidate<D> {
+        let wave_vectors = half(&self.waves);
+        let branches = self.sampled_branches(Objective::Scaled, &wave_vectors);
+        let zone = &self.search.equivalence().zone;
+        let length = |own: &Candidate<D>| zone.folded(&own.1).norm();
+        let wells = self.wells(&branches).into_iter();
+        let ends = wells.map(|(value, _, index)| {
+            let start = (value, wave_vectors[index]);
+            self.followed(Objective::Scaled, 0, start, f64::INFINITY, &[])
+        });
+        let zeros = ends.filter(|end| end.0.abs() <= tolerance);
+        zeros.fold(known, |best, own| {
+            match length(&own) < length(&best) * (1.0 - EQUAL_LENGTH_TOLERANCE) {
+                true => own,
+                false => best,
+            }
+        })
     }
 
     /// Rounding error of the scaled measure of a mode of a system that is not Hermitian.
@@ -792,7 +822,10 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 for (place, own) in three[1].iter().enumerate() {
                     let beside = [three[0][place], three[2][place]];
                     if own.is_finite() && beside.iter().all(|other| own <= other) {
-                        let start = (*own, rings[n + 1][place]);
+                        // A descent would leave the crossing along the ring, toward another pocket.
+                        let ray = rings[n][place] / RING_SIZES[n];
+                        let around = [2, 1, 0].each(|i| RING_SIZES[n + i]);
+                        let start = self.crossing(upper, &ray, around, *own);
                         starts.push((own / beside[0], upper, start));
                     }
                 }
@@ -803,10 +836,30 @@ impl<'a, const D: usize> Sweep<'a, D> {
         starts.truncate(self.effort.pockets);
         let met = |(_, upper, start): (f64, usize, Candidate<D>)| {
             let square = |k: &SVector<f64, D>| self.squared_difference(upper, k);
-            let ((square, k), _) = self.search.newton(&square, start, 0.0);
-            (square < 0.0).then_some(k)
+            let (end, _) = self.search.newton(&square, start, 0.0);
+            // A start within a pocket counts too: the descent can end in another one.
+            let both = [start, end].into_iter();
+            both.filter(|(square, _)| *square < 0.0).map(|(_, k)| k)
         };
-        starts.into_iter().filter_map(met).collect()
+        starts.into_iter().flat_map(met).collect()
+    }
+
+    /// Smallest squared half difference of two neighboring branches on a ray, given three sizes around it and the value at the middle one.
+    fn crossing(
+        &self,
+        upper: usize,
+        ray: &SVector<f64, D>,
+        around: [f64; 3],
+        value: f64,
+    ) -> Candidate<D> {
+        let square = |size: f64| {
+            let spectra = self.sampled().spectra(&[ray * size]);
+            let own = spectra.iter().next();
+            let apart = own.map(|own| (own[upper] - own[upper - 1]) * 0.5);
+            Ok::<f64, Infallible>(apart.map_or(f64::INFINITY, |apart| (apart * apart).re))
+        };
+        let Ok((size, value)) = lowest_between(square, around, value, CROSSING_TOLERANCE);
+        (value, ray * size)
     }
 
     /// Wave vectors on cubes around `k = 0`, largest first, with the same directions on each. Acoustic and soft optical branches of a cell cross on rings
@@ -1070,18 +1123,25 @@ impl<'a, const D: usize> Sweep<'a, D> {
         bottoms.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
+    /// Branches of an objective at the wave vectors of half of the grid.
+    fn sampled_branches(
+        &self,
+        objective: Objective,
+        wave_vectors: &[SVector<f64, D>],
+    ) -> Vec<Branches> {
+        if objective == Objective::Function {
+            return self.branches_at(objective, wave_vectors);
+        }
+        let waves = wave_vectors.iter().zip(self.spectra().iter());
+        waves
+            .map(|(k, spectrum)| self.branches(objective, k, spectrum))
+            .collect()
+    }
+
     /// Ends of all descents that may fall below `floor` and below the bottoms found before.
     fn bottoms(&self, objective: Objective, floor: f64) -> Vec<Candidate<D>> {
         let wave_vectors = half(&self.waves);
-        let branches: Vec<Branches> = match objective {
-            Objective::Function => self.branches_at(objective, &wave_vectors),
-            _ => {
-                let waves = wave_vectors.iter().zip(self.spectra().iter());
-                waves
-                    .map(|(k, spectrum)| self.branches(objective, k, spectrum))
-                    .collect()
-            }
-        };
+        let branches = self.sampled_branches(objective, &wave_vectors);
         let mut ends: Vec<Candidate<D>> = Vec::new();
         let margin = self.margin(objective);
         let to_beat =
