@@ -121,8 +121,8 @@ impl MaterialSettings {
         self.units().are_si().then_some(unit)
     }
 
-    /// Values of a law with dimensions: key, value (`None` for a file of numbers), whether it has a unit, and the place at which it was set. Of a
-    /// user-defined model, only values of known dimension are returned: its stresses, and values with units.
+    /// Returns the values with dimensions: key, value (`None` for a file of numbers), whether it has a unit, and the place at which it was set. In a
+    /// user-defined model these are its stresses and the values with units; the dimensions of its other values are unknown.
     pub(super) fn measures(
         &self,
     ) -> impl Iterator<Item = (Key, Option<f64>, bool, Option<&Origin>)> {

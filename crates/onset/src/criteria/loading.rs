@@ -413,7 +413,7 @@ struct Problem<'a> {
 struct Resolutions {
     /// Whether the law integrates the path to a state: states are costly, and the tangent is not the derivative of the stress.
     integrated: bool,
-    /// Smallest distance between the end of a path, changes of criteria and kinks, beside the resolution of the search.
+    /// Smallest distance at which the end of a path, changes of criteria and kinks are resolved; zero for the resolution of the search.
     place: f64,
     /// Smallest distance from a fold or a minimum, in units of the interval around it: values there differ by the square of the distance.
     flat: f64,
@@ -977,8 +977,8 @@ fn branch(problem: &Problem<'_>, reference: &PathState, end: f64) -> (Vec<PathSt
 
 /// Returns true if the tangent of the law jumps beyond the last state so that the branch turns back there, with a corner in place of a limit point.
 ///
-/// The branch crosses a surface at which the derivatives of the tractions jump by `c (x) n`. It goes on along the vector `t` on which the derivatives beyond
-/// the surface vanish, with `t . n > 0`, and turns back if the stretch decreases along `t`.
+/// The branch crosses a surface with normal `n` at which the derivatives of the tractions jump by `c (x) n`. Beyond the surface its direction `t` has zero
+/// derivatives and `t . n > 0`. The branch turns back if the stretch decreases along `t`.
 fn folds_at_kink(problem: &Problem<'_>, states: &[PathState], step: f64) -> bool {
     let Some((last, others)) = states.split_last() else {
         return false;

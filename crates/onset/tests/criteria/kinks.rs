@@ -321,7 +321,7 @@ fn incompressible_shear_passes_a_concave_kink() {
 }
 
 /// `P_33 = mu (t - 1/t) + kappa ln(J)/t - 2 b macaulay(I1 - 4) t`: the stress is continuous at `I1 = l^2 + 2 t^2 = 4`, and its slope drops there, so that the
-/// free stretch `t` can only go on with smaller `l`.
+/// equilibrium beyond it has smaller `l`.
 #[test]
 fn a_path_turns_back_at_a_kink_of_the_stress() {
     let energy = "(I1 - 3 - 2*ln(J))/2 + ln(J)^2/2 - b*macaulay(I1 - 4)^2/2";

@@ -93,7 +93,7 @@ fn no_law(blocks: &[Block<'_>]) -> Trouble {
     }
 }
 
-/// Error for `*MAT_ELASTIC`.
+/// Error for a material that is `*MAT_ELASTIC`.
 fn elastic(block: &Block<'_>) -> Option<Trouble> {
     if !matches!(block.keyword.as_str(), "MAT_ELASTIC" | "MAT_001" | "MAT_1") {
         return None;

@@ -118,7 +118,7 @@ impl Program {
         format!("{article} {} deck", self.title())
     }
 
-    /// Recognizes the program of a deck by its keywords, first by those of materials; `None` for a study, and for a text without keywords. CalculiX
+    /// Recognizes the program of a deck by its keywords, keywords of materials first; `None` for a study, and for a text without keywords. CalculiX
     /// has the keywords of Abaqus, and is recognized as Abaqus.
     pub fn of_deck(text: &str) -> Option<Self> {
         // A comment of a study may mention a program. A study with an error is recognized by its sections.

@@ -837,7 +837,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let met = |(_, upper, start): (f64, usize, Candidate<D>)| {
             let square = |k: &SVector<f64, D>| self.squared_difference(upper, k);
             let (end, _) = self.search.newton(&square, start, 0.0);
-            // A start within a pocket counts too: the descent can end in another one.
+            // The descent from a start within a pocket can end in another pocket.
             let both = [start, end].into_iter();
             both.filter(|(square, _)| *square < 0.0).map(|(_, k)| k)
         };
