@@ -242,7 +242,7 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
             ("TB", None) if is_open => {
                 field(2).clone_into(&mut own_material);
                 found = Some(Table {
-                    line: line,
+                    line,
                     form: field(5).to_owned(),
                     terms: match field(4) {
                         "" => None,
