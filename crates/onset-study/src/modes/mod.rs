@@ -20,6 +20,7 @@ use onset::analysis::{Analysis, PatchParticle, ReducedCell};
 use onset::measures::{Extent, SpuriousMode};
 use onset::verdict::WEAK_WAVE_RATIO;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt;
 
 /// Maximum number of particles of a patch.
@@ -250,30 +251,6 @@ impl ShownMode {
         format!("({})", parts.join(", "))
     }
 
-    /// Note for a wave that does not fit into a patch, with a patch that it fits into; `None` if it fits.
-    pub fn misfit(&self, cells: usize) -> Option<String> {
-        let Fit {
-            cells: fitting,
-            fractional,
-            error,
-        } = &self.fit;
-        let which = match *error {
-            0.0 => format!("it fits {}", counted(*fitting, "cell")),
-            error => format!(
-                "it is incommensurate; the nearest small fraction is {}, of {fitting} cells, with an error of {}",
-                self.told(fractional),
-                told(error)
-            ),
-        };
-        (!self.fits).then(|| {
-            format!(
-                "k = {} does not fit {}: the field jumps at the periodic boundary; {which}",
-                self.place(),
-                counted(cells, "cell")
-            )
-        })
-    }
-
     /// Description of the kind of the mode.
     pub fn kind(&self) -> String {
         let of_zero = match self.nullity {
@@ -379,18 +356,49 @@ impl ModesAnswer {
         modes.map(line).collect()
     }
 
-    /// Notes on modes that may be missing from the list, and on modes that do not fit the exported patch.
+    /// Notes on modes that may be missing from the list, and on the modes that do not fit the exported patch.
     fn cautions(&self) -> Vec<String> {
         let unsure =
             "not all of the zone could be searched for zero-energy modes: there may be others";
         let mut cautions = Vec::new();
         cautions.extend((!self.complete).then(|| unsure.to_owned()));
         let modes = self.modes.iter().enumerate().filter(|_| self.is_exported);
-        cautions.extend(
-            modes.filter_map(|(n, mode)| {
-                Some(format!("mode {}: {}", n + 1, mode.misfit(self.cells)?))
-            }),
-        );
+        let mut fitting: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        let mut near = Vec::new();
+        for (n, mode) in modes.filter(|(_, mode)| !mode.fits) {
+            let Fit {
+                cells,
+                fractional,
+                error,
+            } = &mode.fit;
+            match *error {
+                0.0 => fitting.entry(*cells).or_default().push(n + 1),
+                error => near.push(format!(
+                    "mode {} nearly fits {cells} cells, as {} with an error of {}",
+                    n + 1,
+                    mode.told(fractional),
+                    told(error)
+                )),
+            }
+        }
+        let fitting = fitting.iter().map(|(cells, modes)| {
+            let list: Vec<String> = modes.iter().map(usize::to_string).collect();
+            let (plural, verb) = if modes.len() == 1 {
+                ("", "fits")
+            } else {
+                ("s", "fit")
+            };
+            let cells = counted(*cells, "cell");
+            format!("mode{plural} {} {verb} {cells}", list.join(", "))
+        });
+        let misfits: Vec<String> = fitting.chain(near).collect();
+        cautions.extend((!misfits.is_empty()).then(|| {
+            format!(
+                "fields that do not fit {} jump at the periodic boundary: {}",
+                counted(self.cells, "cell"),
+                misfits.join("; ")
+            )
+        }));
         cautions
     }
 }

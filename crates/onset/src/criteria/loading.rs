@@ -413,7 +413,7 @@ struct Problem<'a> {
 struct Resolutions {
     /// Whether the law integrates the path to a state: states are costly, and the tangent is not the derivative of the stress.
     integrated: bool,
-    /// Smallest distance between the end of a path, changes of criteria and kinks, in addition to the resolution of the search.
+    /// Smallest distance at which the end of a path, changes of criteria and kinks are resolved; zero for the resolution of the search.
     place: f64,
     /// Smallest distance from a fold or a minimum, in units of the interval around it: values there differ by the square of the distance.
     flat: f64,
