@@ -224,6 +224,7 @@ fn points_with_the_mean_dilatation_of_their_cell_have_the_stiffness_of_elements(
         let choices = MaterialPointChoices {
             spacing: 0.8,
             density: 1.7,
+            offset: [0.11, 0.07, -0.13],
             functions,
             dilatation: PointDilatation::Cell,
             ..choices(formulation, per_side)
