@@ -370,8 +370,8 @@ pub enum Command {
     Card(CardArguments),
     /// List the available options with formulas, parameters and sources
     List {
-        /// Topic: materials, planes, methods, lattices, kernels, approximations, quadratures, frames, backgrounds, current-lattices, support-sizes,
-        /// linearizations, criteria (of stability), formula (the language of typed laws), aliases (common names), keys, or method with a NAME
+        /// Topic: materials, planes, moduli, loadings, methods, lattices, kernels, approximations, quadratures, frames, backgrounds, current-lattices,
+        /// support-sizes, linearizations, criteria (of stability), formula (the language of typed laws), aliases (common names), keys, or method with a NAME
         /// [default: all topics].
         topic: Option<String>,
         /// For the topic method: the method whose keys are listed, for example total-lagrangian-sph.

@@ -532,6 +532,38 @@ const ROWS: &[Row] = &[
         ],
     ),
     (
+        "moduli",
+        "material.moduli",
+        &[
+            (
+                "long-term",
+                "the constants of a law with a Prony series are moduli after complete relaxation",
+                "the default of Abaqus",
+            ),
+            (
+                "instantaneous",
+                "the constants of a law with a Prony series are moduli before any relaxation",
+                "ANSYS",
+            ),
+        ],
+    ),
+    (
+        "loadings",
+        "material.loading",
+        &[
+            (
+                "slow",
+                "the stress of a state has relaxed to the long-term stress",
+                "Simo, Comput. Methods Appl. Mech. Eng. 60 (1987) 153",
+            ),
+            (
+                "fast",
+                "the stress of a state is the instantaneous stress",
+                "Simo, Comput. Methods Appl. Mech. Eng. 60 (1987) 153",
+            ),
+        ],
+    ),
+    (
         "frames",
         "discretization.frame",
         &[

@@ -237,14 +237,12 @@ pub struct ScreenAnswer {
     pub settings: Effective,
 }
 
-/// Distance of nearest particles in the reference configuration; for material points a fraction of the side of a grid cell.
-pub(super) fn particle_spacing(problem: &Problem) -> f64 {
+/// Number of particles along the side of a grid cell of material points, whose files can have points or nodes; one for other methods.
+fn points_per_side(problem: &Problem) -> f64 {
     let method = &problem.settings.method;
     match method.method {
-        Family::MaterialPoints => {
-            problem.analysis.spacing() / f64::from(method.points_per_side.max(1))
-        }
-        _ => problem.analysis.spacing(),
+        Family::MaterialPoints => f64::from(method.points_per_side.max(1)),
+        _ => 1.0,
     }
 }
 
@@ -298,17 +296,17 @@ impl ScreenAnswer {
         frames: &mut dyn Iterator<Item = Result<Frame, ScreenError>>,
         sink: Sink<'_>,
     ) -> Result<Self, ScreenError> {
-        let spacing = particle_spacing(problem);
+        let spacing = problem.analysis.spacing();
         let measured = || run.spacing(problem.dimension());
         let found = recording.map_or_else(measured, |own| own.spacing);
-        let is_near = found / spacing > 0.8 && found / spacing < 1.25;
-        if !is_near {
-            let per_side = problem.analysis.spacing() / spacing;
+        let per_side = points_per_side(problem);
+        let is_near = |expected: f64| found / expected > 0.8 && found / expected < 1.25;
+        if !is_near(spacing) && !is_near(spacing / per_side) {
             return Err(ScreenError::Run {
                 what: format!(
                     "the spacing of the particles is {} in the file and {} in the settings",
                     told(found),
-                    told(spacing)
+                    told(spacing / per_side)
                 ),
                 hint: match per_side > 1.0 {
                     true => format!(
@@ -713,12 +711,13 @@ impl ScreenAnswer {
         if problem.material.is_path_dependent() {
             limits.push("each state is reached on a proportional path".to_owned());
         }
-        let spacing = particle_spacing(problem);
-        if self
-            .recording
-            .as_ref()
-            .is_some_and(|own| !is_spaced(own.spacing, spacing))
-        {
+        let spacing = problem.analysis.spacing();
+        let is_on_neither = |own: &Recording| {
+            [spacing, spacing / points_per_side(problem)]
+                .iter()
+                .all(|expected| !is_spaced(own.spacing, *expected))
+        };
+        if self.recording.as_ref().is_some_and(is_on_neither) {
             limits.push("particles of the file are not on the lattice of the settings".to_owned());
         }
         limits

@@ -2,7 +2,7 @@
 
 use super::actual::{Actual, Nearest, placed};
 use super::agreement::Agreement;
-use super::answer::{Cause, particle_spacing};
+use super::answer::Cause;
 use super::neighborhoods::Neighborhoods;
 use super::states::{StateRates, States, without_rotation};
 use super::{Frame, Question, Run, ScreenError};
@@ -377,7 +377,7 @@ impl<'p> Follower<'p> {
         run: &'p Run,
     ) -> Result<Self, ScreenError> {
         let analysis = &problem.analysis;
-        let (dimension, spacing) = (problem.dimension(), particle_spacing(problem));
+        let (dimension, spacing) = (problem.dimension(), analysis.spacing());
         let support = problem.settings.discretization.support;
         let radius = match run.cells {
             Some(_) => RADIUS,
@@ -454,7 +454,7 @@ impl<'p> Follower<'p> {
             let short = self.points.nodes.short_waves(velocity);
             root_mean_square(self.checked(&short)) / self.speed
         });
-        let rounding = self.run.rounding / particle_spacing(self.problem);
+        let rounding = self.run.rounding / self.problem.analysis.spacing();
         mean.max(of_velocity).max(rounding)
     }
 
@@ -478,7 +478,7 @@ impl<'p> Follower<'p> {
 
     fn frame(&mut self, frame: &Frame) -> Result<Fields, ScreenError> {
         let dimension = self.problem.dimension();
-        let spacing = particle_spacing(self.problem);
+        let spacing = self.problem.analysis.spacing();
         let count = self.points.places.len();
         let before = self.course.moments.last();
         let before = before.map_or(frame.time, |moment| moment.time);

@@ -383,7 +383,7 @@ impl MaterialSettings {
         let free = self
             .set
             .iter()
-            .filter(|(name, _)| self.model.takes(name) && !known(name))
+            .filter(|(name, _)| self.model.takes(name) && !known(name) && !is_of_relaxation(name))
             .map(|(name, (value, _))| (*name, value.clone()));
         let relaxation = self
             .set

@@ -47,7 +47,7 @@ fn law_42_has_moduli_divided_by_exponents_on_two_lines() {
     for fact in [
         "/MAT/LAW42 of Radioss",
         "sigma_cut (line 7)",
-        "M (line 7)",
+        "their Prony series",
         "long-term",
         "Radioss adds the viscous moduli",
     ] {
@@ -145,11 +145,13 @@ fn law_62_is_a_foam_with_one_ratio_or_one_for_each_term() {
         let sum: f64 = stretches.iter().map(|l| l.powf(alpha)).sum();
         2.0 * mu / (alpha * alpha) * (sum - 3.0 + (j.powf(-alpha * beta) - 1.0) / beta)
     };
-    agrees(&*read(Radioss, &deck("", 0), &[]), |f| {
+    // Before any relaxation the constants are the moduli.
+    let fast = ["material.loading=fast"];
+    agrees(&*read(Radioss, &deck("", 0), &fast), |f| {
         foam(f, 1.85, 4.5, 0.25) + foam(f, 0.2, -2.0, 0.25)
     });
     let ratios = "                 0.1                 0.3\n";
-    agrees(&*read(Radioss, &deck(ratios, 2), &[]), |f| {
+    agrees(&*read(Radioss, &deck(ratios, 2), &fast), |f| {
         (foam(f, 1.85, 4.5, 0.1) + foam(f, 0.2, -2.0, 0.3)) / 0.8
     });
     let notes = told(Radioss, &deck("", 0), None);

@@ -4,6 +4,8 @@ use crate::settings::{
     Settings, Value, study_keys,
 };
 
+/// Prony series of one term.
+const PRONY: &str = "0.1, 0.1, 1";
 const PLANE: &str = "[[axes]]\nquantity = \"stretch-1\"\nrange = [0.5, 2]\nstates = 10\n\
                      [[axes]]\nquantity = \"stretch-2\"\nrange = [0.5, 2.0]\nstates = 6\n";
 
@@ -547,6 +549,7 @@ fn setting(key: &Key) -> (String, serde_json::Value) {
     };
     let value = match key.kind {
         Kind::Text if key.name == "material.energy" => "J +\n\tI1".into(),
+        Kind::Text if key.name == "material.prony" => PRONY.into(),
         Kind::Text => "J \" \\ \n".into(),
         Kind::Numbers(..) => vec![1.5, -2.0].into(),
         Kind::Whole(least, _) if key.parts().0 == "material" => least.into(),
@@ -562,6 +565,9 @@ fn setting(key: &Key) -> (String, serde_json::Value) {
 fn needed(key: &Key) -> String {
     if key.name == "discretization.perturbation" {
         return "discretization.cells = 2\n".to_owned();
+    }
+    if ["material.moduli", "material.loading"].contains(&key.name) {
+        return format!("material.prony = \"{PRONY}\"\n");
     }
     let cases = key.all_needs();
     let line = |need: &Need| {
