@@ -536,7 +536,7 @@ fn writing_a_study_out_in_full_does_not_change_it() {
 fn setting(key: &Key) -> (String, serde_json::Value) {
     let owner = Model::all().find(|model| model.takes(key.parts().1));
     let model = match (key.parts(), owner) {
-        (("material", "model"), _) => String::new(),
+        (("material", "model" | "prony" | "moduli" | "loading"), _) => String::new(),
         (("material", own), Some(model)) => {
             let needed = ["energy", "library"].map(|name| {
                 let is_needed = own != name && model.keys().iter().any(|key| key.parts().1 == name);
