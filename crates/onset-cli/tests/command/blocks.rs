@@ -97,7 +97,7 @@ fn notes_on_a_deck_are_printed_in_full_after_the_answer() {
     for note in [
         "note: read as *HYPERELASTIC, NEOHOOKE of Abaqus, material RUBBER_A (1 of 2; --material chooses)",
         "note: not read: *MULLINS EFFECT (line 6), *DENSITY (line 8)",
-        "note: the constants are long-term moduli (MODULI=LONG TERM by default), and their Prony series (1 term) is read; the instantaneous shear modulus, for waves and time steps, is \
+        "note: the constants are long-term moduli (MODULI=LONG TERM by default), and their viscoelasticity is read (a Prony series of 1 term); the instantaneous shear modulus, for waves and time steps, is \
          1.25 times as large, 1.25",
     ] {
         assert!(words.contains(note), "{note}: {text}");

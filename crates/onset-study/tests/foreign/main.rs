@@ -685,7 +685,7 @@ fn keywords_of_a_deck_are_read_or_listed_with_their_lines() {
     let ansys = "TB,HYPER,1,1,2,MOONEY\nTBDATA,1,0.4,0.1,0.02\nTB,PRONY,1,1,1,SHEAR\nTBDATA,1,0.3,0.1\nTB,HYPER,2,1,,NEO\nTBDATA,1,2,0.02";
     let first = notes(Program::Ansys, ansys, None);
     for fact in [
-        "their Prony series (1 term) is read",
+        "their viscoelasticity is read (a Prony series of 1 term)",
         "instantaneous",
         "0.7 times",
         "material 1 (1 of 2; --material chooses)",

@@ -47,7 +47,7 @@ fn law_42_has_moduli_divided_by_exponents_on_two_lines() {
     for fact in [
         "/MAT/LAW42 of Radioss",
         "sigma_cut (line 7)",
-        "their Prony series",
+        "a Prony series",
         "long-term",
         "Radioss adds the viscous moduli",
     ] {

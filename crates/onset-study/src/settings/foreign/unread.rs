@@ -125,7 +125,7 @@ impl Unread {
             };
             let read = match terms {
                 Some(terms) => format!(
-                    "their Prony series ({}) is read",
+                    "their viscoelasticity is read (a Prony series of {})",
                     counted(terms.len(), "term")
                 ),
                 None => "viscoelasticity is ignored".to_owned(),
