@@ -68,6 +68,7 @@ fn of_material(error: &MaterialError) -> Vec<String> {
     let key = |name: &str| format!("material.{name}");
     match error {
         MaterialError::NoPlaneStress { .. } => vec![key("plane")],
+        MaterialError::Prony { .. } => vec![key("prony")],
         // Messages about moduli begin with the key of one of them.
         MaterialError::External { message } if message.starts_with("material.") => {
             message.split(' ').take(1).map(str::to_owned).collect()
