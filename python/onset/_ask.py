@@ -525,7 +525,7 @@ def simulate(
     supercritical
         Allow a time step above the largest stable step.
     integrator
-        ``kick-drift-kick`` (if omitted), ``central-differences``, ``predictor-corrector``, ``sixth-order`` or a Runge-Kutta method of
+        Integrator of the method, or ``kick-drift-kick``, if omitted. The others are ``central-differences``, ``predictor-corrector``, ``sixth-order`` or a Runge-Kutta method of
         ``onset.limit``. A transfer of material points defines its step and accepts no integrator.
     tolerance
         Largest relative difference between rates that agree.
@@ -1171,7 +1171,7 @@ def limit(
     F: ArrayLike | None = None,
     range: tuple[float, float] | None = None,
     safety: float = 1.0,
-    integrator: str = "kick-drift-kick",
+    integrator: str | None = None,
 ) -> Limit:
     """Values of a modulus, spacing or coefficient that a time step admits, or that keep states stable: ``onset limit``.
 
@@ -1197,6 +1197,7 @@ def limit(
     safety
         Safety factor, above 0 and at most 1.
     integrator
+        Integrator of the method (``Method(..., integrator="rk4")``), or ``kick-drift-kick``, if omitted. The others are
         ``central-differences``, ``kick-drift-kick`` or ``predictor-corrector``, which differ only with damping; or a Runge-Kutta method:
         ``forward-euler``, ``heun``, ``rk3``, ``rk4``, ``carpenter-kennedy``, ``rdpk3-35`` or ``rdpk3-49``.
 
@@ -1219,7 +1220,7 @@ def limit(
     """
     if not isinstance(vary, str):
         raise TypeError(f"vary is {type(vary).__name__}; expected the name of a key")
-    if not isinstance(integrator, str):
+    if not isinstance(integrator, str | None):
         raise TypeError(f"integrator is {type(integrator).__name__}; expected a name")
     if (time_step is None) == (keeps is None):
         raise InputError('a limit has `time_step` or `keeps="stable"`\n  hint: give one of them')

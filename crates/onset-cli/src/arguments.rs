@@ -10,7 +10,6 @@ use onset_study::brief::Brief;
 use onset_study::compare::Thresholds;
 use onset_study::criteria::{Criterion, Lateral, Mode, Range as Stretches};
 use onset_study::figure::ColorMap;
-use onset_study::limit::Integrator;
 use onset_study::localization::PARAMETERS;
 use onset_study::map::Part;
 use onset_study::screen::{
@@ -939,7 +938,7 @@ pub struct SimulateArguments {
     pub supercritical: bool,
     /// Integrator: kick-drift-kick (velocity-verlet), central-differences (leapfrog, symplectic-euler), predictor-corrector (midpoint), sixth-order
     /// (nine steps of kick-drift-kick), or an explicit Runge-Kutta method: forward-euler, heun, rk3, rk4, carpenter-kennedy, rdpk3-35, rdpk3-49
-    /// [default: kick-drift-kick; central-differences for bodies; a transfer of material points defines its step].
+    /// [default: time.integrator, or kick-drift-kick; central-differences for bodies; a transfer of material points defines its step].
     #[arg(long, value_name = "NAME", value_parser = stepper, help_heading = "Time")]
     pub integrator: Option<Stepper>,
     /// Largest relative difference between the rates that counts as agreement [default: 1e-6].
@@ -1260,20 +1259,16 @@ pub struct LimitArguments {
     #[arg(long, value_name = "SHARE", default_value_t = 1.0, value_parser = share)]
     pub safety: f64,
     /// Integrator: central-differences (leapfrog, symplectic-euler), kick-drift-kick (velocity-verlet), predictor-corrector, forward-euler,
-    /// heun, rk3, rk4, carpenter-kennedy, rdpk3-35 or rdpk3-49 (RDPK3SpFSAL35 and 49). The first three differ with damping only.
-    #[arg(long, value_name = "NAME", default_value = Integrator::KickDriftKick.name(), value_parser = integrator)]
-    pub integrator: Integrator,
+    /// heun, rk3, rk4, carpenter-kennedy, rdpk3-35 or rdpk3-49 (RDPK3SpFSAL35 and 49). The first three differ with damping only [default:
+    /// time.integrator, or kick-drift-kick].
+    #[arg(long, value_name = "NAME")]
+    pub integrator: Option<String>,
     /// Folder for limit.csv and the figure (limit.svg, .png, .pdf), or NAME.svg, NAME.png or NAME.pdf for the figure alone; nothing is written without it.
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
     /// Options of the figure.
     #[command(flatten)]
     pub drawing: DrawingArguments,
-}
-
-/// Parses the name of an integrator.
-fn integrator(text: &str) -> Result<Integrator, String> {
-    Integrator::named(text).ok_or_else(|| expected(text, "available:", &Integrator::NAMES))
 }
 
 /// Parses a share: a number above 0 and at most 1.

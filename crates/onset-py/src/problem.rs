@@ -15,7 +15,7 @@ use onset_study::answers::{
 };
 use onset_study::criteria::{Lateral, Mode};
 use onset_study::figure::Sheet;
-use onset_study::limit::{Integrator, KeepsAnswer, LimitAnswer, LimitQuestion, USUAL_STRETCHES};
+use onset_study::limit::{KeepsAnswer, LimitAnswer, LimitQuestion, USUAL_STRETCHES};
 use onset_study::map::{Evaluator, Record};
 use onset_study::output::picture;
 use onset_study::settings::{MapSettings, MaterialSettings, Settings, Trust};
@@ -211,25 +211,20 @@ impl Problem {
         state: (Option<String>, Option<String>),
         range: Option<(f64, f64)>,
         safety: f64,
-        integrator: &str,
+        integrator: Option<String>,
     ) -> PyResult<Answer> {
         let problem = Arc::clone(&self.0);
-        let integrator = Integrator::named(integrator);
         interrupt::answer(py, move || {
             let strain = match (state.0.as_deref(), state.1.as_deref()) {
                 (None, None) => Strain::reference(),
                 (stretch, components) => strain(&problem, stretch, components)?,
             };
-            let integrator = integrator.ok_or_else(|| {
-                let known = Integrator::NAMES.join(", ");
-                Failure::Input(format!("no such integrator\n  hint: available: {known}"))
-            })?;
-            let question = LimitQuestion::new(&key)?
-                .between(range)
-                .with_safety(safety)
-                .with_integrator(integrator);
-            let limit =
-                LimitAnswer::new(&problem.settings, &strain, &question, &time_step, &|_| ())?;
+            let mut settings = problem.settings.clone();
+            if let Some(name) = &integrator {
+                settings = settings.with_integrator(name)?;
+            }
+            let question = LimitQuestion::new(&key)?.between(range).with_safety(safety);
+            let limit = LimitAnswer::new(&settings, &strain, &question, &time_step, &|_| ())?;
             let answer = Answer::of(&limit, &limit, limit.csv())?;
             Ok(answer.with_files(move || Ok(limit.files())))
         })

@@ -712,6 +712,23 @@ const ROWS: &[Row] = &[
         ],
     ),
     (
+        "upwinding",
+        "discretization.upwinding",
+        &[
+            ("none", "no dissipation", "the forces of the method alone"),
+            (
+                "constant",
+                "f_I = sum_J |A_IJ|/2 rho (c_p n (x) n + c_s (1 - n (x) n)) (v_J - v_I), n along F^-T A_IJ",
+                "acoustic Riemann solver of first order",
+            ),
+            (
+                "linear",
+                "as constant, with the jump v_J - v_I - (L_I + L_J) X_IJ / 2 of linear velocities",
+                "Lee, Gil, Ghavamian and Bonet, Comput. Methods Appl. Mech. Engrg. 344 (2019) 209",
+            ),
+        ],
+    ),
+    (
         "smoothed-motions",
         "discretization.smoothed-motion",
         &[

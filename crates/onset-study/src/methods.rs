@@ -108,6 +108,7 @@ fn total_lagrangian(settings: &Settings) -> TotalLagrangianChoices {
         penalty: settings.method.penalty,
         penalty_form: settings.method.penalty_form,
         viscosity: viscosity(settings),
+        upwinding: settings.method.upwinding,
         velocity_smoothing: settings.method.velocity_smoothing,
         shear: shear(
             settings,

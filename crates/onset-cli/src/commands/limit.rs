@@ -10,7 +10,10 @@ use std::process::ExitCode;
 pub fn limit(arguments: &LimitArguments) -> Result<ExitCode, Failure> {
     let question = LimitQuestion::new(&arguments.vary);
     let open: Vec<&str> = question.iter().map(LimitQuestion::key).collect();
-    let settings = arguments.problem.settings_with(&open)?;
+    let mut settings = arguments.problem.settings_with(&open)?;
+    if let Some(name) = &arguments.integrator {
+        settings = settings.with_integrator(name).map_err(Failure::input)?;
+    }
     let strain = match arguments.strain.is_given() {
         true => arguments.strain.build(&Problem::new(settings.clone())?)?,
         false => Strain::reference(),
@@ -18,8 +21,7 @@ pub fn limit(arguments: &LimitArguments) -> Result<ExitCode, Failure> {
     let question = question
         .map_err(Failure::input)?
         .between(arguments.range)
-        .with_safety(arguments.safety)
-        .with_integrator(arguments.integrator);
+        .with_safety(arguments.safety);
     let place = arguments.out.as_deref();
     let output = arguments.drawing.output(place, "limit", &["limit.csv"])?;
     let bar = progress(question.values(), "values tried:");

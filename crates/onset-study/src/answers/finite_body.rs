@@ -33,12 +33,13 @@ pub struct FiniteBodyAnswer {
 pub struct BodyStepAnswer {
     /// Number of particles of the body.
     pub particles: usize,
-    /// Critical time step of central differences at the state with fixed grips; `null` if nothing oscillates. Time.
+    /// Critical time step at the state with fixed grips, of central differences unless another integrator is chosen; `null` if nothing oscillates. Time.
     pub time_step: Option<f64>,
 }
 
 impl FiniteBodyAnswer {
-    /// Returns the time step for finite bodies at a state with the given critical step of its waves; `None` if it is unknown.
+    /// Returns the time step of central differences for finite bodies at a state with the given critical step of its waves; `None` if it is unknown. The
+    /// problem is that of [stiffer increments](Problem::stiffer_at), if the state has any.
     ///
     /// # Errors
     /// [`ProblemError`] when material or method cannot be evaluated there.
@@ -48,8 +49,6 @@ impl FiniteBodyAnswer {
         lattice: Option<f64>,
     ) -> Result<Option<Self>, ProblemError> {
         let lattice = lattice.unwrap_or(f64::INFINITY);
-        let stiffer = problem.stiffer_at(f)?;
-        let problem = stiffer.as_ref().unwrap_or(problem);
         let found = problem.analysis.finite_bodies(f, lattice)?;
         Ok(found.map(|found| {
             let (proved, ground) = match found.ground {
@@ -77,17 +76,11 @@ impl FiniteBodyAnswer {
         }))
     }
 
-    /// Returns the step for an integrator, which differs by its reach on the imaginary axis; `None` with damping, which shifts the frequencies off this
-    /// axis, and if no step is stable.
+    /// Returns the step for an integrator, which differs by its reach on the imaginary axis; `None` if no step is stable, and with damping, which shifts the
+    /// frequencies off this axis, unless the reach is that of central differences.
     pub(crate) fn with_integrator(self, integrator: Integrator, is_damped: bool) -> Option<Self> {
         let share = reach_of(integrator);
-        let is_like_central_differences = matches!(
-            integrator,
-            Integrator::CentralDifferences
-                | Integrator::KickDriftKick
-                | Integrator::PredictorCorrector
-        );
-        let is_known = share > 0.0 && (is_like_central_differences || !is_damped);
+        let is_known = share > 0.0 && (share == 1.0 || !is_damped);
         is_known.then_some(Self {
             time_step: share * self.time_step,
             ..self
@@ -105,7 +98,16 @@ impl FiniteBodyAnswer {
 }
 
 impl BodyStepAnswer {
-    /// Returns the critical step of the body of the settings at a state; `None` without a body.
+    /// Returns the step for an integrator without damping.
+    pub(crate) fn with_integrator(self, integrator: Integrator) -> Self {
+        Self {
+            time_step: self.time_step.map(|step| step * reach_of(integrator)),
+            ..self
+        }
+    }
+
+    /// Returns the critical step of central differences for the body of the settings at a state; `None` without a body. The problem is that of [stiffer
+    /// increments](Problem::stiffer_at), if the state has any.
     ///
     /// # Errors
     /// [`ProblemError`] when the method cannot run the body.
@@ -124,16 +126,16 @@ impl BodyStepAnswer {
         };
         let mut found = None;
         let contact = settings.contact();
-        let stiffer = problem.stiffer_at(f)?;
-        let analysis = &stiffer.as_ref().unwrap_or(problem).analysis;
-        analysis.with_body(&particles, &grips, contact, &mut |body| {
-            let step = body.start(&start, 0.0);
-            let step = step.and_then(|()| body.critical_time_step());
-            found = Some(step.map(|step| Self {
-                particles: body.positions().len(),
-                time_step: Some(step).filter(|step| step.is_finite()),
-            }));
-        })?;
+        problem
+            .analysis
+            .with_body(&particles, &grips, contact, &mut |body| {
+                let step = body.start(&start, 0.0);
+                let step = step.and_then(|()| body.critical_time_step());
+                found = Some(step.map(|step| Self {
+                    particles: body.positions().len(),
+                    time_step: Some(step).filter(|step| step.is_finite()),
+                }));
+            })?;
         match found {
             Some(found) => Ok(Some(found?)),
             None => Err(BodyError::Empty.into()),

@@ -21,7 +21,8 @@ pub struct ImplicitAnswer {
 }
 
 impl ImplicitAnswer {
-    pub(super) fn new(spectrum: &SpectrumSummary<3>) -> Self {
+    /// Describes the implicit integrators, or one of them alone.
+    pub(super) fn new(spectrum: &SpectrumSummary<3>, only: Option<ImplicitIntegrator>) -> Self {
         let softest = spectrum.softest.scaled;
         let lowest = spectrum.lowest.omega_squared.re;
         let fastest = spectrum.fastest_growing.omega_squared;
@@ -31,8 +32,10 @@ impl ImplicitAnswer {
             false => 0.0,
         };
         let of = |step: &dyn Fn(ImplicitIntegrator) -> f64| {
-            let steps = ImplicitIntegrator::ALL.map(|own| (own.name(), step(own)));
-            let finite = steps.into_iter().filter(|(_, step)| step.is_finite());
+            let meant = ImplicitIntegrator::ALL.into_iter();
+            let meant = meant.filter(|own| only.is_none_or(|only| only == *own));
+            let steps = meant.map(|own| (own.name(), step(own)));
+            let finite = steps.filter(|(_, step)| step.is_finite());
             finite.collect::<BTreeMap<_, _>>()
         };
         let (tangent, largest_steps) = if softest < -spectrum.tolerance {

@@ -55,11 +55,13 @@ impl Brief for StateAnswer {
                         }),
                 );
             }
-            None => steps.extend(d.critical_time_step.map(|step| {
-                format!(
-                    "below {} (central differences, infinite lattice)",
-                    time(step)
-                )
+            None => steps.extend(d.critical_time_step.map(|step| match step {
+                0.0 => format!("none ({})", d.integrator_words()),
+                step => format!(
+                    "below {} ({}, infinite lattice)",
+                    time(step),
+                    d.integrator_words()
+                ),
             })),
         }
         steps.extend(
@@ -91,6 +93,11 @@ impl Brief for StateAnswer {
                 false => format!("with the step {} no wave grows", time(step)),
             };
             short = short.row(1, "", text);
+        }
+        if let Some(implicit) = d.implicit.as_ref().filter(|_| steps.is_empty()) {
+            for (name, text) in implicit.lines(units) {
+                short = short.row(2, name, text);
+            }
         }
         if let Some(relaxation) = &self.relaxation {
             short = short.row(1, "relaxation", relaxation.words(units));

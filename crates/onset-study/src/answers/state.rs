@@ -3,7 +3,7 @@
 use super::certificate::CertificateAnswer;
 use super::discrete_time::{DiscreteTimeAnswer, note};
 use super::evidence::Evidence;
-use super::finite_body::{BodyStepAnswer, FiniteBodyAnswer, LATTICE_NOTE};
+use super::finite_body::{BodyStepAnswer, FiniteBodyAnswer, LATTICE_NOTE, reach_of};
 use super::implicit::ImplicitAnswer;
 use super::mode::{critical_mode, finite_wave_vector};
 use super::mode_name;
@@ -16,7 +16,7 @@ use crate::compare::percent;
 use crate::csv::Table;
 use crate::methods::reduced;
 use crate::number::{counted, told, told_below, told_of, vector};
-use crate::settings::{Effective, Family, Value};
+use crate::settings::{Effective, Family, TimeIntegrator, Value};
 use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
 use onset::analysis::ReducedCell;
@@ -25,6 +25,7 @@ use onset::continuum::{AcousticMinimum, Ellipticity};
 use onset::kinematics::DeformationGradient;
 use onset::material::Response;
 use onset::method::MethodError;
+use onset::time_step::Integrator;
 use onset::verdict::{
     Assessment, MaterialAssessment, Mechanism, SurveyedState, Verdict, WEAK_WAVE_RATIO, WeakestMode,
 };
@@ -218,9 +219,11 @@ pub struct DiscretizationAnswer {
     pub flutter: bool,
     /// Largest frequency over the zone; rad/time.
     pub maximum_omega: f64,
-    /// Critical time step of undamped central differences, `2 / maximum_omega`; for methods that define their time step, its largest stable value.
-    /// `null` if no mode oscillates.
+    /// Critical time step of `integrator` without damping, `2 / maximum_omega` for central differences; for methods that define their time step, its
+    /// largest stable value. Zero if no step is stable; `null` if no mode oscillates, and for implicit integrators.
     pub critical_time_step: Option<f64>,
+    /// Integrator of `critical_time_step`, `finite_bodies` and `body`; `null` for methods that define their time step, and for implicit integrators.
+    pub integrator: Option<&'static str>,
     /// Kind of body for which `critical_time_step` holds.
     pub critical_time_step_of: &'static str,
     /// Time step for finite bodies; `null` if it is unknown.
@@ -537,13 +540,23 @@ fn discretization_answer(
         None => Ok(own),
     });
     let discrete_time = discrete_time.transpose()?;
-    let mut steps = analysis.damped_time_steps(f)?;
+    let chosen = problem.settings.chosen_integrator();
+    let explicit = chosen.and_then(TimeIntegrator::explicit);
+    let implicit = match chosen {
+        Some(TimeIntegrator::Implicit(own)) => Some(own),
+        _ => None,
+    };
+    let mut steps = match implicit {
+        Some(_) => Vec::new(),
+        None => analysis.damped_time_steps(f)?,
+    };
     if let Some(stiffer) = stiffer {
         let own = stiffer.analysis.damped_time_steps(f)?;
         for (step, (_, other)) in steps.iter_mut().zip(own) {
             step.1 = step.1.min(other);
         }
     }
+    steps.retain(|(own, _)| explicit.is_none_or(|only| only == *own));
     let spectrum = &assessment.spectrum;
     // A bound far below the minimum carries no information.
     let minimum = spectrum.softest.scaled;
@@ -567,6 +580,22 @@ fn discretization_answer(
         }
     };
     let named = mode_name::name(problem, mode, &spatial, spectrum.maximum_omega);
+    let (mut finite_bodies, mut body) = match implicit {
+        Some(_) => (None, None),
+        None => (
+            FiniteBodyAnswer::new(stiffer.unwrap_or(problem), f, critical_time_step)?,
+            BodyStepAnswer::new(stiffer.unwrap_or(problem), f)?,
+        ),
+    };
+    let is_stepped = discrete_time.is_none() && implicit.is_none();
+    let integrator = is_stepped.then(|| explicit.unwrap_or(Integrator::CentralDifferences));
+    let mut critical_time_step = critical_time_step.filter(|_| implicit.is_none());
+    if let Some(integrator) = integrator {
+        let is_damped = analysis.is_damped();
+        finite_bodies = finite_bodies.and_then(|own| own.with_integrator(integrator, is_damped));
+        body = body.map(|own| own.with_integrator(integrator));
+        critical_time_step = critical_time_step.map(|step| step * reach_of(integrator));
+    }
     Ok(DiscretizationAnswer {
         stable: spectrum.is_stable(),
         mode: named,
@@ -583,11 +612,11 @@ fn discretization_answer(
         critical_time_step_of: LATTICE_NOTE,
         grid_cell,
         point_spacing: grid_cell.map(|side| side / f64::from(method.points_per_side)),
-        finite_bodies: FiniteBodyAnswer::new(problem, f, critical_time_step)?,
-        body: BodyStepAnswer::new(problem, f)?,
-        implicit: discrete_time
-            .is_none()
-            .then(|| ImplicitAnswer::new(spectrum)),
+        integrator: integrator.map(Integrator::name),
+        finite_bodies,
+        body,
+        implicit: (discrete_time.is_none() && explicit.is_none())
+            .then(|| ImplicitAnswer::new(spectrum, implicit)),
         discrete_time,
         damped_time_steps_of: (!steps.is_empty()).then(|| {
             if spectrum.is_stable() {
@@ -619,6 +648,16 @@ pub(super) fn list(dimension: usize, vector: &SVector<f64, 3>) -> Vec<f64> {
 
 pub(super) fn rows(matrix: &SMatrix<f64, 3, 3>) -> [[f64; 3]; 3] {
     std::array::from_fn(|i| std::array::from_fn(|j| matrix[(i, j)]))
+}
+
+impl DiscretizationAnswer {
+    /// Integrator of the critical time step in words.
+    pub(super) fn integrator_words(&self) -> &'static str {
+        match self.integrator {
+            None | Some("central-differences") => "central differences",
+            Some(other) => other,
+        }
+    }
 }
 
 impl StateAnswer {
@@ -832,8 +871,15 @@ impl std::fmt::Display for StateAnswer {
         let of_integrators = d.critical_time_step.filter(|_| d.discrete_time.is_none());
         let step = of_integrators.map_or_else(String::new, |step| {
             format!(
-                "; central differences {without}need a time step below {} ({LATTICE_NOTE})",
-                units.of(told(step), "s")
+                "; {} {without}{}",
+                d.integrator_words(),
+                match step {
+                    0.0 => "is unstable for every time step".to_owned(),
+                    step => format!(
+                        "needs a time step below {} ({LATTICE_NOTE})",
+                        units.of(told(step), "s")
+                    ),
+                }
             )
         });
         line(

@@ -85,7 +85,9 @@ impl StudySummary {
         let body = match (&not_loaded, &study.settings.body) {
             (None, Some(_)) => {
                 let problem = Problem::new(study.settings.clone())?;
-                BodyStepAnswer::new(&problem, &DeformationGradient::identity())?
+                let rest = DeformationGradient::identity();
+                let stiffer = problem.stiffer_at(&rest)?;
+                BodyStepAnswer::new(stiffer.as_ref().unwrap_or(&problem), &rest)?
             }
             _ => None,
         };

@@ -120,9 +120,9 @@ impl Measured {
         let fastest = stiffer.as_ref().unwrap_or(&problem);
         let step = fastest
             .analysis
-            .critical_time_step(&rest, options.integrator)?;
+            .critical_time_step(&rest, settings.explicit_integrator()?)?;
         let passage = analysis.speed_squared()?.sqrt() / analysis.spacing();
-        let body = match BodyStepAnswer::new(&problem, &rest) {
+        let body = match BodyStepAnswer::new(fastest, &rest) {
             Err(ProblemError::Body {
                 source: BodyError::NoBodies,
             }) => None,

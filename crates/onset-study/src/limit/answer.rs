@@ -17,7 +17,7 @@ use onset::analysis::{Analysis, SteppedWaves};
 use onset::bloch::SpectrumSummary;
 use onset::cancel::Scope;
 use onset::method::MethodError;
-use onset::time_step::undamped_time_step;
+use onset::time_step::{Integrator, undamped_time_step};
 use onset::verdict::Verdict;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -132,6 +132,7 @@ fn needed(time_step: f64, safety: f64) -> f64 {
 struct Search<'a> {
     question: &'a LimitQuestion,
     settings: &'a Settings,
+    integrator: Integrator,
     strain: &'a Strain,
     needed: f64,
     is_told: &'a (dyn Fn(f64) + Sync),
@@ -144,16 +145,16 @@ impl Search<'_> {
         let assessment = analysis.assess(f)?;
         let transferred = analysis.transferred(f)?;
         let mut step = self.step(analysis, transferred.as_deref(), &assessment.spectrum)?;
-        if let Some(problem) = problem.stiffer_at(f)? {
+        let stiffer = problem.stiffer_at(f)?;
+        if let Some(problem) = &stiffer {
             let stiffer = &*problem.analysis;
             let waves = stiffer.transferred(f)?;
             let of_stiffer = self.step(stiffer, waves.as_deref(), &stiffer.spectrum(f)?)?;
             step = step.min(of_stiffer);
         }
-        let body = BodyStepAnswer::new(&problem, f)?;
-        // The step of the body is the limit of central differences, and is rescaled for the integrator.
-        let share = reach_of(self.question.integrator);
-        let of_body = body.and_then(|body| body.time_step).map(|own| own * share);
+        let body = BodyStepAnswer::new(stiffer.as_ref().unwrap_or(&problem), f)?;
+        let body = body.map(|own| own.with_integrator(self.integrator));
+        let of_body = body.and_then(|body| body.time_step);
         let step = of_body.map_or(step, |own| own.min(step));
         Ok(Tried {
             value,
@@ -174,7 +175,7 @@ impl Search<'_> {
         transferred: Option<&dyn SteppedWaves>,
         spectrum: &SpectrumSummary<3>,
     ) -> Result<f64, MethodError> {
-        let integrator = self.question.integrator;
+        let integrator = self.integrator;
         Ok(match transferred {
             Some(waves) => waves.critical_time_step(),
             None if analysis.is_damped() => {
@@ -217,6 +218,7 @@ impl LimitAnswer {
         let search = Search {
             question,
             settings,
+            integrator: settings.explicit_integrator()?,
             strain,
             needed: needed(time_step, question.safety),
             is_told,
@@ -234,37 +236,27 @@ impl LimitAnswer {
         let present = present.map(|value| search.tried(value));
         let finite_bodies = match (&problem, &present) {
             (Some(problem), Some(own)) if own.body.is_none() => {
-                let integrator = question.integrator;
+                let integrator = search.integrator;
                 let lattice = Some(own.critical_time_step / reach_of(integrator));
                 let lattice = lattice.filter(|step| step.is_finite());
                 let is_damped = problem.analysis.is_damped();
-                FiniteBodyAnswer::new(problem, &strain.0, lattice)?
+                let stiffer = problem.stiffer_at(&strain.0)?;
+                FiniteBodyAnswer::new(stiffer.as_ref().unwrap_or(problem), &strain.0, lattice)?
                     .and_then(|body| body.with_integrator(integrator, is_damped))
             }
             _ => None,
         };
         let body = all.iter().find_map(|one| one.body);
-        let mut notes_on_problem = problem
+        let notes_on_problem = problem
             .as_ref()
             .map_or_else(Vec::new, |problem| notes(settings, &*problem.material));
-        if problem.as_ref().is_some_and(is_transferred)
-            && question.integrator != LimitQuestion::default_integrator()
-        {
-            notes_on_problem.insert(
-                0,
-                format!(
-                    "--integrator {} has no effect: the transfer of the material points defines the step",
-                    question.integrator.name()
-                ),
-            );
-        }
         let mut answer = Self {
             key: question.key(),
             unit: settings.unit(question.key),
             time_step,
             safety: question.safety,
             integrator: (!problem.as_ref().is_some_and(is_transferred))
-                .then(|| question.integrator.name()),
+                .then(|| search.integrator.name()),
             deformation_gradient: *strain.0.components(),
             critical_time_step_of: body.map_or_else(
                 || LATTICE_NOTE.to_owned(),

@@ -13,8 +13,6 @@ pub use answer::{LimitAnswer, Tried};
 pub use interval::{Admitted, End, EndKind};
 pub use keeps::{KeepsAnswer, Kept};
 
-pub use onset::time_step::Integrator;
-
 use crate::answers::ProblemError;
 use crate::settings::{
     KEYS, Key, Kind, Origin, STEP_OF_RATES, SettingError, Settings, Value, units, unknown_key,
@@ -42,7 +40,6 @@ pub struct LimitQuestion {
     key: &'static Key,
     range: Option<[f64; 2]>,
     safety: f64,
-    integrator: Integrator,
 }
 
 impl LimitQuestion {
@@ -72,7 +69,6 @@ impl LimitQuestion {
             key,
             range: None,
             safety: 1.0,
-            integrator: Self::default_integrator(),
         })
     }
 
@@ -85,17 +81,6 @@ impl LimitQuestion {
     /// Sets the maximum ratio of the step to the critical step.
     pub fn with_safety(mut self, safety: f64) -> Self {
         self.safety = safety;
-        self
-    }
-
-    /// Integrator of a question that names none.
-    pub(super) fn default_integrator() -> Integrator {
-        Integrator::KickDriftKick
-    }
-
-    /// Selects the time integrator.
-    pub fn with_integrator(mut self, integrator: Integrator) -> Self {
-        self.integrator = integrator;
         self
     }
 

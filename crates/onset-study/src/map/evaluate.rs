@@ -53,13 +53,14 @@ impl Evaluator {
             Err(ProblemError::Method { source }) if source.is_about_support() => None,
             Err(error) => return Err(error),
         };
+        let integrator = settings.explicit_integrator()?;
         let mut evaluator = Self {
             settings,
             analysis: None,
             stiffer,
             stiffness: f64::NAN,
             tolerance: map.certify.then_some(map.tolerance),
-            integrator: map.integrator,
+            integrator,
             is_damped: false,
             is_transferred: false,
         };

@@ -2,7 +2,8 @@
 
 use super::error::nearest;
 use super::presets::{METHOD, PRESETS, Preset};
-use super::{Key, Kind, Origin, SettingError, Value};
+use super::time::INTEGRATOR;
+use super::{Key, Kind, Origin, SettingError, TimeIntegrator, Value};
 use std::borrow::Cow;
 
 /// Meaning of a common other name for a word.
@@ -184,6 +185,7 @@ const KEYS: &[(&str, &str)] = &[
     ("discretization.dp", "discretization.spacing"),
     ("discretization.rho", "discretization.density"),
     ("discretization.rho0", "discretization.density"),
+    ("discretization.integrator", INTEGRATOR),
 ];
 
 /// Names that are not accepted as keys, with a hint.
@@ -264,6 +266,9 @@ pub(super) fn companions(key: &Key, value: &Value) -> &'static [(&'static str, &
 
 fn known(key: &Key, typed: &str) -> Option<Meaning> {
     let typed = plain(typed);
+    if key.name == INTEGRATOR {
+        return TimeIntegrator::named(&typed).map(|own| Is(own.name()));
+    }
     let mut words = other_names();
     let found = words.find(|(of, word, _)| *of == key.name && *word == typed)?;
     Some(found.2)

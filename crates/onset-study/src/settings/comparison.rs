@@ -11,7 +11,6 @@ use crate::compare::PANELS;
 use crate::number::counted;
 use onset::kinematics::STRETCHES;
 use onset::material::Admitted::{Between, Positive};
-use onset::time_step::Integrator;
 use onset::verdict::WEAK_WAVE_RATIO;
 use serde::Serialize;
 use toml::de::{DeArray, DeTable, DeValue};
@@ -43,11 +42,6 @@ pub const COMPARISON_KEYS: &[Key] = &[
         Kind::Number("1", Positive),
         "waves slower than this fraction of the material's slowest wave are listed as weakly controlled",
     ),
-    key(
-        "compare.integrator",
-        Kind::Words(&Integrator::NAMES),
-        "integrator for the critical time step",
-    ),
 ];
 
 /// Options of a comparison.
@@ -64,8 +58,6 @@ pub struct CompareSettings {
     pub compression: f64,
     /// Largest frequency of weakly controlled waves, relative to the slowest material wave.
     pub weak: f64,
-    /// Time integrator for the critical time step.
-    pub integrator: Integrator,
 }
 
 impl Default for CompareSettings {
@@ -76,7 +68,6 @@ impl Default for CompareSettings {
             tension: 3.0,
             compression: 0.4,
             weak: WEAK_WAVE_RATIO,
-            integrator: Integrator::KickDriftKick,
         }
     }
 }
@@ -283,7 +274,7 @@ impl Comparison {
             match (key.get_ref().as_ref(), value.get_ref()) {
                 ("title", DeValue::String(title)) => comparison.title = title.to_string(),
                 ("methods", DeValue::Array(items)) => methods = Some((file.of(key), items)),
-                ("material" | "discretization", DeValue::Table(inner)) => {
+                ("material" | "discretization" | "time", DeValue::Table(inner)) => {
                     let section = key.get_ref().as_ref();
                     let names = KEYS.iter().map(|key| key.name);
                     read_keys(&file, section, inner, names, |key, value, origin| {
@@ -293,7 +284,10 @@ impl Comparison {
                 ("compare", DeValue::Table(inner)) => comparison.read_options(&file, inner)?,
                 // A study can also be compared; its sections for maps are checked but not used.
                 ("state" | "axes" | "map" | "body" | "grips", _) => is_study = true,
-                (section @ ("material" | "discretization" | "compare" | "methods"), other) => {
+                (
+                    section @ ("material" | "discretization" | "time" | "compare" | "methods"),
+                    other,
+                ) => {
                     let message = format!("`{section}` cannot be {}", described(other));
                     let expected = match section {
                         "methods" => format!("expected [[methods]], {EXAMPLE}"),
@@ -307,7 +301,14 @@ impl Comparison {
                         .hint("expected a string in quotes"));
                 }
                 (other, _) => {
-                    let known = ["title", "material", "discretization", "compare", "methods"];
+                    let known = [
+                        "title",
+                        "material",
+                        "discretization",
+                        "time",
+                        "compare",
+                        "methods",
+                    ];
                     return Err(unknown_key(other, known.into_iter(), file.of(key)));
                 }
             }
@@ -477,7 +478,7 @@ impl Comparison {
             return self.common.assign(assignment);
         };
         let origin = Origin::CommandLine(format!("--set {assignment}"));
-        let name = name.trim();
+        let name = renamed::key(name.trim());
         let Some(known) = COMPARISON_KEYS.iter().find(|key| key.name == name) else {
             if name.starts_with("compare.") {
                 let names = COMPARISON_KEYS.iter().map(|key| key.name);
@@ -570,6 +571,12 @@ impl Comparison {
     fn read_options(&mut self, file: &File<'_>, table: &DeTable<'_>) -> Result<(), SettingError> {
         for (key, value) in in_order(table) {
             let name = format!("compare.{}", key.get_ref());
+            let now = renamed::key(&name);
+            if let Some(known) = Key::named(now).filter(|_| now != name) {
+                let given = typed(known, value, file)?;
+                self.common.set(now, &given, file.of(value))?;
+                continue;
+            }
             let Some(known) = COMPARISON_KEYS.iter().find(|key| key.name == name) else {
                 let names = COMPARISON_KEYS.iter().map(|key| key.name);
                 return Err(unknown_key(&name, names, file.of(key)));
@@ -638,13 +645,6 @@ impl CompareSettings {
                 self.weak = share;
                 true
             }
-            ("integrator", value, _) => match value.word() {
-                Some(integrator) => {
-                    self.integrator = integrator;
-                    true
-                }
-                None => false,
-            },
             _ => false,
         }
     }

@@ -7,12 +7,15 @@ use super::moduli::{MODULI, is_modulus};
 use super::needs::{Cases, is, is_not};
 use super::relaxation::{self, RELAXATION_KEYS};
 use super::renamed;
-use super::{MapSettings, Model, OUTPUTS, Plane, StateSettings, Units, Value, aliases, word_of};
+use super::time::TIME_KEYS;
+use super::{
+    MapSettings, Model, OUTPUTS, Plane, StateSettings, TimeIntegrator, Units, Value, aliases,
+    word_of,
+};
 use onset::kinematics::STRETCHES;
 use onset::material::Admitted::{self, Any, Between, Positive, Within};
 use onset::material::Parameter;
 use onset::method::KernelMethodChoices;
-use onset::time_step::Integrator;
 use std::collections::BTreeMap;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
@@ -187,6 +190,7 @@ pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
     }
     keys.extend(DISCRETIZATION_KEYS);
     keys.extend(METHOD_KEYS);
+    keys.extend(TIME_KEYS);
     keys
 });
 
@@ -500,11 +504,6 @@ pub const MAP_KEYS: &[Key] = &[
         "states along an edge of a tile, the unit of work and of storage",
     ),
     key(
-        "map.integrator",
-        Kind::Words(&Integrator::NAMES),
-        "integrator whose critical time step is stored",
-    ),
-    key(
         "map.outputs",
         Kind::Subset(OUTPUTS),
         "numbers stored for each state in addition to verdict and stability",
@@ -679,6 +678,7 @@ impl Key {
             ("state", name) => field(serde_json::to_value(StateSettings::default()), name),
             ("map", name) => field(serde_json::to_value(MapSettings::default()), name),
             ("body" | "grips", _) => serde_json::Value::Null,
+            ("time", _) => TimeIntegrator::default().name().into(),
             (_, name) => match field(serde_json::to_value(KernelMethodChoices::default()), name) {
                 serde_json::Value::Null => {
                     field(serde_json::to_value(MethodSettings::default()), name)

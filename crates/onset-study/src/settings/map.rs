@@ -1,7 +1,6 @@
 //! Settings of a map.
 
 use super::Value;
-use onset::time_step::Integrator;
 use serde::{Serialize, Serializer};
 
 /// Numbers of a state that a map can store, by their names in the store.
@@ -66,8 +65,6 @@ pub struct MapSettings {
     pub tolerance: f64,
     /// Number of states along an edge of a tile.
     pub tile: usize,
-    /// The integrator whose critical time step is stored.
-    pub integrator: Integrator,
     /// Numbers that are stored in addition to verdict and stability.
     pub outputs: Outputs,
 }
@@ -80,7 +77,6 @@ impl Default for MapSettings {
             certify: false,
             tolerance: 1e-3,
             tile: 64,
-            integrator: Integrator::CentralDifferences,
             outputs: Outputs([true; OUTPUTS.len()]),
         }
     }
@@ -95,10 +91,6 @@ impl MapSettings {
             ("certify", Value::Switch(on)) => self.certify = *on,
             ("tolerance", Value::Number(number)) => self.tolerance = *number,
             ("tile", Value::Number(number)) => self.tile = *number as usize,
-            ("integrator", value) => match value.word() {
-                Some(integrator) => self.integrator = integrator,
-                None => return false,
-            },
             ("outputs", Value::Words(names)) => match Outputs::of(names) {
                 Some(outputs) => self.outputs = outputs,
                 None => return false,

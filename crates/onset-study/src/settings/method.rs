@@ -8,7 +8,7 @@ use onset::method::CurrentLattice;
 use onset::scheme::conforming::SmoothingDomain;
 use onset::scheme::element::{ElementMass, ElementMesh, ElementOrder, HourglassScale, Integration};
 use onset::scheme::sph::{DensityEvolution, MomentumForm};
-use onset::scheme::stabilization::{PenaltyForm, SmoothedMotion, ViscositySwitch};
+use onset::scheme::stabilization::{PenaltyForm, SmoothedMotion, Upwinding, ViscositySwitch};
 use onset::scheme::{
     Calibration, GridFunctions, GridGradients, GridMass, Influence, PartialVolumes,
     PointDilatation, PointLayout,
@@ -162,6 +162,8 @@ pub struct MethodSettings {
     pub viscosity: f64,
     /// SPH: condition and lengths of artificial viscosity.
     pub viscosity_switch: ViscositySwitch,
+    /// Total-Lagrangian SPH: dissipation of a Riemann solver between pairs.
+    pub upwinding: Upwinding,
     /// Updated SPH: coefficient of artificial stress, or zero.
     pub artificial_stress: f64,
     /// Updated SPH: exponent of artificial stress.
@@ -246,6 +248,7 @@ impl Default for MethodSettings {
             shear_coefficient: 0.0,
             viscosity: 0.0,
             viscosity_switch: ViscositySwitch::Averaged,
+            upwinding: Upwinding::None,
             artificial_stress: 0.0,
             artificial_stress_exponent: 4.0,
             velocity_smoothing: 0.0,
@@ -341,6 +344,7 @@ pub(super) const APPROXIMATED: Cases = &[&[is(METHOD, &["kernel", "conforming"])
 const SPH: Cases = &[&[is(METHOD, &["total-lagrangian-sph", "updated-sph"])]];
 const VISCOUS: Cases = &[&[is_not("discretization.viscosity", &["0"])]];
 const PAIRWISE: Cases = &[&[is("discretization.shear-forces", &["pairs"])]];
+const TOTAL_SPH: Cases = &[&[is(METHOD, &["total-lagrangian-sph"])]];
 const PENALIZED_TOTAL_SPH: Cases = &[&[
     is(METHOD, &["total-lagrangian-sph"]),
     is_not("discretization.penalty", &["0"]),
@@ -457,6 +461,12 @@ pub(super) const METHOD_KEYS: &[Key] = &[
         "SPH: artificial viscosity at all times, averaged over compression and expansion, or as in LAMMPS' SMD",
     )
     .only_with(VISCOUS),
+    key(
+        "discretization.upwinding",
+        Kind::Words(&["none", "constant", "linear"]),
+        "total-Lagrangian SPH: dissipation of an acoustic Riemann solver on pairs, none, or for velocities constant or linear around each particle",
+    )
+    .only_with(TOTAL_SPH),
     key(
         "discretization.artificial-stress",
         Kind::Number("1", NotNegative),

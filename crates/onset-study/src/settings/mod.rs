@@ -28,6 +28,7 @@ mod schema;
 mod sections;
 mod state;
 mod study;
+mod time;
 mod toml;
 mod trust;
 pub(crate) mod units;
@@ -57,6 +58,7 @@ pub use schema::schema;
 pub(crate) use sections::sections;
 pub use state::StateSettings;
 pub use study::Study;
+pub use time::TimeIntegrator;
 pub use trust::{TRUST_VARIABLE, Trust};
 pub use units::{Units, stress_unit};
 
@@ -84,6 +86,8 @@ pub struct Settings {
     pub discretization: KernelMethodChoices,
     /// Family of methods, and the settings of the other families.
     pub method: MethodSettings,
+    /// Time integrator of methods without a time step of their own.
+    pub integrator: TimeIntegrator,
     /// Body of the study, if it has one.
     pub body: Option<BodySettings>,
     /// Place at which each key of the discretization was set.
@@ -342,7 +346,8 @@ impl Settings {
     /// # Errors
     /// [`SettingError`] for an unknown key or a value of a wrong kind.
     pub fn set(&mut self, name: &str, value: &Value, origin: Origin) -> Result<(), SettingError> {
-        let of_problem = |key: &&Key| matches!(key.parts().0, "material" | "discretization");
+        let of_problem =
+            |key: &&Key| matches!(key.parts().0, "material" | "discretization" | "time");
         let key = Key::for_setting(name, value.is_measure());
         let Some(key) = key.filter(of_problem) else {
             if let Some(key) = study_keys().find(|key| key.name == name) {
@@ -454,6 +459,13 @@ impl Settings {
                 &mut discretization.linearization,
                 value.word::<Linearization>(),
             ),
+            time::INTEGRATOR => assign(
+                &mut self.integrator,
+                match value {
+                    Value::Word(word) => TimeIntegrator::named(word),
+                    _ => None,
+                },
+            ),
             name if name.starts_with("discretization.") => {
                 key.kind.accepts(value) && self.method.set(key.parts().1, value)
             }
@@ -486,7 +498,7 @@ impl Settings {
                 self.origins.remove(other);
             }
         }
-        let is_listed = key.parts().0 == "discretization" && name != aliases::SMOOTHING_LENGTH;
+        let is_listed = key.parts().0 != "material" && name != aliases::SMOOTHING_LENGTH;
         if is_listed || name == "material.model" {
             self.origins.insert(key.name, origin);
         }
@@ -533,6 +545,7 @@ impl Settings {
     /// Returns the value of a key; `None` if the key does not exist, or is a parameter of another material.
     pub fn value(&self, name: &str) -> Option<Value> {
         match name.split_once('.')? {
+            ("time", "integrator") => Some(Value::Word(self.integrator.name().to_owned())),
             ("material", "model") => Some(Value::Word(self.material.model.name().to_owned())),
             ("material", PLANE) => Some(Value::Word(word_of(&self.material.plane()))),
             ("material", name) => {

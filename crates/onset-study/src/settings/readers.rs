@@ -27,6 +27,7 @@ const METHODS: &[(&str, &[&[&str]])] = &[
             &[],
             &["penalty=0.4"],
             &["viscosity=0.5"],
+            &["upwinding=linear"],
             &["cells=2", "perturbation=0.05"],
             &["lattice=rectangular", "aspect=1.1"],
             &["lattice=oblique", "vectors=1,0,0.2,1.1"],

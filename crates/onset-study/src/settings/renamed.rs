@@ -4,7 +4,11 @@ use super::notes::note;
 use super::{Key, Value};
 
 /// Keys: earlier name, present name.
-const KEYS: &[(&str, &str)] = &[("discretization.arrangement", "discretization.lattice")];
+const KEYS: &[(&str, &str)] = &[
+    ("discretization.arrangement", "discretization.lattice"),
+    ("map.integrator", "time.integrator"),
+    ("compare.integrator", "time.integrator"),
+];
 
 /// Words of a key whose earlier name now belongs to another key: `lattice` used to set the particle positions in the current configuration.
 const WORDS: &[(&str, &[&str], &str)] = &[(

@@ -15,7 +15,7 @@ use serde_json::{Map, Value, json};
 /// these. Other names of words are accepted in studies but not listed in the schema.
 pub fn schema() -> Value {
     let mut sections = Map::new();
-    for section in ["material", "discretization", "state", "map"] {
+    for section in ["material", "discretization", "time", "state", "map"] {
         if section == "map" {
             sections.insert("axes".to_owned(), axes());
         }

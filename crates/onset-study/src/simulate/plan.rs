@@ -394,12 +394,20 @@ fn turns_of(problem: &Problem, k: &[f64], cells: &[usize]) -> Result<Vec<i64>, S
     Ok(turns.iter().map(|turns| turns.round() as i64).collect())
 }
 
+/// Integrator of the question, or of the settings.
+fn stepper_of(problem: &Problem, question: &Question) -> Result<Stepper, SimulateError> {
+    match question.stepper {
+        Some(stepper) => Ok(stepper),
+        None => Ok(Stepper::of(problem.settings.explicit_integrator()?)),
+    }
+}
+
 /// Time integration with its name.
 fn stepped(
     problem: &Problem,
     question: &Question,
 ) -> Result<(Stepper, &'static str), SimulateError> {
-    let stepper = question.stepper.unwrap_or(Stepper::KICK_DRIFT_KICK);
+    let stepper = stepper_of(problem, question)?;
     if !problem.analysis.is_transferred() {
         return Ok((stepper, stepper.name()));
     }
@@ -429,7 +437,7 @@ fn step(
         (None, None) if own > 0.0 => own,
         (None, None) => (DEFAULT_STEP_FRACTION * critical).min(resolved),
     };
-    let stepper = question.stepper.unwrap_or(Stepper::KICK_DRIFT_KICK);
+    let stepper = stepper_of(problem, question)?;
     if critical == 0.0 && !(step > 0.0 && question.pace.is_supercritical) {
         return Err(refused(
             format!(

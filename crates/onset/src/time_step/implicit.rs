@@ -53,14 +53,22 @@ impl ImplicitIntegrator {
         Self::BackwardEuler,
     ];
 
+    /// Names of the integrators, in the order of [`ImplicitIntegrator::ALL`].
+    pub const NAMES: [&str; 4] = [
+        "newmark",
+        "hht-alpha",
+        "generalized-alpha",
+        "backward-euler",
+    ];
+
+    /// Returns the implicit integrator with the given name, or `None`.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|own| own.name() == name)
+    }
+
     /// Name of the integrator in text and JSON.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Newmark => "newmark",
-            Self::HhtAlpha => "hht-alpha",
-            Self::GeneralizedAlpha => "generalized-alpha",
-            Self::BackwardEuler => "backward-euler",
-        }
+        Self::NAMES[self as usize]
     }
 
     /// Parameters of the generalized-alpha family; `None` for backward Euler.

@@ -18,6 +18,7 @@ mod stabilization;
 mod states;
 mod transfer;
 mod transferred;
+mod upwinding;
 
 #[path = "../shared/random.rs"]
 mod random;

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-const SECTIONS: [&str; 5] = ["material", "discretization", "state", "axes", "map"];
+const SECTIONS: [&str; 6] = ["material", "discretization", "time", "state", "axes", "map"];
 
 const AXIS_KEYS: [&str; 3] = ["axes.quantity", "axes.range", "axes.states"];
 

@@ -1,7 +1,7 @@
 //! The interactions of SPH as a single type.
 
 use super::super::lagrangian::Stressed;
-use super::super::stabilization::{BondPenalty, ViscousBond};
+use super::super::stabilization::{BondPenalty, RiemannPairs, ViscousBond};
 use super::super::{Interaction, Motion};
 use super::chain::Chain;
 use super::pairwise::PairwiseShear;
@@ -22,6 +22,7 @@ pub(super) enum SphInteraction<'a, const D: usize> {
     /// Accumulated forces of a particle along its pairs.
     Springs(PairSprings<D>),
     Viscous(ViscousBond<D>),
+    Riemann(RiemannPairs<'a, D>),
 }
 
 impl<const D: usize> Interaction<D> for SphInteraction<'_, D> {
@@ -33,6 +34,7 @@ impl<const D: usize> Interaction<D> for SphInteraction<'_, D> {
             Self::Penalty(penalty) => penalty.particles(),
             Self::Springs(springs) => springs.particles(),
             Self::Viscous(bond) => bond.particles(),
+            Self::Riemann(pairs) => pairs.particles(),
         }
     }
 
@@ -44,11 +46,12 @@ impl<const D: usize> Interaction<D> for SphInteraction<'_, D> {
             Self::Penalty(penalty) => penalty.forces(motion),
             Self::Springs(springs) => springs.forces(motion),
             Self::Viscous(bond) => bond.forces(motion),
+            Self::Riemann(pairs) => pairs.forces(motion),
         }
     }
 
     fn is_viscous(&self) -> bool {
-        matches!(self, Self::Viscous(_))
+        matches!(self, Self::Viscous(_) | Self::Riemann(_))
     }
 
     fn add_stiffness(&self, blocks: &mut BlochBlocks<D>) {
@@ -59,6 +62,7 @@ impl<const D: usize> Interaction<D> for SphInteraction<'_, D> {
             Self::Penalty(penalty) => penalty.add_stiffness(blocks),
             Self::Springs(springs) => springs.add_stiffness(blocks),
             Self::Viscous(bond) => bond.add_stiffness(blocks),
+            Self::Riemann(pairs) => pairs.add_stiffness(blocks),
         }
     }
 }

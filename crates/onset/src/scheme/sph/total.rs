@@ -5,8 +5,8 @@ use super::super::layout::{Layout, MovingWeight, assert_positive};
 use super::super::moduli::Moduli;
 use super::super::response::PartOf;
 use super::super::stabilization::{
-    ArtificialViscosity, BondPenalty, Compliance, Dashpot, PenaltyForm, Slope, ViscousBond,
-    ViscousScales, assert_coefficients, smoothed_velocities, viscous_bonds,
+    ArtificialViscosity, BondPenalty, Compliance, Dashpot, PenaltyForm, RiemannPairs, Slope,
+    Upwinding, ViscousBond, ViscousScales, assert_coefficients, smoothed_velocities, viscous_bonds,
 };
 use super::super::{
     Assembled, Bond, CarriedWaves, Discretization, PairLaw, PatchForces, PeriodicPatch,
@@ -71,6 +71,8 @@ pub struct TotalLagrangianChoices {
     pub penalty_form: PenaltyForm,
     /// Artificial viscosity; `None` for no viscosity.
     pub viscosity: Option<ArtificialViscosity>,
+    /// Dissipation of an acoustic Riemann solver between pairs.
+    pub upwinding: Upwinding,
     /// Coefficient `epsilon` of XSPH; zero for no velocity smoothing.
     pub velocity_smoothing: f64,
     /// Forces of the shear stress.
@@ -92,6 +94,7 @@ impl Default for TotalLagrangianChoices {
             penalty: 0.0,
             penalty_form: PenaltyForm::Published,
             viscosity: None,
+            upwinding: Upwinding::None,
             velocity_smoothing: 0.0,
             shear: ShearForces::Stress,
         }
@@ -211,6 +214,12 @@ impl<const D: usize> TotalLagrangianSph<D> {
         if let Some(viscosity) = &self.choices.viscosity {
             let bonds = self.viscous_bonds(viscosity, material, f)?;
             interactions.extend(bonds.into_iter().map(SphInteraction::Viscous));
+        }
+        for (point, neighborhood) in self.points.iter().zip(&self.neighborhoods) {
+            let (upwinding, density) = (self.choices.upwinding, self.choices.density);
+            let vectors = &neighborhood.vectors;
+            let pairs = RiemannPairs::new(upwinding, point, vectors, density, material, f)?;
+            interactions.extend(pairs.map(SphInteraction::Riemann));
         }
         Ok(work(&interactions))
     }
@@ -405,6 +414,7 @@ impl<const D: usize> Discretization<D> for TotalLagrangianSph<D> {
         material: &dyn Hyperelastic,
     ) -> Result<Option<Box<dyn PairLaw<D>>>, MethodError> {
         if self.choices.viscosity.is_some()
+            || self.choices.upwinding != Upwinding::None
             || self.choices.velocity_smoothing != 0.0
             || self.choices.shear != ShearForces::Stress
         {
