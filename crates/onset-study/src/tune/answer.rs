@@ -234,7 +234,7 @@ impl TuneAnswer {
             .covering([0.0, 100.0]);
         let unit = || {
             Axis::linear(
-                "frequency relative to the material's slowest (−)",
+                "frequency relative to the material's slowest wave (−)",
                 (0.0, 1.0),
             )
             .covering([0.0, 1.0])
