@@ -22,7 +22,11 @@ impl Brief for Table {
         let shortened = |name: &str| -> String {
             let name = cut(name, NAME);
             match name.chars().count() > width_of_name {
-                true => name.chars().take(width_of_name.saturating_sub(1)).chain(['…']).collect(),
+                true => name
+                    .chars()
+                    .take(width_of_name.saturating_sub(1))
+                    .chain(['…'])
+                    .collect(),
                 false => name,
             }
         };
