@@ -198,7 +198,7 @@ impl Family {
         NAMES.into_iter()
     }
 
-    /// Returns the family with the given name; `None` if there is none.
+    /// Returns the family with the given name, or `None` if no family has it.
     ///
     /// Names are the names of [`Family::all`], of laws of the library that can be fitted, `ogden-N` with N up to 6, and `hyperfoam-N` with N up to 3.
     pub fn named(name: &str) -> Option<Self> {
