@@ -264,7 +264,7 @@ class Answer(Record):
         picture = self._picture() or ""
         return (
             f"<div><p><strong>{html.escape(first)}</strong></p>{picture}"
-            f"<details{'' if picture else ' open'}><summary>all of it</summary><pre>{html.escape(rest.strip())}</pre></details></div>"
+            f"<details{'' if picture else ' open'}><summary>full text</summary><pre>{html.escape(rest.strip())}</pre></details></div>"
         )
 
     def plot(self, ax: Axes | Sequence[Axes] | None = None, fig: FigureBase | None = None) -> Axes:

@@ -658,7 +658,7 @@ def _states(count: object) -> str:
 
 
 def source(path: str | os.PathLike[str], what: str = "a study") -> tuple[str, str]:
-    """Returns name and text of a file."""
+    """Returns the name and the text of a file."""
     name = place(path, what)
     try:
         return name, Path(name).read_text(encoding="utf-8")

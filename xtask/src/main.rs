@@ -250,7 +250,7 @@ fn test() -> bool {
     done
 }
 
-/// Tests the Python package and, if possible, the page in a browser. Both run mostly in a single process, so that they run in parallel.
+/// Tests the Python package and, if possible, the page in a browser. Each uses mostly a single process, so the two run in parallel.
 fn python_and_page(has_browser: bool) -> bool {
     std::thread::scope(|scope| {
         let page = has_browser.then(|| scope.spawn(|| reported(page::test())));

@@ -280,7 +280,7 @@ pub enum Command {
             help_heading = "Proof"
         )]
         tolerance: f64,
-        /// Limit of weakly controlled waves.
+        /// Largest relative frequency of weakly controlled waves.
         #[command(flatten)]
         weak: WeakArgument,
         /// Length of the printed answer.
@@ -456,8 +456,8 @@ pub enum Command {
     /// Find what went wrong first in a run of your own code: particle, time, cause and remedy
     ///
     /// Reads the output files of a run, the law and the method, and follows all particles through time. The cause is the material (physical), the
-    /// discretization (numerical, zero-energy), the time step, or a motion that is forced. Formats: LAMMPS text dumps, VTU, VTP and PVD, NumPy
-    /// arrays, extended XYZ, CSV.
+    /// discretization (numerical, zero-energy), the time step, or a forced motion. Formats: LAMMPS text dumps, VTU, VTP and PVD, NumPy arrays,
+    /// extended XYZ, CSV.
     #[command(after_help = SCREEN_EXAMPLES, after_long_help = with_keys(SCREEN_EXAMPLES, &keys()))]
     Screen(Box<ScreenArguments>),
     /// Fit laws of rubber and foam to test data, stable in the range where they are used
@@ -564,7 +564,7 @@ pub struct FailingArguments {
     pub fail_on: Option<FailOn>,
 }
 
-/// Option for the limit of weakly controlled waves.
+/// Option for the largest relative frequency of weakly controlled waves.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct WeakArgument {
     /// Limit of weakly controlled waves: largest ratio of their frequency to the frequency of the slowest material wave.
@@ -1236,7 +1236,7 @@ pub struct LimitArguments {
         required_unless_present = "keeps"
     )]
     pub time_step: Option<String>,
-    /// Instead of a time step: which values keep all states of a window of stretches stable? The only word is stable.
+    /// Find the values that keep all states of a window of stretches stable, instead of the values for a time step; the only choice is stable.
     #[arg(long, value_name = "WORD", value_parser = ["stable"], conflicts_with_all = ["time_step", "stretch", "deformation_gradient", "safety", "integrator"])]
     pub keeps: Option<String>,
     /// With --keeps: smallest and largest stretch along the axes [default: 0.7,1.5].
@@ -1600,7 +1600,7 @@ pub struct BlockArguments {
     pub material: Option<String>,
 }
 
-/// Deck of another program for a command that needs the axes of a study; refused with the study to write.
+/// Deck of another program, given to a command that needs the axes of a study: the error shows the study to write.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct RefusedBlockArguments {
     /// FILE is a deck of another program.

@@ -198,8 +198,9 @@ impl Family {
         NAMES.into_iter()
     }
 
-    /// Returns the family with a name of [`Family::all`], of a law of the library, `ogden-N` (N up to 6) or `hyperfoam-N` (N up to 3); `None` for
-    /// other names.
+    /// Returns the family with the given name, or `None` if no family has it.
+    ///
+    /// Names are the names of [`Family::all`], of laws of the library that can be fitted, `ogden-N` with N up to 6, and `hyperfoam-N` with N up to 3.
     pub fn named(name: &str) -> Option<Self> {
         let polynomial = |powers: &[(i32, i32)]| Self::polynomial(name, powers);
         Some(match name {

@@ -19,7 +19,7 @@ const RETRY_PAUSE: Duration = Duration::from_millis(20);
 const TOKEN_HEADER: &str = "onset-token";
 /// Refusal of a request without a valid token.
 const NO_TOKEN: &str = "this page is for the user who started it: the token of the running program is missing or wrong\n  hint: open the address \
-     that `onset explore` has printed; in the same browser links without a token are answered then";
+     that `onset explore` has printed; links without a token then work in the same browser";
 
 /// HTTP server of the page, which also answers its requests.
 pub struct Server {

@@ -215,7 +215,7 @@ mod user {
     }
 
     #[test]
-    fn a_secant_stiffness_is_identified_and_a_nearest_convention_only_if_it_is_nearer() {
+    fn a_secant_stiffness_is_identified_and_a_convention_is_named_only_if_clearly_nearest() {
         let audit = audited("tests/fortran/secant.f90", "2,1,0.01,1", "--strain 0.001");
         assert_eq!(outcome(&audit, "tangent"), "failed");
         assert!(number(&audit, "/tangent/secant") < 1e-3);

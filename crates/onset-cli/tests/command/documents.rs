@@ -157,7 +157,7 @@ fn numbers_have_the_fewest_digits_that_read_back() {
                 continue;
             }
             numbers += 1;
-            // Rust writes the fewest digits that read back.
+            // Rust writes the fewest digits that are read back as the same number.
             let digits = |text: &str| {
                 let mantissa = text.split('e').next().unwrap_or(text);
                 let own: String = mantissa.chars().filter(char::is_ascii_digit).collect();

@@ -75,7 +75,7 @@ fn a_state_with_a_umat_equals_the_state_with_the_built_in_law_of_the_same_energy
 }
 
 #[test]
-fn a_vumat_and_a_function_in_c_are_answered_and_audited_as_the_built_in_law() {
+fn a_vumat_and_a_function_in_c_are_answered_and_audited_like_the_built_in_law() {
     let law = crate::document(
         "state --stretch 1.2,0.9 --set material.model=blatz-ko --set material.mu=32",
     );

@@ -23,7 +23,7 @@ pub struct CertificateAnswer {
     pub discretization: ProofAnswer,
 }
 
-/// Three-valued answer with its evidence.
+/// Result of a proof: stable, unstable or undecided, with the evidence.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ProofAnswer {
     /// `proved-stable`, `proved-zero-energy`, `proved-unstable` or `undecided`.
@@ -142,7 +142,7 @@ impl ProofAnswer {
             let reason = self.reason.unwrap_or("no reason");
             if reason == Reason::Method.name() {
                 return format!(
-                    "{certainty} ({reason}): the waves of this method are searched without a proof"
+                    "{certainty} ({reason}): the waves of this method are searched, without a proof"
                 );
             }
             match self.smallest_seen {

@@ -361,12 +361,12 @@ impl Diagram {
             ),
             (
                 Kind::Physical,
-                "growing, as a wave of the continuum does".to_owned(),
+                "growing; a wave of the continuum grows too".to_owned(),
                 physical,
             ),
             (
                 Kind::Numerical,
-                "growing, although no wave of the continuum does".to_owned(),
+                "growing; no wave of the continuum grows".to_owned(),
                 numerical(),
             ),
         ]

@@ -155,15 +155,15 @@ fn shear_of_plane(response: &Response) -> Option<f64> {
 fn note_on_path(model: Model) -> Option<String> {
     model.is_in_rate_form().then(|| match model.yields() {
         false => format!(
-            "{} is hypoelastic: the state is reached along R U^t, 0 <= t <= 1 (proportional logarithmic strain), and waves are evaluated with the tangent of the \
-             rates that continue from there; of a stressed state it has no major symmetry, so that waves can flutter, even where the law is strongly elliptic; in simple shear stress and loss differ \
-             from those along the path of shear itself",
+            "{} is hypoelastic: the state is reached along R U^t, 0 <= t <= 1 (proportional logarithmic strain), and its waves follow from the tangent at the \
+             end of this path. At a stressed state the tangent has no major symmetry, so waves can flutter even where the law is strongly elliptic. A state of \
+             simple shear has another stress, and loses ellipticity elsewhere, if it is reached by shearing",
             model.name()
         ),
         true => format!(
-            "{} {}: the state is reached along R U^t, 0 <= t <= 1 (proportional logarithmic strain), and beyond yield waves are evaluated with the \
-             tangent of continued loading (Hill's linear comparison solid): with associated flow stability under it is sufficient, and its loss is an instability \
-             only while loading continues",
+            "{} {}: the state is reached along R U^t, 0 <= t <= 1 (proportional logarithmic strain), and beyond yield waves follow from the \
+             tangent of continued loading (Hill's linear comparison solid). If flow is associated and this solid is stable, so is the material; if it is \
+             unstable, the instability requires that loading continues",
             model.name(),
             match model.name() {
                 "damage" => "loses stiffness",

@@ -277,7 +277,7 @@ pub struct WeakestModeAnswer {
     pub wave_vector: Vec<f64>,
     /// Frequency relative to the slowest wave of the material.
     pub relative_frequency: f64,
-    /// Limit of weakly controlled waves.
+    /// Largest relative frequency of a weakly controlled wave.
     pub weak: f64,
     #[serde(skip)]
     pub(super) mode: WeakestMode<3>,
@@ -297,9 +297,9 @@ impl WeakestModeAnswer {
 /// Options for the assessment of one state, as in `onset state`.
 #[derive(Clone, Copy, Debug)]
 pub struct StateQuestion {
-    /// Tolerance of the proof, if a proof is requested. Undecided measures above it are not near zero.
+    /// Tolerance of the proof, if a proof is requested. A smaller undecided measure counts as near zero.
     pub certified: Option<f64>,
-    /// Limit of weakly controlled waves, a relative frequency.
+    /// Largest frequency of a weakly controlled wave, relative to the slowest wave of the material.
     pub weak: f64,
 }
 

@@ -151,17 +151,17 @@ pub(super) fn band(
             let length = std::f64::consts::TAU / k;
             let spacing = problem.settings.discretization.spacing;
             format!(
-                "here the fastest wave has the length {}, {} spacings, for any spacing",
+                "here the fastest-growing wave has the length {}, {} spacings, for any spacing",
                 units.of(told(length), "m"),
                 told(length / spacing)
             )
         }
-        false => "here no wave is the fastest".to_owned(),
+        false => "here no wave grows fastest".to_owned(),
     };
     Some(format!(
-        "flow localizes into a band with the normal {}, {} degrees from the axis of the largest principal stress; the law has no length, so that the \
-         width of the band is that of the method and no refinement converges: {width}; a law with a length (nonlocal or gradient), viscosity or a fixed \
-         nonlocal horizon sets a width",
+        "flow localizes into a band with the normal {}, {} degrees from the axis of the largest principal stress; the law has no length, so the \
+         method sets the width of the band, and results do not converge under refinement: {width}; a law with a length (nonlocal or gradient), viscosity \
+         or a fixed nonlocal horizon sets a width",
         vector(&list(problem.dimension(), &normal)),
         told((angle * 10.0).round() / 10.0)
     ))

@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 pub struct StudySummary {
     /// Path of the study file.
     pub file: String,
-    /// Always `true`; the counterpart of an error.
+    /// Always `true`; the entry of an invalid file has `false`.
     pub valid: bool,
     /// Title of the study.
     pub title: String,

@@ -256,7 +256,7 @@ pub fn ratio(size: f64, scale: f64) -> f64 {
 /// Reading with its error against the delivered tangent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Match {
-    /// Convention and mistakes of the tangent.
+    /// Convention that the tangent follows, with the mistakes in it.
     #[serde(flatten)]
     pub reading: Reading,
     /// Sentence on the convention and the mistakes.

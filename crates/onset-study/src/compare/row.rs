@@ -49,7 +49,7 @@ pub struct Measured {
     pub zero_extent: Option<Extent>,
     /// Whether all zero-energy modes have been found.
     pub zero_modes_complete: bool,
-    /// Number of minima of the relative frequency below the limit of weak control.
+    /// Number of weakly controlled modes: minima of the relative frequency below its limit.
     pub weak_modes: usize,
     /// Smallest ratio of a wave's frequency to the frequency of the slowest material wave with the same wave vector.
     ///

@@ -14,13 +14,30 @@ impl Brief for Table {
         let ranking = recommended(self);
         let mut columns = self.columns();
         columns.retain(|column| column.is_in_short);
+        // The name leaves room for the cells and the longest verdict.
+        let widths = columns.iter().map(|column| column.width(&self.rows) + 2);
+        let verdicts = ranking.iter().map(|ranked| ranked.verdict().len() + 2);
+        let taken = widths.sum::<usize>() + verdicts.max().unwrap_or(0);
+        let width_of_name = NAME.min(WIDTH.saturating_sub(taken));
+        let shortened = |name: &str| -> String {
+            let name = cut(name, NAME);
+            match name.chars().count() > width_of_name {
+                true => name
+                    .chars()
+                    .take(width_of_name.saturating_sub(1))
+                    .chain(['…'])
+                    .collect(),
+                false => name,
+            }
+        };
         let line = |name: &str, verdict: &str, cell: &dyn Fn(&Column) -> String| {
             let cells = columns.iter().map(|column| {
                 let width = column.width(&self.rows);
                 format!("  {:>width$}", cell(column))
             });
             let cells: String = cells.collect();
-            let line = format!("{:NAME$}{cells}  {verdict}", cut(name, NAME));
+            let name = shortened(name);
+            let line = format!("{name:width_of_name$}{cells}  {verdict}");
             line.trim_end().to_owned()
         };
         let head = line("method, best first", "verdict", &|column| {
@@ -36,8 +53,9 @@ impl Brief for Table {
                 }),
                 None => {
                     let why = ranked.excluded.as_ref().map_or("", |(_, why)| why);
-                    let room = WIDTH - NAME - 2;
-                    format!("{:NAME$}  {}", cut(&ranked.name, NAME), cut(why, room))
+                    let name = shortened(&ranked.name);
+                    let room = WIDTH - width_of_name - 2;
+                    format!("{name:width_of_name$}  {}", cut(why, room))
                 }
             }
         });

@@ -313,7 +313,7 @@ mod tests {
                             continue;
                         };
                         let holds = match criterion.criterion {
-                            // Finite jumps are searched up to the first loss only.
+                            // Finite jumps are searched for only up to the first loss.
                             Criterion::RankOneConvexity => {
                                 criterion.defined
                                     && match limits[usize::from(stretch > 1.0)] {

@@ -803,7 +803,7 @@ fn document(value: Value) -> serde_json::Value {
     }
 }
 
-/// Fractions of the distance to each end of the path at which other equilibria are searched.
+/// Fractions of the distance to each end of the path at which other equilibria are searched for.
 const EQUILIBRIUM_SEARCH_FRACTIONS: [f64; 3] = [0.25, 0.5, 1.0];
 
 fn other_states(path: &LoadingPath<'_>) -> Vec<OtherState> {

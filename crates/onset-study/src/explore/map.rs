@@ -12,7 +12,7 @@ const COARSEST_STATES: [usize; 3] = [12, 12, 6];
 pub(super) const LEVELS: u32 = 3;
 /// Number of states along an axis of the finest map in 2D.
 pub(super) const FINEST_STATES: usize = COARSEST_STATES[1] << LEVELS;
-/// Number of states along an axis between which boundaries are searched; the curves then have the accuracy of the command.
+/// Number of states along an axis between which boundaries are searched for; the curves then have the accuracy of the command.
 pub(super) const CURVE_STATES: usize = 32;
 /// Number of cached maps.
 const CACHED_MAPS: usize = 8;

@@ -310,7 +310,7 @@ impl fmt::Display for KeepsAnswer {
         let heading = varied.heading();
         writeln!(
             formatter,
-            "\n\n  {heading:>14}  stable states  first that is not, at stretches"
+            "\n\n  {heading:>14}  stable states  first state that is not, with its stretches"
         )?;
         for one in varied.rows() {
             let told = told(one.value);

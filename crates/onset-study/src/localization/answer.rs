@@ -290,7 +290,7 @@ impl LocalizationAnswer {
             End::Exhausted => sentence.push_str(" The path ends where the strength is exhausted."),
             End::TurnsBack => sentence.push_str(
                 " The path ends where the prescribed strain would have to decrease: homogeneous deformation cannot continue \
-                 under control of strain.",
+                 under strain control.",
             ),
             End::Corner => sentence.push_str(
                 " The path ends where the intermediate principal stress equals the largest or smallest and a second face of the yield surface would flow.",

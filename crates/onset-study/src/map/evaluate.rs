@@ -74,10 +74,11 @@ impl Evaluator {
         Ok(evaluator)
     }
 
-    /// Computes states; results do not depend on the grouping of states.
+    /// Returns the record of each state, in order. The record of a state does not depend on the other states.
     ///
     /// # Errors
-    /// [`ProblemError`] if material or method cannot be evaluated at a state for any reason other than the support.
+    /// [`ProblemError`] if material or method cannot be evaluated at a state. The record is undefined instead if the law is not defined there, or if the
+    /// support holds too few or too many particles.
     pub fn records(&self, states: &[DeformationGradient]) -> Vec<Result<Record, ProblemError>> {
         let Some(analysis) = self.analysis.as_deref() else {
             return states.iter().map(|_| Ok(Record::UNDEFINED)).collect();

@@ -45,7 +45,7 @@ impl FromStr for Part {
                 Ok(Self::Share { number, of })
             }
             _ => Err(
-                "expected a range of tiles without its end, for example 0..64, or the number of a share and the number of shares, for example 1/8"
+                "expected a range of tiles that excludes its last number, for example 0..64, or a share and the number of shares, for example 1/8"
                     .to_owned(),
             ),
         }

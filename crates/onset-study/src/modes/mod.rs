@@ -38,7 +38,7 @@ pub struct ModesQuestion {
     pub cells: usize,
     /// The largest displacement of the exported fields, in particle spacings.
     pub amplitude: f64,
-    /// Whether displacement fields are exported, so that notes on waves that do not fit the patch are needed.
+    /// Whether displacement fields are exported; if so, notes name the waves that do not fit the patch.
     pub is_exported: bool,
 }
 
@@ -270,9 +270,9 @@ impl ShownMode {
         };
         match self.extent {
             Extent::Point => of_zero,
-            Extent::Line => format!("{of_zero}, and all along a line"),
-            Extent::Surface => format!("{of_zero}, and all over a surface"),
-            Extent::Zone => format!("{of_zero}, and so at every wave vector"),
+            Extent::Line => format!("{of_zero}, along a whole line"),
+            Extent::Surface => format!("{of_zero}, over a whole surface"),
+            Extent::Zone => format!("{of_zero}, at every wave vector"),
         }
     }
 }

@@ -778,7 +778,7 @@ impl ScreenAnswer {
                 " The law is at the limit of ellipticity: a change of 2 % in its modulus would change the verdict."
                     .to_owned()
             }
-            // Neither waves that forces resist little nor loads are distinguished from a step that is too large without the step.
+            // Without the time step, weakly controlled modes and loads cannot be distinguished from a step that is too large.
             (_, Cause::ZeroEnergy | Cause::Forced, _) if question.time_step.is_none() => {
                 " The time step is not known, and may be too large: give --time-step.".to_owned()
             }

@@ -126,7 +126,7 @@ pub struct BodySettings {
     measured: Measured,
     /// Place of the body in the file.
     origin: Origin,
-    /// Folder of the study, in which files are searched.
+    /// Folder of the study. File names are relative to it.
     folder: PathBuf,
 }
 

@@ -127,7 +127,7 @@ const EXAMPLE: &str = "for example\n\n    [[methods]]\n    name = \"SPH\"\n    m
                        [[methods]]\n    name = \"total-Lagrangian SPH\"\n    method = \"total-lagrangian-sph\"\n";
 
 impl Comparison {
-    /// Replaces the limit of weakly controlled waves of the file by the limit of a command, unless that is the default.
+    /// Replaces the largest relative frequency of weakly controlled waves in the file by the value given to a command, unless that value is the default.
     pub fn override_weak(&mut self, weak: f64) {
         if weak != WEAK_WAVE_RATIO {
             self.options.weak = weak;

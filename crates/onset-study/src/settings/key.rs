@@ -318,7 +318,7 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     key(
         "discretization.basis",
         Kind::Numbers("1", Any),
-        "lattice coordinates of more particles in the cell, one particle after the other; the first particle is at the origin",
+        "lattice coordinates of further particles in the cell, one particle after the other; the first particle is at the origin",
     )
     .only_with(CRYSTAL),
     key(

@@ -102,7 +102,7 @@ impl SimulateAnswer {
         let rates = plan.rates();
         let (outcome, reason, measured) = match (wave.has_zero_energy, &question.seeded) {
             (true, Seeded::Noise) => undecided(
-                "the wave has zero energy and is excited by the other waves; without noise it is seeded alone".to_owned(),
+                "the wave has zero energy, and the noise excites it through the other waves; omit --mode noise to seed it alone".to_owned(),
             ),
             (true, _) => standing(plan, patch, progress),
             (false, _) => moving(plan, progress),

@@ -48,7 +48,7 @@ enum Rule {
     Partial,
     /// Array with the given number of dimensions.
     Array(usize),
-    /// Nested folders of chunks with the given depth, then chunks.
+    /// Folders nested to the given depth, with the chunks at the deepest level.
     Chunks(usize),
 }
 

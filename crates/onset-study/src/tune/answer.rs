@@ -2,7 +2,7 @@
 
 use super::TuneQuestion;
 use crate::answers::{Evidence, LATTICE_NOTE, ProblemError, notes, stabilization};
-use crate::brief::{Brief, Short};
+use crate::brief::{Brief, Short, WIDTH};
 use crate::compare::{Measured, TUNING_LIMITS, Thresholds, outcome, percent};
 use crate::csv::Table;
 use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
@@ -234,7 +234,7 @@ impl TuneAnswer {
             .covering([0.0, 100.0]);
         let unit = || {
             Axis::linear(
-                "frequency relative to the material's slowest (−)",
+                "frequency relative to the material's slowest wave (−)",
                 (0.0, 1.0),
             )
             .covering([0.0, 1.0])
@@ -431,7 +431,13 @@ impl Brief for TuneAnswer {
         }
         let limits = &self.thresholds;
         let shown = self.decisive();
-        let lines = shown.iter().map(|one| self.line(one));
+        let lines = shown.iter().map(|one| {
+            let line = self.line(one);
+            match line.chars().count() > WIDTH {
+                true => line.chars().take(WIDTH - 1).chain(['…']).collect(),
+                false => line,
+            }
+        });
         let mut short = Short::new(format!("{}.", self.sentence()))
             .table(std::iter::once(Self::head()).chain(lines))
             .row(

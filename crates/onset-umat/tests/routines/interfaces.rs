@@ -20,7 +20,7 @@ fn flawed(flaw: u8) -> UmatSettings {
 }
 
 #[test]
-fn a_vumat_and_a_function_in_c_respond_as_the_built_in_law() {
+fn a_vumat_and_a_function_in_c_respond_like_the_built_in_law() {
     let law = BlatzKo::default();
     let vumat = routine(Interface::Vumat, "fortran/blatz_ko_vumat.f90", &[32.0]);
     // With the derivative of the function itself, and with differences of its stress.

@@ -31,7 +31,7 @@ pub fn states() -> Vec<DeformationGradient> {
 }
 
 #[test]
-fn the_umat_of_blatz_and_ko_responds_as_the_built_in_law() {
+fn the_umat_of_blatz_and_ko_responds_like_the_built_in_law() {
     let (umat, law) = (blatz_ko(), BlatzKo::default());
     for f in states() {
         let (a, b) = (law.response(&f), umat.response(&f));

@@ -200,7 +200,7 @@ impl Loading {
         }
     }
 
-    /// Returns true if an isotropic law has the same states in another loading with two axes exchanged.
+    /// Returns true for uniaxial loading in plane strain. For an isotropic law it is planar tension with axes 2 and 3 exchanged.
     pub fn is_planar_tension_of_axis_2(self) -> bool {
         (self.mode, self.lateral) == (Mode::Uniaxial, Lateral::PlaneStrain)
     }
@@ -431,7 +431,7 @@ impl Resolutions {
                 place: INTEGRATED,
                 flat: INTEGRATED.sqrt(),
                 free: 0.1 * INTEGRATED,
-                // They converge in less than ten.
+                // Iterations converge in less than ten steps.
                 iterations: 20,
             },
             false => Self {

@@ -20,7 +20,7 @@ pub enum VariableKind {
     Isotropic,
     /// The law is invariant under rotations of space.
     Objective,
-    /// Changed by rotations of space: a law that uses these variables need not be objective.
+    /// The law need not be objective: the variables change under rotations of space.
     Component,
 }
 

@@ -45,7 +45,7 @@ impl Kernel {
             }
             Self::Hyperbolic => "W = (s^3 - 6 s + 6)/6 for s = 2 q < 1, (2 - s)^3/6 for s < 2",
             Self::LaguerreGauss => {
-                "W ~ (1 - s^2/2 + s^4/6) exp(-s^2), s = 3 q, ended as the Gaussian"
+                "W ~ (1 - s^2/2 + s^4/6) exp(-s^2), s = 3 q, less its Taylor polynomial as for the Gaussian"
             }
             Self::Formula(formula) => formula.text(),
         }
@@ -61,10 +61,10 @@ impl Kernel {
             Self::WendlandC2 | Self::WendlandC4 | Self::WendlandC6 => {
                 "Wendland 1995; Dehnen and Aly 2012, table 1"
             }
-            Self::Gaussian => "Gingold and Monaghan 1977; the end at the rim is this program's",
+            Self::Gaussian => "Gingold and Monaghan 1977; smoothed at the rim by onset",
             Self::Hyperbolic => "Yang, Peng and Liu 2014, with R0 = 2 h",
             Self::LaguerreGauss => {
-                "Wang, Zhang, Haidn and Hu 2024, cut at 2 h there; the end at 3 h is this program's"
+                "Wang, Zhang, Haidn and Hu 2024, cut off at 2 h there; smoothed at 3 h by onset"
             }
             Self::Formula(_) => "typed",
         }

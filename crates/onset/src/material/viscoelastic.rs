@@ -127,12 +127,12 @@ impl Viscoelastic {
         &self.terms
     }
 
-    /// Law of states that are reached slowly, with the long-term moduli.
+    /// Law with the long-term moduli, for states that are reached slowly.
     pub fn relaxed(&self) -> Arc<dyn Hyperelastic> {
         self.scaled(self.relaxed)
     }
 
-    /// Law of states that are reached before anything relaxes, with the instantaneous moduli.
+    /// Law with the instantaneous moduli, for states that are reached too fast for relaxation.
     pub fn instantaneous(&self) -> Arc<dyn Hyperelastic> {
         self.scaled(self.instantaneous)
     }

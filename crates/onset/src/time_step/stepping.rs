@@ -46,14 +46,14 @@ pub enum Stepping {
     LateAcceleration,
 }
 
-/// Parts of `D(k)` that follow positions, stress and density (1/time^2), and the damping.
+/// Parts of `D(k)` due to positions, stress and density, and the damping.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WaveParts {
-    /// Part `X` that follows the positions.
+    /// Part `X` of `D(k)`, which the positions determine; 1/time^2.
     pub positions: DMatrix<Complex>,
-    /// Part `S` that follows the integrated stress.
+    /// Part `S` of `D(k)`, which the stress integrated in time determines; 1/time^2.
     pub stress: DMatrix<Complex>,
-    /// Part `R` that follows the integrated density.
+    /// Part `R` of `D(k)`, which the density integrated in time determines; 1/time^2.
     pub density: DMatrix<Complex>,
     /// Damping `C(k)` by viscous forces, divided by the masses; 1/time.
     pub damping: DMatrix<Complex>,

@@ -156,7 +156,7 @@ pub enum ZeroEnergyWave {
     },
 }
 
-/// Limit of weakly controlled waves: frequency relative to the material's slowest wave with the same wave vector, in the reference configuration.
+/// Largest frequency of weakly controlled waves, relative to the material's slowest wave with the same wave vector, in the reference configuration.
 pub const WEAK_WAVE_RATIO: f64 = 0.1;
 
 /// Mode of the reference configuration that is slow compared with the wave of the material.

@@ -151,7 +151,7 @@ impl<const D: usize> WeakestSearch<'_, D> {
         let all_at = |all: &[SVector<f64, D>]| all.iter().map(at).collect();
         let inside = settled(&all_at, start, steps);
         let mut best = inside;
-        // Cells with several particles have many kinks: only kinks at the end of the descent are searched.
+        // Cells with several particles have many kinks: the search covers only the kinks at the end of the descent.
         let skipped = usize::from(self.unfolding.sites() > 1);
         let ends = [start, inside].into_iter().zip(KINK_DISTANCES);
         for ((_, k), near) in ends.skip(skipped) {

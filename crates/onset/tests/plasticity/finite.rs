@@ -55,7 +55,7 @@ fn the_elastic_range_has_stress_and_tangent_of_henckys_energy() {
     };
     let law = law(0.0, 0.0, stiff);
     let energy = |f: &Matrix3<f64>| {
-        // From the eigenvalues of C as zeros of its characteristic polynomial.
+        // Independent of the library: the squares of the stretches are the eigenvalues of C.
         let squares = (f.transpose() * f).symmetric_eigenvalues();
         let strains = squares.map(|square| 0.5 * square.ln());
         let mean = strains.sum() / 3.0;

@@ -104,7 +104,7 @@ fn translations_are_neutral_for_every_transfer() {
 
 #[test]
 fn only_affine_transfers_preserve_affine_fields() {
-    // For long waves affine fields lose only the fourth order in k; without affine fields the loss is D_p k^2.
+    // With affine fields the loss of a long wave is of fourth order in k; without affine fields it is D_p k^2.
     let spacing = 0.8;
     for (functions, moment) in [
         (GridFunctions::QuadraticSpline, 0.25),

@@ -131,7 +131,7 @@ impl Unread {
                 None => "viscoelasticity is ignored".to_owned(),
             };
             let value = terms.as_ref().map_or_else(
-                || "another one".to_owned(),
+                || "not known".to_owned(),
                 |terms| {
                     let remaining = 1.0 - terms.iter().map(|term| term.shear).sum::<f64>();
                     let factor = if *is_long_term {

@@ -27,7 +27,7 @@ const NEWTON_STEPS: usize = 24;
 const STEP_TOLERANCE_PHASE: f64 = 2e-4;
 /// Largest ratio of the smallest to the largest curvature of a valley. A heuristic value.
 const VALLEY_CURVATURE_RATIO: f64 = 0.3;
-/// Distance along a valley, as a phase, at which other bottoms are searched.
+/// Distance along a valley, as a phase, at which other bottoms are searched for.
 const VALLEY_OFFSET_PHASE: f64 = 0.4;
 /// Distance from the origin, in grid steps, within which a descent towards the origin is abandoned.
 const ORIGIN_RANGE_STEPS: f64 = 1.5;

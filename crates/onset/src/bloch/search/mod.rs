@@ -45,8 +45,8 @@ const SOFT_MEASURE: f64 = 1e-3;
 /// Growth rate of the slowest flutter that counts, as a fraction of sound speed over particle spacing. Slower growth is rounding of complex
 /// eigenvalues.
 const FLUTTER_TOLERANCE: f64 = 1e-7;
-/// Largest growth rate of slow divergence, as a fraction of sound speed over particle spacing. All flutter is searched in states that diverge slowly;
-/// otherwise only faster flutter matters.
+/// Largest growth rate of slow divergence, as a fraction of sound speed over particle spacing. In states that diverge slowly, the search covers all
+/// flutter; otherwise only faster flutter matters.
 const SLOW_DIVERGENCE: f64 = 0.05;
 /// Smallest tolerance of scaled measures: a few times `f64::EPSILON`, the rounding error of `c^2` itself.
 const MINIMUM_TOLERANCE: f64 = 1e-15;

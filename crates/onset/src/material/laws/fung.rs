@@ -43,7 +43,7 @@ pub(in super::super) const ISOTROPIC: Law = Law {
 };
 
 const fn form(name: &'static str, default: f64) -> Parameter {
-    let meaning = "coefficient of the form, in units of c";
+    let meaning = "coefficient of Q";
     Parameter::new(name, "1", default, Admitted::Any, meaning)
 }
 

@@ -135,7 +135,7 @@ impl<const D: usize> Interaction<D> for BondPenalty<'_, D> {
                 |a: &[R; D], b: &[R; D]| (0..D).fold(R::constant(0.0), |sum, i| sum + a[i] * b[i]);
             // F_I X_IJ - x_IJ, without the homogeneous part, which cancels.
             let error: [R; D] = array_of(|i| missed[i] - relative[i]);
-            // x|^2 with an offset in each factor.
+            // `|x|^2` with an offset in each factor.
             let length = dot(&x, &x).sqrt();
             let [first, second] = self.offsets.current;
             let squared = (length + first) * (length + second);

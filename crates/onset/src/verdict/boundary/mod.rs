@@ -131,7 +131,7 @@ impl Curve {
         self.ends.is_none()
     }
 
-    /// Points of the vertices.
+    /// Positions of the vertices, in the units of the parameters.
     pub fn points(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         self.vertices.iter().map(|vertex| vertex.point)
     }
