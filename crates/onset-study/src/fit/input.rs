@@ -4,6 +4,7 @@
 
 use crate::input::{self, MOST_TEXT};
 use crate::number::{counted, told, told_with};
+use crate::settings::units::{names_of, value_of};
 use crate::settings::{fields_of_keyword, stress_unit};
 use onset_fit::{Mode, Point, Test};
 use std::path::{Path, PathBuf};
@@ -102,21 +103,9 @@ pub struct Tests {
     pub notes: Vec<String>,
 }
 
-/// Units of force with their values in newtons.
-const FORCES: [(&str, f64); 7] = [
-    ("N", 1.0),
-    ("kN", 1e3),
-    ("MN", 1e6),
-    ("mN", 1e-3),
-    ("lbf", 4.448_221_615_260_5),
-    ("kgf", 9.806_65),
-    ("gf", 9.806_65e-3),
-];
 /// Largest ratio of the secant moduli of neighboring rows of one test.
 const LARGEST_JUMP: f64 = 100.0;
 
-/// Known units of stress.
-const UNITS: &str = "expected Pa, kPa, MPa, GPa, N/mm^2, bar, psi or ksi";
 /// Smallest number of points of a test.
 const LEAST_POINTS: usize = 3;
 /// Largest stretch of rubber; larger numbers are read as percentages.
@@ -232,6 +221,7 @@ impl Tests {
                     ));
                 }
                 all.notes.extend(table.volume(&test));
+                all.notes.extend(table.repeated(&test));
                 units.push((test.name.clone(), unit.or_else(|| reading.unit.clone())));
                 all.tests.push(test);
             }
@@ -282,7 +272,7 @@ impl Tests {
                 };
                 return Err(TableError::Tests {
                     message: format!("the unit of stress `{unknown}` is not known"),
-                    hint: UNITS.to_owned(),
+                    hint: format!("expected {}", names_of("stress")),
                 });
             };
             if factor != 1.0 {
@@ -716,12 +706,11 @@ impl Table<'_> {
                     "name it nominal_stress, or correct the unit",
                 ));
             }
-            let Some((_, factor)) = FORCES.iter().find(|(name, _)| name == unit) else {
-                let names: Vec<&str> = FORCES.iter().map(|(name, _)| *name).collect();
+            let Some(factor) = value_of("force", unit) else {
                 return Err(self.line(
                     at,
                     format!("the unit of force `{}` is not known", brief(unit)),
-                    format!("expected {}", names.join(", ")),
+                    format!("expected {}", names_of("force")),
                 ));
             };
             if let Some(asked) = self
@@ -736,7 +725,7 @@ impl Table<'_> {
                     "forces are converted to N: name MPa for an area in mm^2, or Pa for an area in m^2",
                 ));
             }
-            in_newtons = *factor;
+            in_newtons = factor;
             if self.reading.unit.is_none() {
                 notes.push(format!(
                     "{}: forces are converted to N, so that the stresses are in N per unit of the area (MPa for mm^2)",
@@ -758,7 +747,7 @@ impl Table<'_> {
             return Err(self.line(
                 at,
                 format!("the unit of stress `{}` is not known", brief(unit)),
-                UNITS,
+                format!("expected {}", names_of("stress")),
             ));
         }
         // Redundant columns: the stretch given a second time as strain or true strain.
@@ -987,6 +976,35 @@ impl Table<'_> {
             }
         };
         Err(self.refused(message, "choose one of them with --material"))
+    }
+
+    /// Note on rows with the stretch of the row before, which count twice.
+    fn repeated(&self, test: &Test) -> Option<String> {
+        let pairs = test.points.windows(2);
+        let changes: Vec<f64> = pairs
+            .filter(|pair| pair[0].stretch == pair[1].stretch)
+            .map(|pair| (pair[1].stress - pair[0].stress).abs())
+            .collect();
+        let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+        let most = largest(&mut changes.iter().copied());
+        let scale = largest(&mut test.points.iter().map(|own| own.stress.abs()));
+        (!changes.is_empty()).then(|| {
+            format!(
+                "{}: {} the stretch of the row before, with {}; every row counts",
+                self.path.display(),
+                match changes.len() {
+                    1 => "1 row repeats".to_owned(),
+                    count => format!("{count} rows repeat"),
+                },
+                match most {
+                    0.0 => "the same stress".to_owned(),
+                    most => format!(
+                        "stresses that differ by up to {} % of the largest",
+                        told_with(100.0 * most / scale, 2)
+                    ),
+                }
+            )
+        })
     }
 
     /// Note on lateral stretches that contradict a constant volume, or have the sign of the strain.

@@ -36,6 +36,18 @@ const UNITS: &[(&str, &[(&str, f64)])] = &[
         ],
     ),
     (
+        "force",
+        &[
+            ("N", 1.0),
+            ("kN", 1e3),
+            ("MN", 1e6),
+            ("mN", 1e-3),
+            ("lbf", 4.448_221_615_260_5),
+            ("kgf", 9.806_65),
+            ("gf", 9.806_65e-3),
+        ],
+    ),
+    (
         "mass/volume",
         &[
             ("kg/m^3", 1.0),
@@ -76,11 +88,28 @@ const UNITS: &[(&str, &[(&str, f64)])] = &[
     ),
 ];
 
+/// Units of a dimension with their values in SI; empty for an unknown dimension.
+fn of(dimension: &str) -> &'static [(&'static str, f64)] {
+    let own = UNITS.iter().find(|(own, _)| *own == dimension);
+    own.map_or(&[], |(_, units)| units)
+}
+
+/// Value in SI of a unit of a dimension; `None` if it is not a unit of it.
+pub(crate) fn value_of(dimension: &str, unit: &str) -> Option<f64> {
+    let mut units = of(dimension).iter();
+    let found = units.find(|(own, _)| plain(own) == plain(unit));
+    found.map(|(_, value)| *value)
+}
+
 /// Value of a unit of stress in pascals; `None` if it is not known.
 pub fn stress_unit(name: &str) -> Option<f64> {
-    let (_, units) = UNITS.iter().find(|(dimension, _)| *dimension == "stress")?;
-    let found = units.iter().find(|(own, _)| plain(own) == plain(name));
-    found.map(|(_, value)| *value)
+    value_of("stress", name)
+}
+
+/// Names of the units of a dimension, in a list.
+pub(crate) fn names_of(dimension: &str) -> String {
+    let names: Vec<&str> = of(dimension).iter().map(|(name, _)| *name).collect();
+    names.join(", ")
 }
 
 /// SI unit of a dimension; `None` for dimensionless quantities, and for angles, whose keys name the unit.
@@ -105,17 +134,12 @@ pub(super) fn time(text: &str) -> Result<Option<f64>, String> {
     let Some((number, unit)) = split(text) else {
         return Ok(None);
     };
-    let of_time = UNITS.iter().find(|(dimension, _)| *dimension == "time");
-    let units = of_time.map_or(&[][..], |(_, units)| units);
-    match units.iter().find(|(known, _)| *known == unit) {
-        Some((_, factor)) => Ok(Some(scaled(number, *factor))),
-        None => {
-            let names: Vec<&str> = units.iter().map(|(name, _)| *name).collect();
-            Err(format!(
-                "`{unit}` is not a unit of time; units are {}",
-                names.join(", ")
-            ))
-        }
+    match value_of("time", unit) {
+        Some(factor) => Ok(Some(scaled(number, factor))),
+        None => Err(format!(
+            "`{unit}` is not a unit of time; units are {}",
+            names_of("time")
+        )),
     }
 }
 
@@ -174,42 +198,36 @@ pub(crate) fn converted(
     };
     let wrong =
         |message: String, hint: String| Err(SettingError::new(origin.clone(), message).hint(hint));
-    let of = |dimension: &str| UNITS.iter().find(|(name, _)| *name == dimension);
     let is = |known: &str| plain(known) == plain(unit);
     // A parameter of a formula has the dimension that the formula implies.
-    let dimensions: Vec<_> = match key.is_free() {
-        true => UNITS.iter().collect(),
-        false => of(dimension).into_iter().collect(),
+    let mut own: Box<dyn Iterator<Item = &(&str, f64)>> = match key.is_free() {
+        true => Box::new(UNITS.iter().flat_map(|(_, units)| *units)),
+        false => Box::new(of(dimension).iter()),
     };
-    let mut own = dimensions.iter().flat_map(|(_, units)| *units);
     if let Some((_, factor)) = own.find(|(known, _)| is(known)) {
         return Ok(Some(Value::Number(scaled(number, *factor))));
     }
     let other = UNITS
         .iter()
         .find(|(_, units)| units.iter().any(|(known, _)| is(known)));
-    let names = |units: &[(&'static str, f64)]| {
-        let names: Vec<&str> = units.iter().map(|(name, _)| *name).collect();
-        names.join(", ")
-    };
     match (of(dimension), other) {
-        (None, _) => wrong(
+        ([], _) => wrong(
             format!(
                 "`{}` has no dimension and accepts no unit such as `{unit}`",
                 key.name
             ),
             format!("give a number without unit ({})", key.meaning),
         ),
-        (Some((_, units)), Some((other, _))) => wrong(
+        (_, Some((other, _))) => wrong(
             format!(
                 "`{}` is {}; `{unit}` is a unit of {}",
                 key.name,
                 named(dimension),
                 named(other)
             ),
-            format!("units of {} are {}", named(dimension), names(units)),
+            format!("units of {} are {}", named(dimension), names_of(dimension)),
         ),
-        (Some((_, units)), None) => {
+        (units, None) => {
             let known = || units.iter().map(|(known, _)| *known);
             let same = known().find(|known| known.eq_ignore_ascii_case(unit));
             let nearest = same.or_else(|| nearest(unit, known()));
@@ -217,7 +235,11 @@ pub(crate) fn converted(
                 nearest.map_or_else(String::new, |known| format!("did you mean `{known}`? "));
             wrong(
                 format!("`{unit}` is not a known unit"),
-                format!("{meant}units of {} are {}", named(dimension), names(units)),
+                format!(
+                    "{meant}units of {} are {}",
+                    named(dimension),
+                    names_of(dimension)
+                ),
             )
         }
     }
@@ -236,6 +258,7 @@ fn named(dimension: &str) -> &str {
     match dimension {
         "stress" => "a stress",
         "length" => "a length",
+        "force" => "a force",
         "mass/volume" => "a density",
         "deg" | "rad" => "an angle",
         other => other,
