@@ -122,10 +122,7 @@ fn shear(settings: &Settings, published: f64) -> ShearForces {
     match settings.method.shear_forces {
         Shear::Stress => ShearForces::Stress,
         Shear::Pairs => ShearForces::Pairs {
-            coefficient: match settings.method.shear_coefficient {
-                0.0 => published,
-                coefficient => coefficient,
-            },
+            coefficient: settings.method.shear_coefficient.unwrap_or(published),
         },
     }
 }
@@ -168,6 +165,10 @@ fn elements(settings: &Settings) -> ElementChoices {
         mesh: method.mesh,
         order: method.element_order,
         spacing: settings.discretization.spacing,
+        vectors: settings.discretization.vectors.clone(),
+        cells: settings.discretization.cells,
+        perturbation: settings.discretization.perturbation,
+        seed: settings.discretization.seed,
         density: settings.discretization.density,
         formulation: ElementFormulation {
             integration: method.integration,

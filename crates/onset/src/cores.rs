@@ -1,6 +1,5 @@
 //! Parallel work on all cores.
 
-use crate::cancel::Scope;
 use std::sync::{Mutex, PoisonError};
 
 /// Applies `work` to each item, in parallel if available, and returns the results in order.
@@ -38,7 +37,7 @@ fn on_all_cores(count: usize, work: &(dyn Fn(usize) + Sync)) {
     #[cfg(feature = "rayon")]
     {
         use rayon::prelude::*;
-        let scope = Scope::current();
+        let scope = crate::cancel::Scope::current();
         (0..count)
             .into_par_iter()
             .for_each(|n| scope.run(|| work(n)));

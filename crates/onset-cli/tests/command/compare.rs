@@ -303,7 +303,7 @@ fn invalid_comparisons_are_refused_with_the_position_of_the_error() {
         ),
         (one("[compare]\nweak = -1"), vec!["a positive number"]),
         (
-            one("[compare]\nintegrator = 'leapfrog'"),
+            one("[compare]\nintegrator = 'leapfrop'"),
             vec!["kick-drift-kick"],
         ),
     ] {

@@ -24,6 +24,7 @@ mod grid;
 mod help;
 #[path = "../../../onset/tests/shared/hunt.rs"]
 mod hunt;
+mod integrators;
 #[cfg(target_os = "linux")]
 mod kill_points;
 mod limit;

@@ -6,8 +6,10 @@ use super::state::ComplexNumber;
 use crate::csv::Table;
 use crate::number::{told_of, vector};
 use crate::settings::{Effective, Units};
+use onset::algebra::Complex;
 use onset::analysis::PlaneWaves;
 use onset::kinematics::DeformationGradient;
+use onset::method::MethodError;
 use serde::Serialize;
 
 /// Waves of one wave vector.
@@ -29,6 +31,8 @@ pub struct Waves {
     /// Waves of discretization and continuum.
     #[serde(flatten)]
     pub waves: DispersionAnswer,
+    /// Rates `s` of all solutions `exp(s t)` with damping and relaxation, fastest growth first; empty without either. 1/time.
+    pub rates: Vec<ComplexNumber>,
     /// Notes on law and method.
     pub notes: Vec<String>,
     /// All settings in effect.
@@ -47,6 +51,7 @@ impl Waves {
     ) -> Result<Self, ProblemError> {
         let waves = at_wave_vector(problem, &strain.0, wave_vector)?;
         Ok(Self {
+            rates: rates(problem, &strain.0, &waves.wave_vector)?,
             waves,
             notes: notes(&problem.settings, &*problem.material),
             settings: problem.settings.effective(),
@@ -68,6 +73,31 @@ impl Waves {
             })
             .to_string()
     }
+}
+
+/// Rates of a wave vector with damping and relaxation; empty without either. In plane stress the thickness follows the disturbance, so that the tangent is
+/// not a sum over the terms of the relaxation, which is then left out.
+fn rates(
+    problem: &Problem,
+    f: &DeformationGradient,
+    k: &[f64],
+) -> Result<Vec<ComplexNumber>, ProblemError> {
+    let analysis = &problem.analysis;
+    let relaxed = problem.settings.material.relaxed();
+    let rates = match relaxed.map_err(MethodError::from)? {
+        Some(law) if problem.material.dimension() == 3 => analysis.relaxing(f, &law)?.rates(k),
+        _ if analysis.is_damped() => {
+            let frequencies = analysis.waves(f)?.frequencies(k).into_iter();
+            // exp(-i omega t) = exp(s t).
+            let mut rates: Vec<_> = frequencies
+                .map(|own| Complex::new(own.im, -own.re))
+                .collect();
+            rates.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+            rates
+        }
+        _ => Vec::new(),
+    };
+    Ok(rates.into_iter().map(ComplexNumber::from).collect())
 }
 
 fn at_wave_vector(
@@ -111,12 +141,35 @@ pub(super) fn answer(waves: &dyn PlaneWaves, k: &[f64]) -> DispersionAnswer {
 
 impl std::fmt::Display for Waves {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.waves.tell(formatter, self.settings.units())?;
+        let units = self.settings.units();
+        self.waves.tell(formatter, units)?;
+        let largest = self.rates.iter().map(|own| own.re.hypot(own.im));
+        let largest = largest.fold(0.0, f64::max);
+        for rate in &self.rates {
+            let told = complex(rate, largest);
+            writeln!(
+                formatter,
+                "rate with damping      {}",
+                units.of(told, "1/s")
+            )?;
+        }
         writeln!(formatter)?;
         for note in &self.notes {
             writeln!(formatter, "note: {note}\n")?;
         }
         write!(formatter, "{}", self.settings.in_continuous_time())
+    }
+}
+
+/// Text of a complex number, for rounding of the size of the largest one.
+fn complex(value: &ComplexNumber, largest: f64) -> String {
+    let real = told_of(value.re, largest);
+    match told_of(value.im, largest).as_str() {
+        "0" => real,
+        text => match text.strip_prefix('-') {
+            Some(size) => format!("{real} - {size} i"),
+            None => format!("{real} + {text} i"),
+        },
     }
 }
 
@@ -135,13 +188,6 @@ impl DispersionAnswer {
             .map(|value| value.re.hypot(value.im));
         let largest = sizes.fold(0.0, f64::max);
         for (n, value) in self.omega_squared.iter().enumerate() {
-            let imaginary = match told_of(value.im, largest).as_str() {
-                "0" => String::new(),
-                text => match text.strip_prefix('-') {
-                    Some(size) => format!(" - {size} i"),
-                    None => format!(" + {text} i"),
-                },
-            };
             let continuum = self.continuum_omega_squared.get(n);
             let beside = continuum.map_or(String::new(), |own| {
                 let own = units.of(told_of(*own, largest), "1/s^2");
@@ -150,10 +196,7 @@ impl DispersionAnswer {
             writeln!(
                 formatter,
                 "omega^2                {}{beside}",
-                units.of(
-                    format!("{}{imaginary}", told_of(value.re, largest)),
-                    "1/s^2"
-                )
+                units.of(complex(value, largest), "1/s^2")
             )?;
         }
         Ok(())

@@ -2,13 +2,16 @@
 
 use crate::methods::reduced;
 use crate::number::{counted, told, told_of};
-use crate::settings::{Bonds, Family, MaterialSettings, Model, Settings, Study, Units};
+use crate::settings::{
+    Bonds, Family, MaterialSettings, Model, Settings, Shear, Study, Units, Unknowns, Velocities,
+};
 use nalgebra::Matrix3;
 use onset::analysis::ReducedCell;
 use onset::continuum::ACOUSTIC_ROUNDING;
 use onset::criteria::is_isotropic;
 use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, Response};
+use onset::scheme::{GridFunctions, PointLayout};
 
 /// Stresses at `F = 1` below this fraction of the stiffness are rounding errors.
 const STRESS_ROUNDING: f64 = 1e-9;
@@ -251,7 +254,69 @@ pub fn notes_on_method(settings: &Settings) -> Vec<String> {
     reduced
         .into_iter()
         .chain(notes_on_bonds(settings))
+        .chain(note_on_pairs(settings))
+        .chain(note_on_knots(settings))
+        .chain(note_on_transfer(settings))
         .collect()
+}
+
+/// Note on a penalty beside shear forces between pairs, which leave no zero-energy modes.
+fn note_on_pairs(settings: &Settings) -> Option<String> {
+    let method = &settings.method;
+    let is_needless = method.method == Family::TotalLagrangianSph
+        && method.shear_forces == Shear::Pairs
+        && method.penalty > 0.0;
+    is_needless.then(|| {
+        "shear forces between pairs leave no zero-energy modes: the penalty adds to their stiffness, but there is nothing to control".to_owned()
+    })
+}
+
+/// Note on material points at knots of the functions of the grid, where forces have no derivative.
+fn note_on_knots(settings: &Settings) -> Option<String> {
+    let method = &settings.method;
+    if method.method != Family::MaterialPoints || method.unknowns == Unknowns::TotalLagrangian {
+        return None;
+    }
+    let sides = method.points_per_side;
+    // Distances from a node to the knots, apart from whole cells.
+    let half = 0.5 / f64::from(sides);
+    let knots: &[f64] = match method.grid_functions {
+        GridFunctions::Gimp | GridFunctions::Cpdi => &[half, -half],
+        GridFunctions::QuadraticSpline => &[0.5],
+        GridFunctions::Linear | GridFunctions::CubicSpline => &[],
+    };
+    // Several Gauss points lie at no knots.
+    let sides = match method.layout {
+        PointLayout::Gauss if sides > 1 => return None,
+        _ => sides,
+    };
+    let places = (0..sides).map(|n| (f64::from(n) + 0.5) / f64::from(sides));
+    let is_at = |x: f64| {
+        knots
+            .iter()
+            .any(|knot| (x - knot - (x - knot).round()).abs() < 1e-9)
+    };
+    let is_at_knots = places.map(|x| x + method.offset).any(is_at);
+    is_at_knots.then(|| {
+        "material points lie at knots of the grid functions, where their forces have no derivative; the mean of the two sides is used. Points at any other \
+         position can be unstable earlier: try discretization.offset = 0.05"
+            .to_owned()
+    })
+}
+
+/// Note on frequencies of transfers with an approximation of the full mass matrix.
+fn note_on_transfer(settings: &Settings) -> Option<String> {
+    let method = &settings.method;
+    let is_changed = method.method == Family::MaterialPoints
+        && method.unknowns == Unknowns::Particles
+        && matches!(method.transfer, Velocities::Xpic | Velocities::Fmpm);
+    is_changed.then(|| {
+        format!(
+            "frequencies are those of lumped masses in continuous time, for every order of {}; the transfer changes the frequencies of a run, its damping \
+             and its largest stable step: growth rates and `onset simulate` take it into account",
+            method.transfer.name()
+        )
+    })
 }
 
 /// Note on the time steps of a map whose study has a body.

@@ -616,7 +616,7 @@ fn discretization_answer(
         finite_bodies,
         body,
         implicit: (discrete_time.is_none() && explicit.is_none())
-            .then(|| ImplicitAnswer::new(spectrum, implicit)),
+            .then(|| ImplicitAnswer::new(spectrum, analysis.dimension(), implicit)),
         discrete_time,
         damped_time_steps_of: (!steps.is_empty()).then(|| {
             if spectrum.is_stable() {

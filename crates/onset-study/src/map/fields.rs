@@ -187,7 +187,7 @@ fn numbers() -> Vec<(Field, Taken)> {
         ),
         number(
             "critical_time_step",
-            "critical time step of map.integrator for the waves of the infinite lattice that do not grow (2 / omega_max of central differences without damping); free faces and distorted cells need less. With a transfer of material points, the critical time step of the transfer",
+            "critical time step of time.integrator for the waves of the infinite lattice that do not grow (2 / omega_max of central differences without damping); free faces and distorted cells need less. With a transfer of material points, the critical time step of the transfer",
             "time",
             |record| record.critical_time_step,
         ),

@@ -6,7 +6,7 @@ use super::states::States;
 use crate::answers::{Problem, stabilization};
 use crate::number::told;
 use crate::settings::{Family, Settings, Value};
-use crate::tune::{TuneAnswer, TuneQuestion};
+use crate::tune::{TuneQuestion, recommended};
 use nalgebra::Matrix3;
 use onset::method::Frame;
 use serde::Serialize;
@@ -43,9 +43,7 @@ impl Remedy {
 
 /// Smallest coefficient that leaves no spurious and no weakly controlled mode, as `onset tune` recommends it; `None` if the coefficient cannot do this.
 fn tuned(settings: &Settings, key: &str) -> Option<f64> {
-    let question = TuneQuestion::of(key).ok()?;
-    let answer = TuneAnswer::new(settings, &question, |_| ()).ok()?;
-    answer.recommended
+    recommended(settings, &TuneQuestion::of(key).ok()?)
 }
 
 /// Sequences of changes, from the smallest to the largest change; in each sequence the first change that helps is reported.

@@ -1,7 +1,8 @@
 //! The keys of studies and of the command line, each defined once: kind of value, meaning, and conditions.
 
 use super::method::{
-    APPROXIMATED, CRYSTAL, KERNEL_METHOD, LATTICE, METHOD_KEYS, MethodSettings, WEIGHTED,
+    APPROXIMATED, CRYSTAL, KERNEL_METHOD, LATTICE, METHOD_KEYS, MethodSettings, NODES_OR_PARTICLES,
+    WEIGHTED,
 };
 use super::moduli::{MODULI, is_modulus};
 use super::needs::{Cases, is, is_not};
@@ -312,9 +313,12 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     key(
         "discretization.vectors",
         Kind::Numbers("1", Any),
-        "oblique and triclinic lattice: components of the primitive vectors in spacings, one vector after the other",
+        "oblique and triclinic lattice: components of the primitive vectors in spacings, one vector after the other; finite elements: images of the unit vectors, which shear the mesh",
     )
-    .only_with(&[&[is("discretization.lattice", &["oblique", "triclinic"])]]),
+    .only_with(&[
+        &[is("discretization.lattice", &["oblique", "triclinic"])],
+        &[is("discretization.method", &["finite-elements"])],
+    ]),
     key(
         "discretization.basis",
         Kind::Numbers("1", Any),
@@ -326,13 +330,13 @@ const DISCRETIZATION_KEYS: &[Key] = &[
         Kind::Whole(1, 16),
         "cells along each primitive vector that form one larger cell, so that their particles can differ",
     )
-    .only_with(CRYSTAL),
+    .only_with(NODES_OR_PARTICLES),
     key(
         "discretization.perturbation",
         Kind::Number("1", Within(0.0, 0.5)),
-        "largest random offset of a particle along each axis, in spacings",
+        "largest random offset of a particle or node along each axis, in spacings",
     )
-    .only_with(CRYSTAL),
+    .only_with(NODES_OR_PARTICLES),
     key(
         "discretization.seed",
         Kind::Whole(0, 1_000_000_000),

@@ -3,7 +3,7 @@
 use super::Value;
 use super::key::{IN_SPACINGS, Key, Kind, key};
 use super::needs::{Cases, is, is_not};
-use onset::material::Admitted::{Any, Fraction, NotNegative, Within};
+use onset::material::Admitted::{Any, Fraction, NotNegative, Positive, Within};
 use onset::method::CurrentLattice;
 use onset::scheme::conforming::SmoothingDomain;
 use onset::scheme::element::{ElementMass, ElementMesh, ElementOrder, HourglassScale, Integration};
@@ -156,8 +156,8 @@ pub struct MethodSettings {
     pub penalty_form: PenaltyForm,
     /// SPH: forces of the shear stress.
     pub shear_forces: Shear,
-    /// SPH: coefficient of shear forces between pairs; zero for the published one.
-    pub shear_coefficient: f64,
+    /// SPH: coefficient of shear forces between pairs; `None` for the published one.
+    pub shear_coefficient: Option<f64>,
     /// SPH: linear coefficient of artificial viscosity, or zero.
     pub viscosity: f64,
     /// SPH: condition and lengths of artificial viscosity.
@@ -245,7 +245,7 @@ impl Default for MethodSettings {
             penalty: 0.0,
             penalty_form: PenaltyForm::Published,
             shear_forces: Shear::Stress,
-            shear_coefficient: 0.0,
+            shear_coefficient: None,
             viscosity: 0.0,
             viscosity_switch: ViscositySwitch::Averaged,
             upwinding: Upwinding::None,
@@ -328,6 +328,8 @@ const METHOD: &str = "discretization.method";
 pub(super) const KERNEL_METHOD: Cases = &[&[is(METHOD, &["kernel"])]];
 /// Particles on a lattice, or in its cells.
 pub(super) const CRYSTAL: Cases = &[&[is_not(METHOD, &["finite-elements", "material-points"])]];
+/// Particles on a lattice, or nodes of a mesh.
+pub(super) const NODES_OR_PARTICLES: Cases = &[&[is_not(METHOD, &["material-points"])]];
 /// Particles on a lattice, or points in the cells of a grid.
 pub(super) const LATTICE: Cases = &[&[is_not(METHOD, &["finite-elements"])]];
 /// Methods with weight functions of finite support.
@@ -445,8 +447,8 @@ pub(super) const METHOD_KEYS: &[Key] = &[
     .only_with(SPH),
     key(
         "discretization.shear-coefficient",
-        Kind::Number("1", NotNegative),
-        "SPH: coefficient of shear forces between pairs; 0 for the published one, 1.07 (updated SPH: 0.7 d + 2.1 in d dimensions)",
+        Kind::Number("1", Positive),
+        "SPH: coefficient of shear forces between pairs [default: the published one, 1.07, or 0.7 d + 2.1 for updated SPH in d dimensions]",
     )
     .only_with(PAIRWISE),
     key(

@@ -315,12 +315,16 @@ impl Settings {
         }
     }
 
-    /// Returns the zone of methods with a grid or mesh. The zone of particles follows from the particles.
+    /// Returns the zone of methods with a grid or a regular mesh. The zone of particles, and of sheared or distorted meshes, follows from their places.
     pub(crate) fn named_zone(&self) -> Option<LatticeKind> {
-        let has_grid = matches!(
-            self.method.method,
-            Family::MaterialPoints | Family::FiniteElements
-        );
+        let has_grid = match self.method.method {
+            Family::MaterialPoints => true,
+            Family::FiniteElements => {
+                let own = &self.discretization;
+                own.vectors.is_empty() && own.perturbation == 0.0
+            }
+            _ => false,
+        };
         has_grid.then(|| self.zone())
     }
 
@@ -537,7 +541,7 @@ impl Settings {
                 let plane = self.dimension() == 2;
                 plane.then(|| Value::Word(self.zone().name().to_owned()))
             }
-            "discretization.stress-point-weight" => None,
+            "discretization.stress-point-weight" | "discretization.shear-coefficient" => None,
             name => Self::default().value(name),
         }
     }

@@ -1,7 +1,7 @@
 //! Effect of a stabilization coefficient, and the recommended value.
 
 use super::TuneQuestion;
-use crate::answers::{Evidence, LATTICE_NOTE, ProblemError, notes, stabilization};
+use crate::answers::{Evidence, LATTICE_NOTE, Problem, ProblemError, notes, stabilization};
 use crate::brief::{Brief, Short, WIDTH};
 use crate::compare::{Measured, TUNING_LIMITS, Thresholds, outcome, percent};
 use crate::csv::Table;
@@ -45,6 +45,11 @@ impl Tried {
                 && !measured.is_weak(limits.weak)
                 && measured.fidelity.false_instability <= limits.wrong
         })
+    }
+
+    /// Returns true if the value is sufficient and does not mask.
+    fn is_recommended(&self, limits: &Thresholds) -> bool {
+        self.is_sufficient(limits) && !self.masks(limits)
     }
 
     /// Returns true if the instability of the material is masked: the discretization is stable where the material is not, or loses stability much
@@ -95,6 +100,74 @@ pub struct Dependence {
     pub recommended: Option<f64>,
 }
 
+/// Smallest value that is recommended between one that is not and one that is.
+struct Least {
+    exact: f64,
+    /// Value rounded up for printing, if it is recommended, too.
+    printed: f64,
+}
+
+/// Bisects for the smallest recommended value between two values, the second of which is recommended.
+fn refined([mut low, mut high]: [f64; 2], mut is_recommended: impl FnMut(f64) -> bool) -> Least {
+    for _ in 0..HALVINGS {
+        let middle = middle(low, high);
+        match is_recommended(middle) {
+            true => high = middle,
+            false => low = middle,
+        }
+    }
+    let rounded = rounded_up(high);
+    Least {
+        exact: high,
+        printed: if is_recommended(rounded) {
+            rounded
+        } else {
+            high
+        },
+    }
+}
+
+/// Smallest recommended value alone, for other answers; `None` if no value is recommended or can be evaluated.
+///
+/// The onsets and the states of a value are evaluated only if it leaves no spurious mode.
+pub(crate) fn recommended(settings: &Settings, question: &TuneQuestion) -> Option<f64> {
+    question.check(settings).ok()?;
+    let limits = question.thresholds;
+    let law = settings.law().ok()?;
+    let options = options(question);
+    let is_recommended = |value: f64| {
+        onset::cancel::checkpoint();
+        let Ok(settings) = question.settings(settings, value) else {
+            return false;
+        };
+        let problem = Problem::with_law(settings.clone(), Arc::clone(&law));
+        let spurious = problem
+            .ok()
+            .and_then(|own| own.analysis.spurious_modes(limits.weak).ok());
+        let one = || Tried {
+            value,
+            measured: Measured::of(&settings, Arc::clone(&law), &options)
+                .map_err(|error| error.to_string()),
+        };
+        spurious.is_some_and(|own| own.modes.is_empty()) && one().is_recommended(&limits)
+    };
+    let values = question.values();
+    match values.iter().position(|value| is_recommended(*value))? {
+        0 => Some(values[0]),
+        n => Some(refined([values[n - 1], values[n]], is_recommended).printed),
+    }
+}
+
+/// Options of the measurements. Tuning needs fewer states than a comparison.
+fn options(question: &TuneQuestion) -> CompareSettings {
+    CompareSettings {
+        stretches: question.stretches,
+        states: 8,
+        weak: question.thresholds.weak,
+        ..CompareSettings::default()
+    }
+}
+
 impl TuneAnswer {
     /// Evaluates all values in parallel, and refines the smallest sufficient value; `told` is called with each value of the grid.
     ///
@@ -109,13 +182,7 @@ impl TuneAnswer {
         let limits = question.thresholds;
         let law = settings.law();
         let material = law.map_err(|error| ProblemError::of(settings, error.into()))?;
-        // Tuning needs fewer states than a comparison.
-        let options = CompareSettings {
-            stretches: question.stretches,
-            states: 8,
-            weak: limits.weak,
-            ..CompareSettings::default()
-        };
+        let options = options(question);
         let measured = |value: f64| {
             let settings = question.settings(settings, value)?;
             Measured::of(&settings, Arc::clone(&material), &options)
@@ -143,30 +210,21 @@ impl TuneAnswer {
                 source: Box::new(source),
             })?;
         }
-        let first = all
-            .iter()
-            .position(|one| one.is_sufficient(&limits) && !one.masks(&limits));
+        let first = all.iter().position(|one| one.is_recommended(&limits));
         let mut recommended = first.map(|n| all[n].value);
         if let Some(n) = first.filter(|n| *n > 0) {
-            let (mut low, mut high) = (all[n - 1].value, all[n].value);
-            for _ in 0..HALVINGS {
-                let middle = middle(low, high);
-                let found = tried(middle);
-                if found.is_sufficient(&limits) && !found.masks(&limits) {
-                    high = middle;
-                } else {
-                    low = middle;
-                }
+            let range = [all[n - 1].value, all[n].value];
+            let least = refined(range, |value| {
+                let found = tried(value);
+                let is_recommended = found.is_recommended(&limits);
                 all.push(found);
+                is_recommended
+            });
+            // A value that is rounded up replaces the exact one.
+            if least.printed != least.exact {
+                all.retain(|one| one.value != least.exact);
             }
-            // The printed, rounded value must be sufficient too.
-            let printed = tried(rounded_up(high));
-            recommended = Some(high);
-            if printed.is_sufficient(&limits) && !printed.masks(&limits) {
-                recommended = Some(printed.value);
-                all.retain(|one| one.value != high);
-                all.push(printed);
-            }
+            recommended = Some(least.printed);
         }
         all.sort_by(|a, b| a.value.total_cmp(&b.value));
         let is_ever_sufficient = all.iter().any(|one| one.is_sufficient(&limits));
@@ -190,7 +248,7 @@ impl TuneAnswer {
                     value,
                     recommended: all
                         .iter()
-                        .find(|one| one.is_sufficient(&limits) && !one.masks(&limits))
+                        .find(|one| one.is_recommended(&limits))
                         .map(|one| one.value),
                 })
                 .collect(),

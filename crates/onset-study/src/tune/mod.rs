@@ -5,6 +5,7 @@
 
 mod answer;
 
+pub(crate) use answer::recommended;
 pub use answer::{Dependence, Tried, TuneAnswer};
 
 use crate::compare::Thresholds;

@@ -55,18 +55,11 @@ impl<const D: usize> RelaxingWaves<D> {
     }
 
     fn parts(&self, k: &SVector<f64, D>) -> Parts {
-        let moved = |system: &WaveSystem<D>| {
-            let stiffness = system.stiffness().at(k);
-            match system.drift() {
-                Some(drift) => stiffness * drift.at(k),
-                None => stiffness,
-            }
-        };
-        let relaxed = moved(&self.relaxed);
+        let relaxed = self.relaxed.moved_stiffness_at(k);
         let own = self
             .stiffened
             .each_ref()
-            .map(|system| moved(system) - &relaxed);
+            .map(|system| system.moved_stiffness_at(k) - &relaxed);
         let term = |term: &PronyTerm| {
             &own[0] * Complex::from(term.shear) + &own[1] * Complex::from(term.bulk)
         };

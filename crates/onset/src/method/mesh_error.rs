@@ -50,7 +50,7 @@ pub enum MeshError {
     NeedlessControl,
     /// A row sum of the mass matrix is negative or zero, as at the corners of quadratic elements.
     #[error(
-        "node {site} of a cell has the lumped mass {share:.4} of the cell (the sum of its row of the mass matrix); lumped masses must be positive: choose mass = \"hrz\" or \"consistent\""
+        "node {site} of a cell has a lumped mass of {share:.4} of the cell (the sum of its row of the mass matrix); lumped masses must be positive: choose mass = \"hrz\" or \"consistent\""
     )]
     Massless {
         /// Number of the node in the cell.

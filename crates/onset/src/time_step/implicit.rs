@@ -1,5 +1,8 @@
 //! Implicit integrators: steps with a positive definite matrix of Newton's method, and long steps that mask growth.
 
+use crate::algebra::{Complex, any_eigenvalues, array_of};
+use nalgebra::DMatrix;
+
 /// Implicit integrators, each with one choice of its parameters.
 ///
 /// Newmark's and the two alpha methods belong to the generalized-alpha family (Chung, Hulbert, J. Appl. Mech. 60 (1993) 371):
@@ -86,6 +89,63 @@ impl ImplicitIntegrator {
         self.parameters().map_or(1.0, |own| {
             (1.0 - own.alpha_m) / (own.beta * (1.0 - own.alpha_f))
         })
+    }
+
+    /// Amplification factors `z` of a step for an undamped oscillation with `omega dt = phase`; two or three.
+    pub fn factors(self, phase: f64) -> Vec<Complex> {
+        let w = phase * phase;
+        // The state is (u, dt v, dt^2 a).
+        let matrix = match self.parameters() {
+            None => {
+                let share = (1.0 + w).recip();
+                DMatrix::from_row_slice(2, 2, &[share, share, -w * share, share])
+            }
+            Some(own) => {
+                let elastic = w * (1.0 - own.alpha_f);
+                let inverse = (1.0 - own.alpha_m + elastic * own.beta).recip();
+                let later = [
+                    -w * inverse,
+                    -elastic * inverse,
+                    -(own.alpha_m + elastic * (0.5 - own.beta)) * inverse,
+                ];
+                let row = |first: [f64; 3], share: f64| array_of(|i| first[i] + share * later[i]);
+                let rows: [[f64; 3]; 3] = [
+                    row([1.0, 1.0, 0.5 - own.beta], own.beta),
+                    row([0.0, 1.0, 1.0 - own.gamma], own.gamma),
+                    later,
+                ];
+                DMatrix::from_row_slice(3, 3, &rows.concat())
+            }
+        };
+        let factors = any_eigenvalues(&matrix.map(Complex::from));
+        factors.map_or_else(Vec::new, |own| own.iter().copied().collect())
+    }
+
+    /// Spectral radius of a step for an undamped oscillation with `omega dt = phase`; the oscillation is damped numerically if it is below 1.
+    ///
+    /// ```
+    /// use onset::time_step::ImplicitIntegrator;
+    /// assert!((ImplicitIntegrator::Newmark.spectral_radius(3.0) - 1.0).abs() < 1e-12);
+    /// assert!((ImplicitIntegrator::GeneralizedAlpha.spectral_radius(1e7) - 0.5).abs() < 1e-5);
+    /// ```
+    pub fn spectral_radius(self, phase: f64) -> f64 {
+        let sizes = self.factors(phase).into_iter().map(|z| z.norm());
+        sizes.fold(0.0, f64::max)
+    }
+
+    /// Relative error of the period of an undamped oscillation with `omega dt = phase`, positive if the period is too long.
+    ///
+    /// ```
+    /// use onset::time_step::ImplicitIntegrator;
+    /// // The trapezoidal rule advances the phase by 2 atan(omega dt / 2).
+    /// let error = ImplicitIntegrator::Newmark.period_error(0.3);
+    /// assert!((error - (0.3 / (2.0 * 0.15_f64.atan()) - 1.0)).abs() < 1e-12);
+    /// ```
+    pub fn period_error(self, phase: f64) -> f64 {
+        // The oscillation is the complex pair; a third factor is real.
+        let angles = self.factors(phase).into_iter().map(|z| z.arg());
+        let angle = angles.filter(|angle| *angle < std::f64::consts::PI);
+        phase / angle.fold(0.0, f64::max) - 1.0
     }
 
     /// Largest step for which Newton's matrix of a state with a given lowest `omega^2` (1/time^2) is positive definite, `sqrt(c / -omega^2)`. Time.

@@ -7,6 +7,7 @@ mod lammps_peri_lps;
 mod lammps_smd_tlsph;
 mod lammps_smd_ulsph;
 mod moose_nospd;
+mod nairn_fmpm_2;
 mod peridigm_correspondence;
 mod peridigm_lps;
 mod perilab_correspondence;
@@ -51,6 +52,7 @@ pub(crate) const PRESETS: &[Preset] = &[
     sphinxsys_tl::PRESET,
     sphinxsys_ul::PRESET,
     taichi_mpm88::PRESET,
+    nairn_fmpm_2::PRESET,
 ];
 
 /// Names of all presets, in the order in which they are listed.

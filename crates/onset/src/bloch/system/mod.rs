@@ -214,12 +214,16 @@ impl<const D: usize> WaveSystem<D> {
     ///
     /// Shape `(D n) x (D n)`. Unit 1/time^2.
     pub fn dynamical_matrix_at(&self, k: &SVector<f64, D>) -> DMatrix<Complex> {
+        self.divided_by_mass(k, self.moved_stiffness_at(k))
+    }
+
+    /// Stiffness against the velocities of a wave, `K(k) T(k)` with the drift `T`. Force/length.
+    pub(super) fn moved_stiffness_at(&self, k: &SVector<f64, D>) -> DMatrix<Complex> {
         let stiffness = self.stiffness.at(k);
-        let moved = match &self.drift {
+        match &self.drift {
             Some(drift) => stiffness * drift.at(k),
             None => stiffness,
-        };
-        self.divided_by_mass(k, moved)
+        }
     }
 
     /// Damping matrix `M^-1 C(k)` of viscous forces; `None` without damping. 1/time.

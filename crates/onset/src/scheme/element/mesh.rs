@@ -2,9 +2,9 @@
 
 use super::shape::{ElementShape, Sample};
 use crate::algebra::array_of;
-use crate::lattice::{BravaisLattice, Crystal, Particle};
+use crate::lattice::{BravaisLattice, Crystal, LatticeError, Particle};
 use crate::method::{MeshError, MethodError};
-use nalgebra::{DMatrix, SVector};
+use nalgebra::{DMatrix, SMatrix, SVector};
 
 /// Largest distance of node positions, in lattice coordinates, that count as equal.
 const NODE_DISTANCE_TOLERANCE: f64 = 1e-6;
@@ -216,6 +216,20 @@ impl<const D: usize> Mesh<D> {
             shape: self.shape,
             elements,
         })
+    }
+
+    /// Returns the image of this mesh under a linear map of space, for example a shear.
+    ///
+    /// # Errors
+    /// [`MethodError::Lattice`] if the map is singular, [`MethodError::Mesh`] if it mirrors space.
+    pub fn mapped(&self, map: &SMatrix<f64, D, D>) -> Result<Self, MethodError> {
+        let vectors = map * self.crystal.lattice().vectors();
+        let lattice = BravaisLattice::new(vectors).ok_or_else(|| LatticeError::Dependent {
+            vectors: map.iter().copied().collect(),
+        })?;
+        let crystal = Crystal::new(lattice, self.crystal.sites().to_vec())?;
+        let crystal = crystal.with_spacing(self.crystal.spacing());
+        Ok(Self::new(crystal, self.shape, self.elements.clone())?)
     }
 
     /// Returns this mesh with every node of a cell displaced at random; see [`Crystal::perturbed`].

@@ -22,7 +22,7 @@ use super::{Assembled, Discretization, Forced, PatchForces, PeriodicPatch, Strai
 use crate::bloch::{BlochBlocks, Mass, WaveSystem};
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
-use crate::lattice::{Crystal, Particle};
+use crate::lattice::{Crystal, LatticeError, Particle};
 use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use dilatation::{Integrated, add_strains, integrated};
@@ -151,6 +151,14 @@ pub struct ElementChoices {
     pub order: ElementOrder,
     /// Distance between neighboring nodes; length.
     pub spacing: f64,
+    /// Images of the unit vectors under the linear map that shears or stretches the mesh, one vector after the other; empty for the named mesh.
+    pub vectors: Vec<f64>,
+    /// Number of cells along each primitive vector whose nodes are displaced independently.
+    pub cells: u32,
+    /// Largest random displacement of a node along each axis, in spacings.
+    pub perturbation: f64,
+    /// Seed of the random displacements.
+    pub seed: u32,
     /// Reference density; mass per reference volume.
     pub density: f64,
     /// Integration, hourglass control and masses.
@@ -163,6 +171,10 @@ impl Default for ElementChoices {
             mesh: ElementMesh::Quadrilaterals,
             order: ElementOrder::Linear,
             spacing: 1.0,
+            vectors: Vec::new(),
+            cells: 1,
+            perturbation: 0.0,
+            seed: 0,
             density: 1.0,
             formulation: Formulation::default(),
         }
@@ -170,14 +182,41 @@ impl Default for ElementChoices {
 }
 
 impl ElementChoices {
-    /// Returns the mesh with its nodes.
+    /// Returns the mesh with its nodes. Nodes that are displaced independently of each other need a cell with more than one of them.
     ///
     /// # Errors
-    /// [`MethodError`] if the spacing is not positive, or if `D` is not the dimension of the mesh.
+    /// [`MethodError`] if the spacing is not positive, if `D` is not the dimension of the mesh, if the vectors do not span space, or if an element is
+    /// inverted.
     pub fn built_mesh<const D: usize>(&self) -> Result<Mesh<D>, MethodError> {
+        let side = match self.order {
+            ElementOrder::Linear => self.spacing,
+            ElementOrder::Quadratic => 2.0 * self.spacing,
+        };
+        let mut mesh = self.mesh.mesh(side)?;
+        if !self.vectors.is_empty() {
+            if self.vectors.len() != D * D {
+                return Err(MethodError::Lattice(LatticeError::Vectors {
+                    lattice: self.mesh.name(),
+                    expected: D * D,
+                    given: self.vectors.len(),
+                }));
+            }
+            mesh = mesh.mapped(&SMatrix::from_fn(|i, j| self.vectors[D * j + i]))?;
+        }
+        // Undisplaced nodes make the cell of the mesh itself.
+        if self.perturbation != 0.0 {
+            mesh = mesh.supercell([self.cells.max(1) as usize; D])?;
+            MethodError::require(
+                mesh.crystal().sites().len() > 1,
+                "perturbation",
+                self.perturbation,
+                "0 with one node in a cell: set discretization.cells to 2 or more",
+            )?;
+            mesh = mesh.perturbed(self.perturbation * self.spacing, u64::from(self.seed))?;
+        }
         match self.order {
-            ElementOrder::Linear => self.mesh.mesh(self.spacing),
-            ElementOrder::Quadratic => self.mesh.mesh(2.0 * self.spacing)?.quadratic(),
+            ElementOrder::Linear => Ok(mesh),
+            ElementOrder::Quadratic => mesh.quadratic(),
         }
     }
 }
