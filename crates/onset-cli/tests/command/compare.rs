@@ -302,10 +302,6 @@ fn invalid_comparisons_are_refused_with_the_position_of_the_error() {
             vec!["did you mean `compare.states`"],
         ),
         (one("[compare]\nweak = -1"), vec!["a positive number"]),
-        (
-            one("[compare]\nintegrator = 'leapfrop'"),
-            vec!["kick-drift-kick"],
-        ),
     ] {
         assert_refused(&text, &facts);
     }

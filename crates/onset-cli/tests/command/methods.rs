@@ -1,6 +1,6 @@
 //! Every command with every method of `comparisons/methods-*.toml` and `comparisons/recent-2d.toml`.
 
-use super::{Scratch, onset, onset_line};
+use super::{Scratch, document, number, onset, onset_line};
 use serde_json::Value;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -255,4 +255,83 @@ fn waves_in_continuous_time_note_that_the_transfer_is_omitted() {
         };
         assert!(told("set transfer=apic") && !told(""), "{line}");
     }
+}
+
+#[test]
+fn elements_take_a_sheared_and_a_distorted_mesh() {
+    let state = |more: &str| {
+        document(&format!(
+            "state --stretch 1.05,0.98 set method=finite-elements {more}"
+        ))
+    };
+    let step = |own: &Value| number(own, "/discretization/critical_time_step");
+    let plain = step(&state(""));
+    // A mesh that is stretched by 2 along both axes has twice the step.
+    let twice = step(&state("set vectors=2,0,0,2"));
+    assert!((twice / plain - 2.0).abs() < 1e-9, "{twice} {plain}");
+    let sheared = state("set vectors=1,0,0.4,1");
+    assert!(sheared["discretization"]["stable"].as_bool() == Some(true));
+    let distorted = state("set cells=2 set perturbation=0.1");
+    assert!(step(&distorted) < plain);
+    // A cell of several undisplaced nodes is the cell of the mesh.
+    assert_eq!(step(&state("set cells=2")), plain);
+    for (more, fact) in [
+        ("set vectors=1,0,0", "vectors"),
+        ("set perturbation=0.1", "discretization.cells"),
+    ] {
+        let answer = onset_line(&format!(
+            "state --stretch 1,1 set method=finite-elements {more}"
+        ));
+        assert_eq!(answer.code, Some(2), "{more}: {}", answer.stdout);
+        assert!(answer.stderr.contains(fact), "{more}: {}", answer.stderr);
+    }
+}
+
+#[test]
+fn points_at_knots_and_transfers_with_other_frequencies_are_noted() {
+    let notes = |more: &str| {
+        let answer = document(&format!(
+            "state --stretch 1.02,0.99 set method=material-points set lattice=square {more}"
+        ));
+        answer["notes"].to_string()
+    };
+    let gimp = "set grid-functions=gimp";
+    assert!(notes(gimp).contains("discretization.offset = 0.05"));
+    assert!(!notes(&format!("{gimp} set offset=0.05")).contains("knots"));
+    assert!(!notes("set grid-functions=quadratic-spline").contains("knots"));
+    let one = "set grid-functions=quadratic-spline set points-per-side=1";
+    assert!(notes(one).contains("knots"));
+    let fmpm = "set grid-functions=quadratic-spline set unknowns=particles set transfer=fmpm";
+    assert!(notes(fmpm).contains("frequencies are those of lumped masses"));
+}
+
+#[test]
+fn upwinding_damps_waves_and_changes_no_verdict() {
+    let state = |more: &str| {
+        document(&format!(
+            "state --stretch 1.05,0.98 set method=total-lagrangian-sph set penalty=0.3 set lattice=square {more}"
+        ))
+    };
+    let (plain, damped) = (state(""), state("set upwinding=constant"));
+    for part in [
+        "/discretization/minimum_scaled",
+        "/discretization/maximum_omega",
+    ] {
+        assert_eq!(number(&plain, part), number(&damped, part));
+    }
+    let steps = &damped["discretization"]["damped_time_steps"];
+    let central = number(steps, "/central-differences");
+    assert!(central < number(&plain, "/discretization/critical_time_step"));
+    let linear = state("set upwinding=linear");
+    let linear = number(
+        &linear,
+        "/discretization/damped_time_steps/central-differences",
+    );
+    assert!(linear > 0.0);
+    let rates = document(
+        "dispersion --stretch 1.05,0.98 --wave-vector 2,1 set method=total-lagrangian-sph set upwinding=constant set lattice=square",
+    );
+    let rates = rates["rates"].as_array().expect("rates");
+    assert_eq!(rates.len(), 4);
+    assert!(rates.iter().all(|rate| number(rate, "/re") < 0.0));
 }

@@ -95,8 +95,8 @@ impl Brief for StateAnswer {
             short = short.row(1, "", text);
         }
         if let Some(implicit) = d.implicit.as_ref().filter(|_| steps.is_empty()) {
-            for (name, text) in implicit.lines(units) {
-                short = short.row(2, name, text);
+            for (n, (_, text)) in implicit.lines(units).into_iter().enumerate() {
+                short = short.row(2, if n == 0 { "implicit" } else { "" }, text);
             }
         }
         if let Some(relaxation) = &self.relaxation {

@@ -264,6 +264,27 @@ fn implicit_steps_reach_a_singular_matrix_and_mask_growth_where_stated() {
             let factors = implicit_factors(parameters, w).into_iter();
             factors.map(|z| z.norm()).fold(0.0, f64::max)
         };
+        // The factors of the library, which has eliminated the acceleration.
+        for phase in [0.1_f64, 0.7, 3.0, 40.0] {
+            let sizes = |mut factors: Vec<Complex>| {
+                factors.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
+                factors
+                    .into_iter()
+                    .map(|z| z.norm())
+                    .filter(|size| *size > 1e-9)
+                    .collect::<Vec<_>>()
+            };
+            let own = sizes(integrator.factors(phase));
+            let expected = sizes(implicit_factors(parameters, phase * phase));
+            assert_eq!(
+                own.len(),
+                expected.len(),
+                "{integrator:?} {own:?} {expected:?}"
+            );
+            for (a, b) in own.iter().zip(&expected) {
+                assert!((a - b).abs() < 1e-9, "{integrator:?} {own:?} {expected:?}");
+            }
+        }
         // Unconditionally stable for oscillations, with the spectral radius of the literature for fast ones.
         for power in -20..=40 {
             assert!(radius(2.0_f64.powi(power)) < 1.0 + 1e-7, "{integrator:?}");

@@ -139,6 +139,57 @@ fn distorted_elements_pass_the_patch_test_with_and_without_hourglass_control() {
 }
 
 #[test]
+fn choices_shear_stretch_and_distort_every_mesh() {
+    // Images of the unit vectors, and the volume of a cell.
+    let oblique = ElementChoices {
+        mesh: ElementMesh::TrianglesCrossed,
+        spacing: SPACING,
+        vectors: vec![1.0, 0.1, 0.4, 1.2],
+        ..ElementChoices::default()
+    };
+    let plain = ElementChoices {
+        vectors: Vec::new(),
+        ..oblique.clone()
+    };
+    let volume = |choices: &ElementChoices| {
+        let mesh = choices.built_mesh::<2>().expect("a mesh");
+        mesh.crystal().lattice().cell_volume()
+    };
+    let ratio = volume(&oblique) / volume(&plain);
+    assert!((ratio - (1.2 - 0.04)).abs() < 1e-12, "{ratio}");
+    for order in [ElementOrder::Linear, ElementOrder::Quadratic] {
+        for mesh in [
+            ElementMesh::Quadrilaterals,
+            ElementMesh::TrianglesAlternating,
+        ] {
+            let choices = ElementChoices {
+                mesh,
+                order,
+                spacing: SPACING,
+                vectors: vec![1.0, 0.1, 0.4, 1.2],
+                cells: 2,
+                perturbation: 0.08,
+                seed: 3,
+                ..ElementChoices::default()
+            };
+            let mesh = choices.built_mesh::<2>().expect("a mesh");
+            let scheme = FiniteElements::on(mesh, DENSITY, consistent()).expect("elements");
+            let (material, state) = (material(), sheared::<2>());
+            assert_scheme(&scheme, &*material, &state);
+            assert_long_waves_are_those_of_the_material(&scheme, &*material, &state, 1e-9);
+        }
+    }
+    let flat = ElementChoices {
+        vectors: vec![1.0, 1.0, 1.0, 1.0],
+        ..plain
+    };
+    assert!(matches!(
+        flat.built_mesh::<2>(),
+        Err(MethodError::Lattice(_))
+    ));
+}
+
+#[test]
 fn elements_on_any_lattice_pass_the_scheme_checks() {
     let mut random = Random::new(8);
     let vectors = SMatrix::<f64, 3, 3>::identity() + SMatrix::from_fn(|_, _| 0.3 * random.number());
@@ -765,6 +816,7 @@ fn quadratic<const D: usize>(
         spacing: SPACING,
         density: DENSITY,
         formulation: Formulation { mass, ..full() },
+        ..ElementChoices::default()
     })
 }
 
@@ -850,6 +902,7 @@ fn errors_of_frequencies_are_of_second_order_with_linear_and_of_fourth_order_wit
             spacing: SPACING,
             density: DENSITY,
             formulation: consistent(),
+            ..ElementChoices::default()
         });
         let k = Vector2::new(0.8, 0.6) * size;
         let found = at_rest(&scheme.expect("elements")).omega_squared(&k)[0].re;

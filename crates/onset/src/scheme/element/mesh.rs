@@ -221,7 +221,7 @@ impl<const D: usize> Mesh<D> {
     /// Returns the image of this mesh under a linear map of space, for example a shear.
     ///
     /// # Errors
-    /// [`MethodError::Lattice`] if the map is singular, [`MethodError::Mesh`] if it mirrors space.
+    /// [`MethodError::Lattice`] if the map is singular.
     pub fn mapped(&self, map: &SMatrix<f64, D, D>) -> Result<Self, MethodError> {
         let vectors = map * self.crystal.lattice().vectors();
         let lattice = BravaisLattice::new(vectors).ok_or_else(|| LatticeError::Dependent {
