@@ -13,6 +13,7 @@ import re
 import signal
 from threading import Thread
 import time
+from typing import cast
 import warnings
 
 import onset
@@ -376,3 +377,20 @@ def test_a_dask_client_writes_the_same_store(tmp_path: Path) -> None:
         assert dataset.sizes == {"stretch-1": 32, "stretch-2": 32, "component": 2}
     onset.map_into(tmp_path / "there.zarr", study)
     assert contents(tmp_path / "here.zarr") == contents(tmp_path / "there.zarr")
+
+
+def test_the_integrator_of_a_method_sets_the_step_of_its_states() -> None:
+    """The limit of RK4 on the imaginary axis is the square root of two times the limit of central differences."""
+    law = onset.Material("neo-hooke", mu=1, lambda_=2)
+
+    def step(**more: str) -> float:
+        method = onset.Method("total-lagrangian-sph", lattice="square", penalty=0.3, **more)  # type: ignore[arg-type]
+        return cast("float", onset.state(law, method, stretch=(1.05, 0.98)).critical_time_step)
+
+    assert step(integrator="rk4") / step() == pytest.approx(2**0.5, rel=1e-9)
+    rk4 = onset.Method("total-lagrangian-sph", lattice="square", integrator="rk4")
+    set_by_method = onset.limit(law, rk4, vary="material.mu", time_step=0.5)
+    given = onset.limit(law, rk4.replace(integrator="heun"), vary="material.mu", time_step=0.5, integrator="rk4")
+    assert set_by_method.intervals == given.intervals
+    with pytest.raises(onset.InputError, match="implicit"):
+        onset.limit(law, rk4, vary="material.mu", time_step=0.5, integrator="newmark")

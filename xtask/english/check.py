@@ -154,7 +154,7 @@ def main(names):
     allowed = {}
     for line in (HERE / "allowed.txt").read_text().splitlines():
         if line and not line.startswith("#"):
-            count, name = line.split()
+            count, name, _reason = line.split(maxsplit=2)
             allowed[name] = int(count)
     all_patterns = list(patterns())
     advice = {name: text for name, _, _, text in all_patterns}

@@ -19,7 +19,7 @@ fn a_state_has_the_step_of_the_chosen_integrator() {
     let step = |own: &Value| number(own, "/discretization/critical_time_step");
     let bodies = |own: &Value| number(own, "/discretization/finite_bodies/time_step");
     assert_eq!(plain["discretization"]["integrator"], "central-differences");
-    // Limits of omega dt divided by that of central differences.
+    // Limits of omega dt relative to central differences.
     for (name, ratio) in [
         ("leapfrog", 1.0),
         ("velocity-verlet", 1.0),

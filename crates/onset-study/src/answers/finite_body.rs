@@ -39,7 +39,7 @@ pub struct BodyStepAnswer {
 
 impl FiniteBodyAnswer {
     /// Returns the time step of central differences for finite bodies at a state with the given critical step of its waves; `None` if it is unknown. The
-    /// problem is that of [stiffer increments](Problem::stiffer_at), if the state has any.
+    /// waves of [stiffer increments](Problem::stiffer_at) limit the step, so their problem is passed if the state has any.
     ///
     /// # Errors
     /// [`ProblemError`] when material or method cannot be evaluated there.
@@ -76,8 +76,8 @@ impl FiniteBodyAnswer {
         }))
     }
 
-    /// Returns the step for an integrator, which differs by its reach on the imaginary axis; `None` if no step is stable, and with damping, which shifts the
-    /// frequencies off this axis, unless the reach is that of central differences.
+    /// Returns the step for an integrator, in proportion to its reach on the imaginary axis; `None` if no step is stable. With damping, which shifts the
+    /// frequencies off this axis, only integrators with the reach of central differences have a step.
     pub(crate) fn with_integrator(self, integrator: Integrator, is_damped: bool) -> Option<Self> {
         let share = reach_of(integrator);
         let is_known = share > 0.0 && (share == 1.0 || !is_damped);
@@ -106,8 +106,8 @@ impl BodyStepAnswer {
         }
     }
 
-    /// Returns the critical step of central differences for the body of the settings at a state; `None` without a body. The problem is that of [stiffer
-    /// increments](Problem::stiffer_at), if the state has any.
+    /// Returns the critical step of central differences for the body of the settings at a state; `None` without a body. As for
+    /// [`FiniteBodyAnswer::new`], the problem of stiffer increments is passed if the state has any.
     ///
     /// # Errors
     /// [`ProblemError`] when the method cannot run the body.

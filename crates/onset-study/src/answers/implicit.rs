@@ -51,7 +51,7 @@ impl Accuracy {
             spectral_radius_at_infinity: (integrator.spectral_radius(FAST_PHASE) * 1e6).round()
                 * 1e-6,
             period_error: integrator.period_error(phase),
-            // Losses of the size of rounding are none.
+            // A smaller loss is rounding.
             amplitude_loss: Some(1.0 - radius.powf(STEPS_PER_PERIOD))
                 .filter(|loss| *loss > 1e-12)
                 .unwrap_or(0.0),

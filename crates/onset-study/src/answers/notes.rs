@@ -260,7 +260,7 @@ pub fn notes_on_method(settings: &Settings) -> Vec<String> {
         .collect()
 }
 
-/// Note on a penalty beside shear forces between pairs, which leave no zero-energy modes.
+/// Note on a penalty in addition to shear forces between pairs, which leave no zero-energy modes.
 fn note_on_pairs(settings: &Settings) -> Option<String> {
     let method = &settings.method;
     let is_needless = method.method == Family::TotalLagrangianSph
@@ -312,7 +312,7 @@ fn note_on_transfer(settings: &Settings) -> Option<String> {
         && matches!(method.transfer, Velocities::Xpic | Velocities::Fmpm);
     is_changed.then(|| {
         format!(
-            "frequencies are those of lumped masses in continuous time, for every order of {}; the transfer changes the frequencies of a run, its damping \
+            "frequencies belong to lumped masses in continuous time, for every order of {}; the transfer changes the frequencies of a run, its damping \
              and its largest stable step: growth rates and `onset simulate` take it into account",
             method.transfer.name()
         )

@@ -86,7 +86,7 @@ pub struct Settings {
     pub discretization: KernelMethodChoices,
     /// Family of methods, and the settings of the other families.
     pub method: MethodSettings,
-    /// Time integrator of methods without a time step of their own.
+    /// Time integrator, for methods that do not define their time step.
     pub integrator: TimeIntegrator,
     /// Body of the study, if it has one.
     pub body: Option<BodySettings>,

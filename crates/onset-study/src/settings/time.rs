@@ -24,7 +24,7 @@ const NAMES: [&str; EXPLICIT + ImplicitIntegrator::NAMES.len()] = {
     names
 };
 
-/// Methods without a time step of their own.
+/// Methods that do not define their time step.
 const STEPPED: Cases = &[
     &[is_not("discretization.method", &["material-points"])],
     &[is(
@@ -47,7 +47,7 @@ pub(super) const TIME_KEYS: [Key; 1] = [key(
 pub enum TimeIntegrator {
     /// An explicit integrator, whose step is limited.
     Explicit(Integrator),
-    /// An implicit integrator.
+    /// An implicit integrator, whose step no stability limits.
     Implicit(ImplicitIntegrator),
 }
 

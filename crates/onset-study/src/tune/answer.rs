@@ -100,14 +100,14 @@ pub struct Dependence {
     pub recommended: Option<f64>,
 }
 
-/// Smallest value that is recommended between one that is not and one that is.
+/// Smallest recommended value of an interval.
 struct Least {
     exact: f64,
     /// Value rounded up for printing, if it is recommended, too.
     printed: f64,
 }
 
-/// Bisects for the smallest recommended value between two values, the second of which is recommended.
+/// Bisects for the smallest recommended value of an interval whose upper end is recommended and whose lower end is not.
 fn refined([mut low, mut high]: [f64; 2], mut is_recommended: impl FnMut(f64) -> bool) -> Least {
     for _ in 0..HALVINGS {
         let middle = middle(low, high);

@@ -161,7 +161,7 @@ fn upwinding_changes_no_stiffness_and_its_linear_form_spares_long_waves() {
 }
 
 #[test]
-fn upwinding_is_that_of_a_patch() {
+fn upwinding_damps_waves_like_the_forces_of_a_patch() {
     let material = solid();
     for upwinding in [Upwinding::Constant, Upwinding::Linear] {
         let f = stretched([1.1, 0.95, 1.0]);

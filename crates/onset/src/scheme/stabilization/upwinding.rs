@@ -14,7 +14,7 @@ use nalgebra::{SMatrix, SVector};
 ///
 /// The solver gives a pair the traction `(t_I + t_J)/2 + Z [v]/2`, with the impedance `Z = rho (c_p n (x) n + c_s (1 - n (x) n))` of pressure and shear
 /// waves. The second term acts over the area `|A_IJ|` of the pair, `A_IJ = V_I g_IJ - V_J g_JI` with the gradients `g` of the method, in the direction
-/// `n` of `F^-T A_IJ`. This is its linear form about a homogeneous state: `n` is that of the state, and the wave speeds `c_p`, `c_s` are those of the
+/// `n` of `F^-T A_IJ`. This is its linear form about a homogeneous state, with the direction `n` of the state and the wave speeds `c_p`, `c_s` of the
 /// reference state. It needs no coefficient.
 ///
 /// Source: Lee, Gil, Ghavamian, Bonet, Comput. Methods Appl. Mech. Engrg. 344 (2019) 209.
@@ -25,7 +25,7 @@ use nalgebra::{SMatrix, SVector};
     serde(rename_all = "kebab-case")
 )]
 pub enum Upwinding {
-    /// No dissipation.
+    /// The method has no dissipation of this kind.
     None,
     /// Velocities are constant around each particle: `[v] = v_J - v_I`, of first order in the spacing.
     Constant,
