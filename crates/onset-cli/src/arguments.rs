@@ -1140,7 +1140,6 @@ pub struct CardArguments {
 #[derive(Debug, Args)]
 pub struct CompareArguments {
     /// Comparison file with a material and `[[methods]]`, or a study whose method is compared with the built-in methods; - for standard input.
-    #[arg(required_unless_present = "variations")]
     pub file: Option<PathBuf>,
     /// Compare variants of a method: a key of the discretization with its values, separated by commas (lists of numbers by semicolons), or a key alone
     /// for all its words, such as discretization.kernel. Given several times, the values are combined. Without FILE, --set defines the method.
