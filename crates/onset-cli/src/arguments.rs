@@ -1268,6 +1268,9 @@ pub struct LimitArguments {
     /// Options of the figure.
     #[command(flatten)]
     pub drawing: DrawingArguments,
+    /// Length of the printed answer.
+    #[command(flatten)]
+    pub detail: DetailArguments,
 }
 
 /// Parses a share: a number above 0 and at most 1.
