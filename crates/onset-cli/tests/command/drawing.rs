@@ -102,4 +102,20 @@ fn a_simulation_takes_a_fraction_of_the_step_and_a_size_of_its_figure() {
     );
     let svg = std::fs::read_to_string(format!("{}/simulate.svg", folder.display()));
     assert!(svg.expect("an SVG").contains("width=\"84mm\""));
+    // A name with the ending of a figure is the figure alone.
+    let alone = Scratch::new("simulated-alone");
+    let line = format!(
+        "simulate --stretch 1.1,1 --cells 4 --steps 64 --out {}/wave.pdf",
+        alone.display()
+    );
+    let output = onset_line(&line);
+    assert!(output.stdout.contains("wave.pdf"), "{}", output.stderr);
+    assert_eq!(names(&alone), ["wave.pdf", "wave.png", "wave.svg"]);
+    let output = onset_line(&format!("{line} --fields 2"));
+    assert_eq!(output.code, Some(2));
+    assert!(
+        output.stderr.contains("--fields has no effect"),
+        "{}",
+        output.stderr
+    );
 }
