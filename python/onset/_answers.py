@@ -185,7 +185,11 @@ class Answer(Record):
         >>> onset.state("neo-hooke", stretch=(1.1, 1)).to_frame().loc[0, "verdict"]
         'stable'
         """
-        frame = _frames().read_csv(io.StringIO(self.csv), float_precision="round_trip", keep_default_na=False, na_values=[""])
+        return self._frame(self.csv)
+
+    def _frame(self, table: str) -> pandas.DataFrame:
+        """Data frame of a table of the answer."""
+        frame = _frames().read_csv(io.StringIO(table), float_precision="round_trip", keep_default_na=False, na_values=[""])
         frame.attrs["text"] = self._answer.text
         return cast("pandas.DataFrame", frame)
 
@@ -273,7 +277,7 @@ class Answer(Record):
         Parameters
         ----------
         ax
-            Axes, one for each panel; a single axes is divided for several panels.
+            Axes, one for each panel.
         fig
             Figure or subfigure in which the panels are laid out, instead of `ax`; by default a new figure.
 
@@ -796,10 +800,26 @@ class Audit(Answer):
 class Simulation(Answer):
     """Simulation of a patch of particles, compared with its prediction.
 
-    ``outcome`` is ``agrees``, ``differs`` or ``undecided``; the rates ``predicted`` and ``measured`` are in 1/time.
+    ``outcome`` is ``agrees``, ``differs`` or ``undecided``; the rates ``predicted`` and ``measured`` are in 1/time. ``csv`` has them in one row.
     """
 
     __slots__ = ()
+
+    def to_frame(self) -> pandas.DataFrame:
+        """Amplitude of the wave over time, with the units in the names if settings have units.
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row for each sample of the run, with the columns ``time`` and ``amplitude``. ``attrs`` holds the command-line text of the answer as
+            ``text``.
+
+        Raises
+        ------
+        OnsetError
+            If pandas is not installed.
+        """
+        return self._frame(self.files()["amplitude.csv"].decode())
 
 
 class Screening(Answer):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 
@@ -29,26 +30,114 @@ def draw(figure: Mapping[str, Any], ax: Axes | Sequence[Axes] | None = None, fig
     figure
         Description, as `Answer.figure` returns it.
     ax
-        Axes, one for each panel. A single one is divided for several panels.
+        Axes, one for each panel.
     fig
         Figure or subfigure in which the panels are laid out, instead of `ax`.
     """
-    panels = figure["panels"]
     if ax is not None and fig is not None:
         raise InputError("a figure is drawn into `ax` or into `fig`, not into both")
+    figure = _recolored(figure)
+    panels = figure["panels"]
     is_own = ax is None and fig is None
     placed = _laid_out(figure, fig) if ax is None else _given(ax, len(panels))
     for panel, own in zip(panels, placed, strict=True):
         _panel(panel, own)
-    handles = [_handle(entry) for entry in figure["legend"]]
-    if handles and len(placed) == 1 and not is_own:
-        placed[0].legend(handles=handles)
-    elif handles:
-        columns = min(len(handles), 1 + len(placed))
-        (fig or placed[0].figure).legend(handles=handles, loc="outside lower center", ncols=columns)
+    legend = figure["legend"]
+    if ax is not None or (len(placed) == 1 and not is_own):
+        # In axes of the caller each panel has the entries of its layers.
+        for panel, own in zip(panels, placed, strict=True):
+            names = _names(panel) if len(panels) > 1 else {entry["name"] for entry in legend}
+            handles = [_handle(entry) for entry in legend if entry["name"] in names]
+            if handles:
+                own.legend(handles=handles)
+    elif legend:
+        _legend_below(fig or placed[0].figure, [_handle(entry) for entry in legend], 1 + len(placed))
     if is_own and figure["title"]:
-        placed[0].figure.suptitle(figure["title"])
+        placed[0].figure.suptitle(figure["title"], wrap=True)
     return placed[0]
+
+
+def _names(panel: Mapping[str, Any]) -> set[str]:
+    """Names of the layers of a panel, as in the legend."""
+    names: set[str] = set()
+    for layer in panel["layers"]:
+        for data in layer.values():
+            names.update(data[key] for key in ("name", "arrow_name") if data.get(key))
+            names.update(name for name, _ in data.get("key", ()))
+    return names
+
+
+def _legend_below(fig: FigureBase, handles: list[Artist], most: int) -> None:
+    """Puts a legend below the panels, in as many columns as fit and with long names in several lines."""
+    room = 0.98 * cast(Any, fig).bbox.width
+    for columns in range(min(len(handles), most), 0, -1):
+        legend = fig.legend(handles=handles, loc="outside lower center", ncols=columns)
+        width = legend.get_window_extent().width
+        if width <= room:
+            return
+        legend.remove()
+    longest = max(len(str(handle.get_label())) for handle in handles)
+    for letters in range(min(longest - 1, int(longest * room / width) + 3), 11, -3):
+        for handle in handles:
+            lines = textwrap.wrap(str(handle.get_label()).replace("\n", " "), letters, break_long_words=False)
+            handle.set_label("\n".join(lines))
+        legend = fig.legend(handles=handles, loc="outside lower center", ncols=1)
+        if legend.get_window_extent().width <= room:
+            return
+        legend.remove()
+    fig.legend(handles=handles, loc="outside lower center", ncols=1)
+
+
+def _is_set(name: Literal["axes.prop_cycle", "figure.figsize"]) -> bool:
+    """Whether a parameter of matplotlib was changed by the user or by a style."""
+    from matplotlib import rcParams, rcParamsDefault
+
+    return bool(rcParams[name] != rcParamsDefault[name])
+
+
+def _recolored(figure: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Description whose curves and markers have the colors of ``axes.prop_cycle``, if it was set. Greys and the colors of maps remain."""
+    if not _is_set("axes.prop_cycle"):
+        return figure
+    from matplotlib import rcParams
+    from matplotlib.colors import to_rgb
+
+    cycle = rcParams["axes.prop_cycle"].by_key().get("color", [])
+    colors: dict[str, Any] = {}
+
+    def own(color: str) -> Any:
+        rgb = to_rgb(color)
+        if not cycle or max(rgb) - min(rgb) < 0.06:
+            return color
+        return colors.setdefault(color, cycle[len(colors) % len(cycle)])
+
+    def layer(kind: str, data: Mapping[str, Any]) -> Mapping[str, Any]:
+        return {**data, "color": own(data["color"])} if kind in ("line", "points", "arrows", "rule") else data
+
+    def symbol(kind: str, data: Any) -> Any:
+        if kind == "arrow":
+            return own(data)
+        return {**data, "color": own(data["color"])} if kind in ("line", "marker") else data
+
+    panels = [
+        {**panel, "layers": [{kind: layer(kind, data) for kind, data in one.items()} for one in panel["layers"]]} for panel in figure["panels"]
+    ]
+    legend = [{**entry, "symbol": {kind: symbol(kind, data) for kind, data in entry["symbol"].items()}} for entry in figure["legend"]]
+    return {**figure, "panels": panels, "legend": legend}
+
+
+def _width(pixels: float) -> float:
+    """Width of a line in points, relative to ``lines.linewidth`` of the user."""
+    from matplotlib import rcParams
+
+    return float(POINTS * pixels * rcParams["lines.linewidth"] / 1.5)
+
+
+def _diameter(pixels: float) -> float:
+    """Diameter of a marker in points, relative to ``lines.markersize`` of the user."""
+    from matplotlib import rcParams
+
+    return float(POINTS * pixels * rcParams["lines.markersize"] / 6.0)
 
 
 def axes(ax: Axes | Sequence[Axes] | None, fig: FigureBase | None) -> Axes:
@@ -70,32 +159,37 @@ def _laid_out(figure: Mapping[str, Any], fig: FigureBase | None) -> list[Axes]:
             from matplotlib import pyplot
         except ImportError as error:
             raise OnsetError("figures require matplotlib\n  hint: pip install matplotlib") from error
-        fig = pyplot.figure(figsize=(1.0 + 4.0 * columns, 1.0 + 3.4 * rows), layout="constrained")
-    grid = fig.add_gridspec(rows, columns)
-    return [fig.add_subplot(grid[divmod(number, columns)]) for number in range(len(panels))]
+        lines = [panel["lines"] or 0.0 for panel in panels if panel is not None]
+        height = max([3.4, *(0.18 * count for count in lines)])
+        size = None if _is_set("figure.figsize") else (1.0 + 4.0 * columns, 1.0 + height * rows)
+        fig = pyplot.figure(figsize=size, layout="constrained")
+    widths = [1.0 if panel is None or panel["equal_aspect"] else panel["width"] for panel in panels[:columns]]
+    grid = fig.add_gridspec(rows, columns, width_ratios=widths)
+    placed = [fig.add_subplot(grid[divmod(number, columns)]) for number in range(len(panels))]
+    for number, panel in enumerate(panels):
+        # Neighbors with the same named rows have the names once.
+        if number % columns and panel["y"]["ticks"] is not None and panel["y"] == panels[number - 1]["y"]:
+            placed[number].tick_params(labelleft=False)
+    return placed
 
 
 def _given(ax: Axes | Sequence[Axes], count: int) -> list[Axes]:
-    """The axes of a caller, one for each panel; a single one is divided."""
+    """The axes of a caller, one for each panel."""
     given: list[Axes] = list(np.ravel(np.asarray(ax, dtype=object)))
     if len(given) == count:
         return given
-    if len(given) != 1:
-        raise InputError(f"the figure has {count} panels, and {len(given)} axes are given\n  hint: give one axes for each panel, or `fig`")
-    first = given[0]
-    place = first.get_subplotspec()
-    if place is None:
-        raise InputError(f"the figure has {count} panels, and these axes cannot be divided\n  hint: give one axes for each panel, or `fig`")
-    parts = place.subgridspec(1, count)
-    first.set_subplotspec(parts[0])
-    return [first, *(first.figure.add_subplot(parts[number]) for number in range(1, count))]
+    several = f", for example `figure, axes = plt.subplots(1, {count})` and `plot(axes)`" if count > 1 else ""
+    raise InputError(
+        f"the figure has {count} panel{'s' * (count != 1)}, and {len(given)} axes {'is' if len(given) == 1 else 'are'} given\n"
+        f"  hint: give one axes for each panel{several}, or a figure or subfigure: `plot(fig=figure)`"
+    )
 
 
 def _panel(panel: Mapping[str, Any], ax: Axes) -> None:
     for name in ("x", "y"):
         axis = panel[name]
         if axis["scale"] == "log10":
-            ax.set(**{f"{name}scale": "log"})
+            _log_scale(ax, name, axis["range"])
         ax.set(**{f"{name}lim": axis["range"], f"{name}label": axis["label"]})
         if axis["ticks"] is not None:
             ax.set(**{f"{name}ticks": [at for at, _ in axis["ticks"]], f"{name}ticklabels": [word for _, word in axis["ticks"]]})
@@ -108,6 +202,21 @@ def _panel(panel: Mapping[str, Any], ax: Axes) -> None:
     ax.set(xlim=panel["x"]["range"], ylim=panel["y"]["range"])
     if panel["equal_aspect"] and panel["x"]["scale"] == panel["y"]["scale"]:
         ax.set_aspect("equal")
+
+
+def _log_scale(ax: Axes, name: str, ends: Sequence[float]) -> None:
+    """Logarithmic scale with few numbers, which do not overlap."""
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+    ax.set(**{f"{name}scale": "log"})
+    axis = ax.xaxis if name == "x" else ax.yaxis
+    decades = abs(np.log10(ends[1] / ends[0]))
+    if decades >= 2.0:
+        axis.set_major_locator(LogLocator(numticks=5))
+    else:
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if decades < 1.0 else (1.0, 3.0), numticks=9))
+        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def _pairs(points: Sequence[Any]) -> Floats:
@@ -153,12 +262,12 @@ def _field(data: Mapping[str, Any], panel: Mapping[str, Any], ax: Axes) -> None:
 
 def _line(data: Mapping[str, Any], _: Mapping[str, Any], ax: Axes) -> None:
     points = _pairs(data["points"])
-    ax.plot(points[:, 0], points[:, 1], color=data["color"], linestyle=data["dash"], linewidth=POINTS * data["width"])
+    ax.plot(points[:, 0], points[:, 1], color=data["color"], linestyle=data["dash"], linewidth=_width(data["width"]))
 
 
 def _points(data: Mapping[str, Any], _: Mapping[str, Any], ax: Axes) -> None:
     points = _pairs(data["points"])
-    ax.plot(points[:, 0], points[:, 1], linestyle="none", markersize=POINTS * data["size"], **_marker(data))
+    ax.plot(points[:, 0], points[:, 1], linestyle="none", markersize=_diameter(data["size"]), **_marker(data))
 
 
 def _marker(data: Mapping[str, Any]) -> dict[str, Any]:
@@ -208,7 +317,7 @@ def _label(data: Mapping[str, Any], _: Mapping[str, Any], ax: Axes) -> None:
 
 def _rule(data: Mapping[str, Any], _: Mapping[str, Any], ax: Axes) -> None:
     across = ax.axvline if data["direction"] == "vertical" else ax.axhline
-    across(data["at"], color=data["color"], linestyle=data["dash"], linewidth=POINTS)
+    across(data["at"], color=data["color"], linestyle=data["dash"], linewidth=_width(1.0))
 
 
 LAYERS: dict[str, Callable[[Mapping[str, Any], Mapping[str, Any], Axes], None]] = {
@@ -233,7 +342,7 @@ def _handle(entry: Mapping[str, Any]) -> Artist:
     if kind == "patch":
         return Patch(facecolor=symbol, edgecolor="0.5", linewidth=0.5, label=name)
     if kind == "line":
-        return Line2D([], [], color=symbol["color"], linestyle=symbol["dash"], linewidth=POINTS * symbol["width"], label=name)
+        return Line2D([], [], color=symbol["color"], linestyle=symbol["dash"], linewidth=_width(symbol["width"]), label=name)
     if kind == "marker":
         return Line2D([], [], linestyle="none", label=name, **_marker(symbol))
     return Line2D([], [], color=symbol, marker=">", markevery=[-1], label=name)

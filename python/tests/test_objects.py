@@ -98,13 +98,13 @@ def test_figures_are_drawn_with_native_axes(of_every_kind: list[Kind]) -> None:
                 points = np.array(curve["points"], dtype=float)
                 assert any(own.shape == points.shape and np.array_equal(own, points, equal_nan=True) for own in drawn)
         legends = [*right.legends, *(own for axes in panels if (own := axes.get_legend()))]
-        legend = [text.get_text() for own in legends for text in own.get_texts()]
+        legend = [text.get_text().replace("\n", " ") for own in legends for text in own.get_texts()]
         assert legend == [entry["name"] for entry in told["legend"]]
         figure.canvas.draw()
         pyplot.close("all")
         with pytest.raises(onset.InputError, match="into both"):
             answer.plot(first, fig=right)
-        with pytest.raises(onset.InputError, match="panels, and 5 axes"):
+        with pytest.raises(onset.InputError, match="panels?, and 5 axes"):
             answer.plot(pyplot.figure().subplots(1, 5))
         pyplot.close("all")
 def test_every_answer_is_a_data_frame(of_every_kind: list[Kind]) -> None:
@@ -115,7 +115,10 @@ def test_every_answer_is_a_data_frame(of_every_kind: list[Kind]) -> None:
         if isinstance(answer, onset.Answer):
             # Numbers are read back exactly.
             assert frame.attrs["text"] == str(answer)
-            assert ",".join(frame.columns) == answer.csv.splitlines()[0]
+            if isinstance(answer, onset.Simulation):
+                assert len(frame) == answer["measured"]["samples"] and frame.columns[0].startswith("time")
+            else:
+                assert ",".join(frame.columns) == answer.csv.splitlines()[0]
     state = onset.state(RUBBER, SPH, stretch=(1.1, 1.0))
     row = state.to_frame().loc[0]
     assert (row["verdict"], row["growth_rate"], row["F11"]) == (state.verdict, state.growth_rate, 1.1)
@@ -140,6 +143,12 @@ def test_methods_without_names_have_short_names_and_variants() -> None:
     assert len(varied.rows) == 4
     with pytest.raises(onset.SettingError, match="same for all methods"):
         onset.compare(sph, RUBBER, vary={"material.mu": [1, 2]})
+
+
+def test_the_name_of_a_file_in_place_of_a_law_leads_to_the_function_that_reads_it() -> None:
+    for name, reader in [("o.inp", "Material"), ("decks/tire.k", "Material"), ("rubber.toml", "Study")]:
+        with pytest.raises(onset.InputError, match=rf"onset\.{reader}\.read\('{name}'\)"):
+            onset.state(name, stretch=(1.1, 1))
 
 
 @pytest.mark.parametrize("name", ["rubber (2).inp", "*.inp", "rubber.inp"])
@@ -178,16 +187,42 @@ def test_plots_of_paths_label_units_and_clip_rounding_to_zero() -> None:
     assert figure is not None
     particles, material = figure.axes
     assert particles is first and particles.get_xlabel() == material.get_xlabel() == "imposed stretch λ (−)"
-    assert particles.get_ylabel().endswith("(−)") and material.get_ylabel() == "smallest acoustic eigenvalue (stress)"
+    assert particles.get_ylabel().endswith("(−)") and material.get_ylabel() == "smallest acoustic eigenvalue"
     x, y = particles.lines[-1].get_xydata().T
     assert (x[0], x[-1]) == (1.0, 2.0) and not np.any(y)
     # The shear modulus at F = 1, unscaled.
     assert material.lines[-1].get_xydata()[0, 1] == pytest.approx(0.4)
     pyplot.close("all")
-    # One axes is divided for the two panels.
+    # Two panels are not squeezed into one axes.
     _, both = pyplot.subplots(1, 2)
-    drawn = onset.path(onset.Material("blatz-ko"), SPH, from_=(1, 1), to=(4, 1)).plot(both[1])
-    assert drawn is both[1] and drawn.get_xlabel() == "stretch λ₁ (−)" and len(drawn.get_figure().axes) == 3
+    lost = onset.path(onset.Material("blatz-ko"), SPH, from_=(1, 1), to=(4, 1))
+    with pytest.raises(onset.InputError, match=r"plot\(fig=figure\)"):
+        lost.plot(both[1])
+    drawn = lost.plot(both)
+    assert drawn is both[0] and drawn.get_xlabel() == "stretch λ₁ (−)" and len(drawn.get_figure().axes) == 2
+    pyplot.close("all")
+
+
+def test_figures_follow_the_parameters_of_matplotlib() -> None:
+    import matplotlib
+    from matplotlib import pyplot
+
+    answer = onset.path(RUBBER, SPH, from_=(1, 1), to=(1.2, 1))
+    own = {"figure.figsize": (5.0, 2.5), "lines.linewidth": 4.5, "axes.prop_cycle": matplotlib.cycler(color=["#123456", "#654321"])}
+    with pyplot.rc_context(own):
+        first = answer.plot()
+        figure = first.get_figure()
+        assert figure is not None and tuple(figure.get_size_inches()) == (5.0, 2.5)
+        colors = [line.get_color() for axes in figure.axes for line in axes.lines[1:]]
+        assert {"#123456", "#654321"} & set(colors)
+        assert max(line.get_linewidth() for line in first.lines) > 3.0
+    # The legend is not wider than the figure.
+    names = onset.bands(RUBBER, SPH, stretch=(0.7, 1)).plot().get_figure()
+    assert names is not None
+    names.canvas.draw()
+    (legend,) = names.legends
+    box = legend.get_window_extent()
+    assert box.x0 >= 0 and box.x1 <= names.bbox.x1
     pyplot.close("all")
 
 
@@ -196,7 +231,7 @@ def test_files_of_an_answer_can_be_made_for_a_paper(tmp_path: Path) -> None:
     written = {Path(path).name: Path(path) for path in answer.save(tmp_path, size="84mm", bare=True, theme="dark")}
     assert set(written) == {"path.csv", "path.svg", "path.png", "path.pdf", "path.txt"}
     assert 'width="84mm"' in written["path.svg"].read_text()
-    assert written["path.txt"].read_text().startswith("Stability along a path\n\n")
+    assert written["path.txt"].read_text().startswith("Stability along a path from ")
     with pytest.raises(onset.InputError, match="size: expected a width"):
         answer.save(tmp_path, size="84")
     with pytest.raises(onset.InputError, match="theme"):

@@ -944,7 +944,8 @@ pub struct SimulateArguments {
     /// Largest relative difference between the rates that counts as agreement [default: 1e-6].
     #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
-    /// Folder for history.csv, the figure (simulate.svg, .png, .pdf), fields and checkpoints; nothing is written without it.
+    /// Folder for history.csv, the figure (simulate.svg, .png, .pdf), fields and checkpoints, or NAME.svg, NAME.png or NAME.pdf for the figure of a patch
+    /// alone; nothing is written without it.
     #[arg(long, value_name = "DIR", help_heading = "Files")]
     pub out: Option<PathBuf>,
     /// Options of the figure.
@@ -1140,7 +1141,6 @@ pub struct CardArguments {
 #[derive(Debug, Args)]
 pub struct CompareArguments {
     /// Comparison file with a material and `[[methods]]`, or a study whose method is compared with the built-in methods; - for standard input.
-    #[arg(required_unless_present = "variations")]
     pub file: Option<PathBuf>,
     /// Compare variants of a method: a key of the discretization with its values, separated by commas (lists of numbers by semicolons), or a key alone
     /// for all its words, such as discretization.kernel. Given several times, the values are combined. Without FILE, --set defines the method.
@@ -1269,6 +1269,9 @@ pub struct LimitArguments {
     /// Options of the figure.
     #[command(flatten)]
     pub drawing: DrawingArguments,
+    /// Length of the printed answer.
+    #[command(flatten)]
+    pub detail: DetailArguments,
 }
 
 /// Parses a share: a number above 0 and at most 1.
@@ -1396,6 +1399,13 @@ pub struct MapArguments {
 /// Command-line arguments of `onset localize`.
 #[derive(Debug, Args)]
 pub struct LocalizeArguments {
+    /// Study or deck of another program with a plastic law, whose constants are read; - for standard input. Laws and keys of the loading are set by the
+    /// options below.
+    #[arg(conflicts_with = "model")]
+    pub file: Option<PathBuf>,
+    /// Deck of another program in FILE.
+    #[command(flatten)]
+    pub block: BlockArguments,
     /// Plastic law: drucker-prager, j2, mohr-coulomb, hill-1948, kinematic, gurson, cam-clay, cap, damage, deformation-theory or umat (with the keys
     /// library, properties and state-variables of a material); short for --set plasticity.model=MODEL.
     #[arg(long, value_name = "MODEL")]

@@ -15,14 +15,9 @@ pub struct DrawingArguments {
     #[arg(long, value_name = "SIZE", help_heading = "Look")]
     pub size: Option<Size>,
     /// Title of the figure.
-    #[arg(
-        long,
-        value_name = "TEXT",
-        conflicts_with = "bare",
-        help_heading = "Look"
-    )]
+    #[arg(long, value_name = "TEXT", help_heading = "Look")]
     pub title: Option<String>,
-    /// Draw neither title nor caption; NAME.txt has them.
+    /// Draw neither title nor caption; NAME.txt has them as one paragraph for LaTeX.
     #[arg(long, help_heading = "Look")]
     pub bare: bool,
     /// Colors: light or dark [default: light].

@@ -64,10 +64,9 @@ pub fn recommend(
             wavelength,
             ..Thresholds::default()
         };
-        let whole = table.clone();
         let recommendation = Recommendation::new(table);
         let answer = Answer::of(&recommendation, &recommendation, recommendation.csv())?;
-        Ok(answer.with_files(move || Ok(whole.files())))
+        Ok(answer.with_files(move || Ok(recommendation.files())))
     })
 }
 

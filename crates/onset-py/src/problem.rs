@@ -17,7 +17,7 @@ use onset_study::criteria::{Lateral, Mode};
 use onset_study::figure::Sheet;
 use onset_study::limit::{KeepsAnswer, LimitAnswer, LimitQuestion, USUAL_STRETCHES};
 use onset_study::map::{Evaluator, Record};
-use onset_study::output::picture;
+use onset_study::output::{picture, text as file};
 use onset_study::settings::{MapSettings, MaterialSettings, Settings, Trust};
 use onset_study::simulate::{self, Duration, Pace, Place, Question, Seeded, Stepper};
 use pyo3::buffer::PyBuffer;
@@ -492,7 +492,12 @@ impl Problem {
             };
             let run = simulate::simulate(&problem, &question, place.as_ref(), &watch)?;
             let answer = Answer::of(&run, &run, run.csv())?;
-            Ok(answer.with_files(move || Ok(vec![picture("simulate", run.figure())])))
+            Ok(answer.with_files(move || {
+                Ok(vec![
+                    file("amplitude.csv", run.amplitude_csv()),
+                    picture("simulate", run.figure()),
+                ])
+            }))
         })
     }
 }

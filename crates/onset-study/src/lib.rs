@@ -7,6 +7,7 @@ pub mod answers;
 pub mod audit;
 pub mod boundary;
 pub mod brief;
+mod caption;
 pub mod catalog;
 pub mod compare;
 pub mod criteria;

@@ -513,11 +513,13 @@ fn the_words_of_a_bare_picture_are_in_a_text_file_and_a_dark_picture_has_a_dark_
         .map(|(name, _)| name.to_str().unwrap())
         .collect();
     assert_eq!(names, ["bare.svg", "bare.png", "bare.pdf", "bare.txt"]);
-    assert_eq!(files[3].1, b"A title\n\nA caption.\n");
+    assert_eq!(files[3].1, b"A title. A caption.\n");
     let svg = String::from_utf8(files[0].1.clone()).expect("text");
     let texts = texts(&svg);
     assert!(texts.contains(&"x (m)".into()) && !texts.contains(&"A title".into()));
     assert_eq!(decode(&files[1].1).count(palette::WHITE), 0);
+    // The title of a bare picture remains its name for other programs.
+    assert!(svg.contains("<title>A title</title>"));
     // A replaced title is drawn in the picture, and no text file is written.
     let sheet = Sheet {
         title: Some("Mine".into()),

@@ -13,6 +13,13 @@ const FILES: [&str; 2] = ["compare.html", "compare.csv"];
 
 /// Compares the methods of a file.
 pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
+    if arguments.file.is_none() && arguments.variations.is_empty() {
+        return Err(Failure::input(
+            "neither FILE nor --vary is given\n  hint: `onset compare --vary discretization.kernel` compares variants of a method, \
+             `onset compare FILE` a study with the built-in methods or the [[methods]] of a file (examples in comparisons/), and \
+             `onset recommend` all built-in methods",
+        ));
+    }
     let trust = arguments.trust.trust();
     let comparison = read(
         arguments.file.as_deref(),
@@ -53,11 +60,11 @@ pub fn recommend(arguments: &RecommendArguments) -> Result<ExitCode, Failure> {
         wavelength: arguments.wavelength,
         ..arguments.thresholds.thresholds()
     };
+    let recommendation = Recommendation::new(table);
     let written = match output {
-        Some(output) => output.write(&table.files())?,
+        Some(output) => output.write(&recommendation.files())?,
         None => Vec::new(),
     };
-    let recommendation = Recommendation::new(table);
     print(
         &recommendation,
         &with_files(&arguments.detail.text(&recommendation), &written),

@@ -33,7 +33,7 @@ pub fn limit(arguments: &LimitArguments) -> Result<ExitCode, Failure> {
         let (low, high) = arguments.stretches.unwrap_or(USUAL_STRETCHES);
         let answer = KeepsAnswer::new(&settings, &question, [low, high], &is_told)?;
         bar.finish_and_clear();
-        let text = answer.to_string();
+        let text = arguments.detail.text(&answer);
         return print_with_files(
             &answer,
             &text,
@@ -44,7 +44,7 @@ pub fn limit(arguments: &LimitArguments) -> Result<ExitCode, Failure> {
     };
     let answer = LimitAnswer::new(&settings, &strain, &question, step, &is_told)?;
     bar.finish_and_clear();
-    let text = answer.to_string();
+    let text = arguments.detail.text(&answer);
     print_with_files(
         &answer,
         &text,

@@ -7,15 +7,23 @@ use crate::patience::{self, bar};
 use crate::printing::{is_quiet, print, tell};
 use indicatif::ProgressBar;
 use onset_study::answers::{Problem, numbers};
+use onset_study::output::{Output, picture};
 use onset_study::settings::BodySettings;
 use onset_study::simulate::{
     BodyQuestion, Duration, Pace, Place, Question, Seeded, SimulateError, Watch, run_body,
     simulate as run,
 };
+use std::ffi::OsStr;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::str::FromStr;
 use std::sync::OnceLock;
 use std::time;
+
+/// Endings of figures, and of pictures that are refused.
+const PICTURES: [&str; 11] = [
+    "svg", "png", "pdf", "eps", "ps", "jpg", "jpeg", "tif", "tiff", "gif", "webp",
+];
 
 /// Longest time of a step after an interrupt, for a run without output files.
 const PATIENCE: time::Duration = time::Duration::from_millis(200);
@@ -32,7 +40,9 @@ impl From<SimulateError> for Failure {
 /// Runs a patch, or the body of the study.
 pub fn simulate(arguments: &SimulateArguments) -> Result<ExitCode, Failure> {
     let problem = arguments.problem.build()?;
-    let place = arguments.out.as_ref().map(|folder| Place {
+    let alone = figure_alone(arguments, problem.settings.body.is_some())?;
+    let kept = arguments.out.as_ref().filter(|_| alone.is_none());
+    let place = kept.map(|folder| Place {
         folder: folder.clone(),
         is_resumed: arguments.resume,
         is_overwritten: arguments.overwrite,
@@ -40,7 +50,7 @@ pub fn simulate(arguments: &SimulateArguments) -> Result<ExitCode, Failure> {
         sheet: arguments.drawing.sheet(),
     });
     let is_kept = place.is_some();
-    if !is_kept {
+    if arguments.out.is_none() {
         arguments.drawing.refuse_idle("DIR")?;
     }
     match problem.settings.body.clone() {
@@ -49,9 +59,11 @@ pub fn simulate(arguments: &SimulateArguments) -> Result<ExitCode, Failure> {
             let progress = Progress::new(is_kept);
             let answer = run(&problem, &question, place.as_ref(), &progress)?;
             progress.finish();
-            print(&answer, &with_files(&answer, &answer.files), || {
-                answer.csv()
-            })?;
+            let written = match alone {
+                Some(output) => output.write(&vec![picture("simulate", answer.figure())])?,
+                None => answer.files.clone(),
+            };
+            print(&answer, &with_files(&answer, &written), || answer.csv())?;
             match answer.interrupted {
                 true => Ok(interrupted(answer.steps_taken, is_kept)),
                 false => Ok(ExitCode::from(answer.outcome.code())),
@@ -71,6 +83,37 @@ pub fn simulate(arguments: &SimulateArguments) -> Result<ExitCode, Failure> {
             }
         }
     }
+}
+
+/// Output of the figure alone, if the path has the ending of a figure; `None` for a folder.
+fn figure_alone(arguments: &SimulateArguments, is_body: bool) -> Result<Option<Output>, Failure> {
+    let is_picture = |out: &&PathBuf| {
+        let ending = out.extension().and_then(OsStr::to_str);
+        ending.is_some_and(|own| PICTURES.contains(&own))
+    };
+    let Some(out) = arguments.out.as_ref().filter(is_picture) else {
+        return Ok(None);
+    };
+    let idle = [
+        ("--resume", arguments.resume),
+        ("--overwrite", arguments.overwrite),
+        ("--checkpoint", arguments.checkpoint.is_some()),
+        ("--fields", arguments.fields.is_some()),
+    ];
+    let idle = idle.iter().find(|(_, is_given)| *is_given);
+    let refused = match idle {
+        Some((option, _)) => format!(
+            "{option} has no effect: --out {} is the figure alone",
+            out.display()
+        ),
+        None if is_body => format!(
+            "--out {} is a figure; a body is written to a folder",
+            out.display()
+        ),
+        None => return arguments.drawing.output(Some(out), "simulate", &[]),
+    };
+    let hint = "give a folder, for example --out results";
+    Err(Failure::input(format!("{refused}\n  hint: {hint}")))
 }
 
 fn pace(arguments: &SimulateArguments) -> Pace {

@@ -74,7 +74,7 @@ fn the_limit_accounts_for_the_body() {
     assert_eq!(answer["present"]["body"]["particles"], 400);
     let of = answer["critical_time_step_of"].as_str().expect("a text");
     assert!(of.starts_with("body of 400 particles"), "{of}");
-    let text = onset_line(&line).stdout;
+    let text = onset_line(&format!("{line} --all")).stdout;
     assert!(text.contains("up to 0.45136"), "{text}");
     assert!(
         text.contains("critical steps: body of 400 particles"),

@@ -196,6 +196,9 @@ fn variants_of_a_method_are_compared_without_a_file() {
         ("discretization.penalty=0,0.5", "discretization.penalty"),
         ("discretization.suport=1.6", "discretization.support"),
         ("discretization.support=x", "discretization.support"),
+        ("discretization.nonsense", "unknown key"),
+        ("discretization.nonsense=1,2", "unknown key"),
+        ("discretization.preset", "--vary discretization.method="),
         ("material.mu=1,2", "is the same for all methods"),
         ("compare.states=2,3", "is the same for all methods"),
     ] {
@@ -203,6 +206,18 @@ fn variants_of_a_method_are_compared_without_a_file() {
         assert_eq!(answer.code, Some(2), "{vary}: {}", answer.stdout);
         assert!(answer.stderr.contains(fact), "{vary}: {}", answer.stderr);
     }
+    let neither = of(&[]);
+    assert_eq!(neither.code, Some(2));
+    assert!(
+        neither.stderr.contains("--vary discretization.kernel"),
+        "{}",
+        neither.stderr
+    );
+    assert!(
+        neither.stderr.contains("comparisons/"),
+        "{}",
+        neither.stderr
+    );
     let many: Vec<String> = (0..201).map(|n| format!("1.{n:03}")).collect();
     let many = format!("discretization.support={}", many.join(","));
     assert!(of(&["--vary", &many]).stderr.contains("at most 200"));

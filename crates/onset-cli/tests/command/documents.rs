@@ -210,7 +210,7 @@ fn every_verdict_states_its_evidence() {
         ),
     ] {
         assert_eq!(document(&line)["evidence"], evidence, "{line}");
-        let has_short_form = ["state", "criteria"]
+        let has_short_form = ["state", "criteria", "limit"]
             .iter()
             .any(|word| line.starts_with(word));
         let all = if has_short_form { " --all" } else { "" };

@@ -10,7 +10,7 @@ const LAW: &str = "--set material.model=neo-hooke --set material.mu=1 --set mate
 fn the_largest_modulus_of_a_chain_of_bars_follows_from_its_wave_speed() {
     // The condition h / c >= dt limits Young's modulus: E (1 - nu) / ((1 + nu) (1 - 2 nu)) <= rho h^2 / dt^2.
     let law = "--set material.model=neo-hooke --set material.young=1 --set material.poisson=0.3";
-    let line = format!("limit --vary material.young --time-step 0.01 {law} {BARS}");
+    let line = format!("limit --all --vary material.young --time-step 0.01 {law} {BARS}");
     let answer = document(&line);
     let young = number(&answer, "/admitted/0/to/value");
     let exact = 1e4 * 1.3 * 0.4 / 0.7;
@@ -33,7 +33,7 @@ fn the_largest_modulus_of_a_chain_of_bars_follows_from_its_wave_speed() {
 #[test]
 fn the_smallest_spacing_and_density_follow_from_the_wave_speed() {
     let line =
-        |key: &str| format!("limit --vary discretization.{key} --time-step 0.1 {LAW} {BARS}");
+        |key: &str| format!("limit --all --vary discretization.{key} --time-step 0.1 {LAW} {BARS}");
     let spacing = number(&document(&line("spacing")), "/admitted/0/from/value");
     assert!((spacing / (0.1 * 2.0) - 1.0).abs() < 1e-8, "{spacing}");
     let density = number(&document(&line("density")), "/admitted/0/from/value");
@@ -51,7 +51,8 @@ fn the_smallest_spacing_and_density_follow_from_the_wave_speed() {
 #[test]
 fn the_end_of_a_range_of_stretches_limits_the_lame_constant_that_keeps_it_stable() {
     // Uniaxial strain: A = mu (1 + 1/l^2) + lambda (1 - ln l)/l^2 stays positive up to l = 4 if lambda < mu (l^2 + 1)/(ln l - 1).
-    let line = format!("limit --vary material.lambda --keeps stable --stretches 1,4 {LAW} {BARS}");
+    let line =
+        format!("limit --all --vary material.lambda --keeps stable --stretches 1,4 {LAW} {BARS}");
     let answer = document(&line);
     let largest = number(&answer, "/admitted/0/to/value");
     let exact = 17.0 / (4.0_f64.ln() - 1.0);
@@ -88,7 +89,9 @@ fn a_limit_refers_to_a_time_step_or_to_stability() {
         ("--time-step 1 --stretches 0.8,1.2", "--stretches"),
         ("--keeps stable --stretches 0,2", "positive stretches"),
     ] {
-        let output = onset_line(&format!("limit --vary material.mu {more} {LAW} {BARS}"));
+        let output = onset_line(&format!(
+            "limit --all --vary material.mu {more} {LAW} {BARS}"
+        ));
         assert_eq!(output.code, Some(2), "{more}");
         assert!(output.stderr.contains(told), "{more}: {}", output.stderr);
     }
@@ -96,8 +99,9 @@ fn a_limit_refers_to_a_time_step_or_to_stability() {
 
 #[test]
 fn the_limit_applies_to_the_given_state() {
-    let line =
-        format!("limit --vary discretization.spacing --time-step 0.1 {LAW} {BARS} --stretch 1.3");
+    let line = format!(
+        "limit --all --vary discretization.spacing --time-step 0.1 {LAW} {BARS} --stretch 1.3"
+    );
     let spacing = number(&document(&line), "/admitted/0/from/value");
     let state = |spacing: f64| {
         let line = format!("state --stretch 1.3 {LAW} {BARS} set spacing={spacing}");
@@ -114,7 +118,7 @@ fn the_limit_applies_to_the_given_state() {
 fn a_damping_coefficient_is_limited_by_its_integrator() {
     let line = |integrator: &str| {
         format!(
-            "limit --vary discretization.viscosity --time-step 0.2 --range 0,10 --integrator {integrator} {LAW} \
+            "limit --all --vary discretization.viscosity --time-step 0.2 --range 0,10 --integrator {integrator} {LAW} \
              set method=total-lagrangian-sph set lattice=chain set viscosity=0.1"
         )
     };
@@ -129,7 +133,7 @@ fn a_damping_coefficient_is_limited_by_its_integrator() {
 fn the_largest_modulus_of_runge_kutta_methods_follows_from_their_stability_on_the_imaginary_axis() {
     let line = |integrator: &str| {
         format!(
-            "limit --vary material.mu --time-step 0.5 --integrator {integrator} {LAW} set method=total-lagrangian-sph set lattice=square"
+            "limit --all --vary material.mu --time-step 0.5 --integrator {integrator} {LAW} set method=total-lagrangian-sph set lattice=square"
         )
     };
     // P-wave modulus, 2 mu + lambda.
@@ -210,7 +214,7 @@ fn strong_damping_allows_steps_beyond_the_undamped_limit() {
 #[test]
 fn a_method_that_defines_its_step_is_limited_by_this_step() {
     let method = "set method=material-points set lattice=chain set unknowns=particles set transfer=apic set grid-functions=quadratic-spline";
-    let line = format!("limit --vary material.mu --time-step 0.1 {LAW} {method}");
+    let line = format!("limit --all --vary material.mu --time-step 0.1 {LAW} {method}");
     let mu = number(&document(&line), "/admitted/0/to/value");
     let line = format!(
         "state --stretch 1 --set material.model=neo-hooke --set material.lambda=2 --set material.mu={mu} {method}"
@@ -226,7 +230,7 @@ fn a_method_that_defines_its_step_is_limited_by_this_step() {
 fn step_and_values_have_the_units_of_the_study() {
     let law = "--set material.model=neo-hooke --set material.poisson=0.3";
     let words = |step: &str| {
-        let line = format!("limit --vary material.young {law} {BARS}");
+        let line = format!("limit --all --vary material.young {law} {BARS}");
         let mut words = super::words(&line);
         words.extend(
             [
@@ -263,7 +267,9 @@ fn step_and_values_have_the_units_of_the_study() {
 #[test]
 fn ranges_with_no_or_only_allowed_values_are_reported() {
     let line = |range: &str| {
-        format!("limit --vary discretization.spacing --time-step 0.1 --range {range} {LAW} {BARS}")
+        format!(
+            "limit --all --vary discretization.spacing --time-step 0.1 --range {range} {LAW} {BARS}"
+        )
     };
     let none = onset_line(&line("0.01,0.1")).stdout;
     assert!(none.contains("is below the critical one with no discretization.spacing from 0.01 to 0.1; the largest critical step is 0.05, at 0.1."), "{none}");
@@ -277,7 +283,7 @@ fn ranges_with_no_or_only_allowed_values_are_reported() {
 #[test]
 fn a_limit_is_printed_with_its_notes() {
     let unstable = onset_line(&format!(
-        "limit --vary material.mu --time-step 0.01 {LAW} {BARS} --stretch 0.05 --set material.model=saint-venant-kirchhoff"
+        "limit --all --vary material.mu --time-step 0.01 {LAW} {BARS} --stretch 0.05 --set material.model=saint-venant-kirchhoff"
     ));
     assert!(
         unstable
@@ -295,7 +301,7 @@ fn a_limit_is_printed_with_its_notes() {
     // The range of Poisson's ratio ends at one half, with a note.
     let law = "--set material.model=neo-hooke --set material.young=2 --set material.poisson=0.3";
     let ratio = onset_line(&format!(
-        "limit --vary material.poisson --range 0.1,0.9 --time-step 1e-9 {law} {BARS}"
+        "limit --all --vary material.poisson --range 0.1,0.9 --time-step 1e-9 {law} {BARS}"
     ));
     assert!(
         ratio.stdout.contains("with material.poisson up to 0.") && ratio.stdout.contains("At 0.5"),
@@ -310,7 +316,8 @@ fn a_limit_is_printed_with_its_notes() {
         ratio.stdout
     );
     // There is no smallest modulus, although zero itself is not allowed.
-    let modulus = format!("limit --vary material.mu --range 0,1 --time-step 0.01 {LAW} {BARS}");
+    let modulus =
+        format!("limit --all --vary material.mu --range 0,1 --time-step 0.01 {LAW} {BARS}");
     let ends = document(&modulus);
     assert_eq!(ends["admitted"][0]["from"]["undefined_at"], 0.0, "{ends}");
     let told = onset_line(&modulus).stdout;
@@ -321,7 +328,7 @@ fn a_limit_is_printed_with_its_notes() {
     // A grid step that is stable for the waves of a body, but not for an isolated material point.
     let fluid = "--energy stiffness*(sqrt(I3)-1-ln(sqrt(I3))) --set material.stiffness=400 set method=mls-mpm set lattice=square set grid=regular set spacing=0.005";
     let alone = onset_line(&format!(
-        "limit --vary discretization.spacing --time-step 2e-4 {fluid}"
+        "limit --all --vary discretization.spacing --time-step 2e-4 {fluid}"
     ));
     assert!(
         alone.stdout.contains("points without neighbors"),
@@ -330,7 +337,7 @@ fn a_limit_is_printed_with_its_notes() {
         alone.stderr
     );
     let document = document(&format!(
-        "limit --vary discretization.spacing --time-step 2e-4 {fluid}"
+        "limit --all --vary discretization.spacing --time-step 2e-4 {fluid}"
     ));
     assert!(document["integrator"].is_null(), "{document}");
 }
@@ -339,52 +346,55 @@ fn a_limit_is_printed_with_its_notes() {
 fn invalid_settings_and_steps_are_refused() {
     for (line, fact) in [
         (
-            "limit --vary discretization.lattice --time-step 1",
+            "limit --all --vary discretization.lattice --time-step 1",
             "cannot be varied",
         ),
         (
-            "limit --vary material.yuong --time-step 1",
+            "limit --all --vary material.yuong --time-step 1",
             "material.yuong",
         ),
         (
-            "limit --vary discretization.spacign --time-step 1",
+            "limit --all --vary discretization.spacign --time-step 1",
             "did you mean `discretization.spacing`",
         ),
         (
-            "limit --vary discretization.penalty --time-step 1",
+            "limit --all --vary discretization.penalty --time-step 1",
             "has no effect",
         ),
         (
-            "limit --vary discretization.spacing --time-step 0",
+            "limit --all --vary discretization.spacing --time-step 0",
             "a time step cannot be 0",
         ),
         (
-            "limit --vary discretization.spacing --time-step -1",
+            "limit --all --vary discretization.spacing --time-step -1",
             "a time step cannot be -1",
         ),
         (
-            "limit --vary discretization.spacing --time-step 1us",
+            "limit --all --vary discretization.spacing --time-step 1us",
             "the settings have no units",
         ),
         (
-            "limit --vary discretization.viscosity --time-step 1 set method=tlsph",
+            "limit --all --vary discretization.viscosity --time-step 1 set method=tlsph",
             "--range LOW,HIGH",
         ),
         (
-            "limit --vary discretization.spacing --time-step 1 --integrator x",
+            "limit --all --vary discretization.spacing --time-step 1 --integrator x",
             "kick-drift-kick",
         ),
         (
-            "limit --vary discretization.time-step --time-step 1 set method=mls-mpm set lattice=square",
+            "limit --all --vary discretization.time-step --time-step 1 set method=mls-mpm set lattice=square",
             "is a time step itself",
         ),
         (
             "tune discretization.time-step set method=mls-mpm set lattice=square",
             "is not a coefficient",
         ),
-        ("limit --vary map.tile --time-step 1", "cannot be varied"),
         (
-            "limit --vary material.young --time-step 1 --set material.model=neo-hooke --set material.young=1 --set material.poisson=0.7",
+            "limit --all --vary map.tile --time-step 1",
+            "cannot be varied",
+        ),
+        (
+            "limit --all --vary material.young --time-step 1 --set material.model=neo-hooke --set material.young=1 --set material.poisson=0.7",
             "error: --set material.poisson=0.7: material.poisson is 0.7",
         ),
     ] {
@@ -399,7 +409,7 @@ fn invalid_settings_and_steps_are_refused() {
 fn a_key_that_takes_effect_through_the_varied_setting_may_be_set() {
     let sph = "set method=updated-sph set viscosity-switch=averaged";
     let answer = document(&format!(
-        "limit --vary discretization.viscosity --range 0,1 --time-step 0.01 {sph}"
+        "limit --all --vary discretization.viscosity --range 0,1 --time-step 0.01 {sph}"
     ));
     assert!(number(&answer, "/admitted/0/to/value") > 0.0, "{answer}");
 }
@@ -408,7 +418,8 @@ fn a_key_that_takes_effect_through_the_varied_setting_may_be_set() {
 fn a_limit_is_drawn_and_listed() {
     let folder = Scratch::new("limit");
     let out = folder.display().to_string();
-    let line = format!("limit --vary discretization.spacing --time-step 0.1 --quiet {LAW} {BARS}");
+    let line =
+        format!("limit --all --vary discretization.spacing --time-step 0.1 --quiet {LAW} {BARS}");
     let mut words = super::words(&line);
     words.extend(["--out".to_owned(), out]);
     let answer = onset(&words.iter().map(String::as_str).collect::<Vec<_>>());
@@ -451,4 +462,19 @@ fn the_figure_shows_the_neighborhood_of_the_limit_with_a_named_axis() {
         assert!(!svg.contains(text), "{text}");
     }
     assert!(drawn("--range 1e3,1e12").contains(">10⁴<"));
+}
+
+#[test]
+fn a_short_answer_has_the_values_next_to_the_limit() {
+    let line = format!("limit --vary material.mu --time-step 0.01 {LAW} {BARS}");
+    let short = onset_line(&line).stdout;
+    assert!(short.lines().count() <= 18, "{short}");
+    assert!(
+        short.lines().all(|line| line.chars().count() <= 100),
+        "{short}"
+    );
+    assert!(
+        short.contains("step too large") && short.contains("--all"),
+        "{short}"
+    );
 }

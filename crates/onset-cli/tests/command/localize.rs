@@ -1,7 +1,7 @@
 //! `onset localize`: onset, files, and refusals.
 
 use crate::fortran::library;
-use crate::{Scratch, assert_close, document, number, numbers, onset, onset_line};
+use crate::{Scratch, Written, assert_close, document, number, numbers, onset, onset_line};
 
 #[test]
 fn von_mises_in_pure_shear_localizes_at_45_degrees_where_hardening_ends() {
@@ -122,6 +122,32 @@ fn invalid_input_is_reported_with_a_hint_and_exit_code_2() {
             answer.stderr
         );
     }
+}
+
+#[test]
+fn the_law_of_a_study_is_followed_as_the_law_of_the_options() {
+    let text = "[material]\nmodel = 'drucker-prager'\nfriction = 0.7\nmu = 12000\nkappa = 16000\n[discretization]\nlattice = 'square'\n";
+    let study = Written::new("rock.toml", text);
+    let of_file = document(&format!("localize {} --path plane-strain", &*study));
+    let poisson = (3.0 * 16000.0 - 2.0 * 12000.0) / (2.0 * (3.0 * 16000.0 + 12000.0));
+    let of_options = document(&format!(
+        "localize --model drucker-prager --path plane-strain --set plasticity.friction=0.7 --set plasticity.shear-modulus=12000 \
+         --set plasticity.poisson-ratio={poisson}"
+    ));
+    assert_eq!(of_file["localization"], of_options["localization"]);
+    let changed = document(&format!(
+        "localize {} --path plane-strain --set material.friction=0.5",
+        &*study
+    ));
+    assert_ne!(changed["localization"], of_file["localization"]);
+    let rubber = Written::new("rubber.toml", "[material]\nmodel = 'neo-hooke'\n");
+    let refused = onset_line(&format!("localize {}", &*rubber));
+    assert_eq!(refused.code, Some(2));
+    assert!(
+        refused.stderr.contains("neo-hooke") && refused.stderr.contains("--model j2"),
+        "{}",
+        refused.stderr
+    );
 }
 
 #[test]

@@ -4,6 +4,7 @@ use super::notes::{is_fluid, notes_on_law};
 use super::path::{CrossingAnswer, PathAnswer};
 use super::problem::{Problem, ProblemError, Strain};
 use super::state::rows;
+use crate::caption;
 use crate::criteria::{EndAnswer, imposed_label};
 use crate::csv::Table;
 use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
@@ -344,6 +345,9 @@ pub struct PathSamples {
     pub samples: Vec<PathSample>,
     /// All settings in effect.
     pub settings: Effective,
+    /// Number of space dimensions.
+    #[serde(skip)]
+    dimension: usize,
 }
 
 fn softest(state: &SurveyedState<3>) -> f64 {
@@ -404,7 +408,19 @@ impl PathSamples {
                 .flat_map_iter(|states| scope.run(|| group(states)))
                 .collect(),
             settings: problem.settings.effective(),
+            dimension: problem.analysis.dimension(),
         })
+    }
+
+    /// First and last state as text.
+    fn ends(&self) -> String {
+        let state = |sample: Option<&PathSample>| {
+            let sample =
+                sample.map(|own| caption::state(&own.deformation_gradient, self.dimension));
+            sample.unwrap_or_default()
+        };
+        let ends = [self.samples.first(), self.samples.last()].map(state);
+        format!("from {} to {}", ends[0], ends[1])
     }
 
     /// The states as CSV.
@@ -459,12 +475,13 @@ impl PathSamples {
             let mut panel =
                 Panel::new(name, x, y).with(Rule::horizontal(0.0).color(palette::BLACK));
             for parameter in changes {
-                panel = panel.with(Rule::vertical(at(parameter)).color(palette::GREY).dashed());
+                let rule = Rule::vertical(at(parameter)).color(palette::GREY).dashed();
+                panel = panel.with(rule.named("change of stability"));
             }
             panel.with(Line::new(points).color(color))
         };
         let units = self.settings.units();
-        let stress = units.label("smallest acoustic eigenvalue", "stress");
+        let stress = caption::label(units, "smallest acoustic eigenvalue", "stress");
         Figure::new(title)
             .columns(2)
             .with(panel(
@@ -481,7 +498,11 @@ impl PathSamples {
                 changes[1],
                 palette::VERMILION,
             ))
-            .caption(self.settings.caption())
+            .caption(format!(
+                "States {}. {}",
+                self.ends(),
+                caption::settings(&self.settings)
+            ))
     }
 
     /// The states as `path.csv`, and the figure `path` with the changes of an answer.
@@ -494,7 +515,7 @@ impl PathSamples {
         let material = parameters(&answer.material_crossings);
         let title = match &answer.loading {
             Some(loading) => format!("Stability under loading: {}", loading.title),
-            None => "Stability along a path".to_owned(),
+            None => format!("Stability along a path {}", self.ends()),
         };
         let figure = self.figure(&title, [&particles, &material]);
         vec![text("path.csv", self.csv()), picture("path", figure)]

@@ -6,6 +6,7 @@ use super::notes::notes;
 use super::problem::{Problem, ProblemError, Strain};
 use super::state::{ComplexNumber, list};
 use super::zone_path::{CRITICAL, SymmetryPoints, ZonePath};
+use crate::caption;
 use crate::compare::percent;
 use crate::csv::Table;
 use crate::figure::{Axis, Color, Figure, Line, Panel, Points, Rule, palette};
@@ -39,6 +40,9 @@ pub struct Diagram {
     pub notes: Vec<String>,
     /// All settings in effect.
     pub settings: Effective,
+    /// Deformation gradient of the state.
+    #[serde(skip)]
+    pub deformation_gradient: [[f64; 3]; 3],
     /// Corners of the path: name, reference wave vector, and position along the path.
     pub corners: Vec<Corner>,
     /// Samples along the path. If the dynamical matrix is not periodic, they are taken at the equivalent wave vectors of the first zone.
@@ -266,12 +270,19 @@ impl Diagram {
 
     /// The figure `dispersion`, and the files `dispersion.csv` and `density-of-states.csv`.
     pub fn files(&self) -> Files {
-        let title = "Dispersion of the discretization and of the continuum";
+        let title = format!("Dispersion of particles and continuum at {}", self.state());
         vec![
-            picture("dispersion", self.figure(title)),
+            picture("dispersion", self.figure(&title)),
             text("dispersion.csv", self.csv()),
             text("density-of-states.csv", self.density_csv()),
         ]
+    }
+
+    /// The state as text.
+    fn state(&self) -> String {
+        let first = self.samples.first();
+        let dimension = first.map_or(3, |sample| sample.wave_vector.len());
+        caption::state(&self.deformation_gradient, dimension)
     }
 
     /// Draws frequencies upward and growth rates downward, with the density of states in a second panel.
@@ -300,8 +311,8 @@ impl Diagram {
         let range = (if grows { low - margin } else { 0.0 }, high + margin);
         let units = self.settings.units();
         let y = match grows {
-            true => units.label("frequency ω; below 0: −(growth rate)", "1/time"),
-            false => units.label("frequency ω", "1/time"),
+            true => caption::label(units, "frequency ω; below 0: −(growth rate)", "1/time"),
+            false => caption::label(units, "frequency ω", "1/time"),
         };
         let y = Axis::linear(y, range);
         let end = self.lengths.last().copied().unwrap_or(1.0);
@@ -345,7 +356,11 @@ impl Diagram {
             .columns(2)
             .with(panel)
             .with(self.density_panel(y))
-            .caption(self.settings.caption())
+            .caption(format!(
+                "State: {}. {}",
+                self.state(),
+                caption::settings(&self.settings)
+            ))
     }
 
     /// Marked kinds of waves, with their names and colors.
@@ -418,7 +433,7 @@ impl Diagram {
             outline.push((*value, ends[1]));
         }
         let most = density.iter().copied().fold(0.0, f64::max);
-        let label = self.settings.units().label("density of states", "time");
+        let label = caption::label(self.settings.units(), "density of states", "time");
         let x = Axis::linear(label, (0.0, 1.08 * most));
         let mut plain = y;
         plain.label = String::new();
@@ -546,6 +561,7 @@ fn diagram(
     Ok(Diagram {
         notes: notes(&problem.settings, &*problem.material),
         settings: problem.settings.effective(),
+        deformation_gradient: *f.components(),
         critical: CriticalWave {
             stable: assessment.spectrum.is_stable(),
             omega_squared: mode.omega_squared.into(),

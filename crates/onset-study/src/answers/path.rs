@@ -488,7 +488,7 @@ impl PathAnswer {
 impl Brief for PathAnswer {
     fn brief(&self) -> Short {
         let loading = self.loading.iter().map(|loading| format!("{loading} "));
-        let (law, law_defaults) = self.settings.material();
+        let (law, law_defaults) = crate::caption::law(&self.settings);
         let (method, method_defaults) = self.settings.discretization();
         Short::new(loading.collect::<String>() + &self.sentences().join(" "))
             .table(self.crossings())

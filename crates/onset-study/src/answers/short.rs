@@ -2,6 +2,7 @@
 
 use super::state::StateAnswer;
 use crate::brief::{Brief, Short};
+use crate::caption;
 use crate::number::{counted, told, told_below, vector};
 
 impl Brief for StateAnswer {
@@ -9,7 +10,7 @@ impl Brief for StateAnswer {
         let (material, d) = (&self.material, &self.discretization);
         let units = self.settings.units();
         let ((law, law_defaults), (method, method_defaults)) =
-            (self.settings.material(), self.settings.discretization());
+            (caption::law(&self.settings), self.settings.discretization());
         let wave = format!(
             "{}; k = {}",
             d.mode,

@@ -755,7 +755,7 @@ impl std::fmt::Display for StateAnswer {
         writeln!(formatter, "{}", self.evidence)?;
         let mut line = |name: &str, text: String| writeln!(formatter, "{name:<24}{text}");
         let of = |name: &str| format!("  {name}");
-        let (chosen, defaults) = self.settings.material();
+        let (chosen, defaults) = crate::caption::law(&self.settings);
         line("material", chosen)?;
         if !defaults.is_empty() {
             line(&of("by default"), defaults)?;

@@ -1,9 +1,11 @@
 //! Figure of a comparison: one line for each method.
 
+use super::names::Labels;
 use super::table::percent;
-use super::{Measured, Table};
+use super::{Measured, Ranked, Recommendation, Table};
 use crate::figure::{Arrows, Axis, Color, Figure, Marker, Panel, Points, Rule, palette};
 use crate::number::counted;
+use crate::output::{Files, picture};
 use onset::measures::{Load, StretchOnset};
 
 /// Smallest value on the logarithmic axis of errors; smaller values are drawn there.
@@ -14,6 +16,9 @@ const SMALLEST_ERROR_SHOWN: f64 = 1e-4;
 /// Markers are 6 pixels wide and a row is 34 pixels high, so the markers of a row never touch.
 const ROW_LINES: f64 = 2.0;
 const SHIFT: f64 = 0.2;
+
+/// Largest number of characters in names of methods that list the names of varied keys.
+const NAME_LENGTH: usize = 24;
 
 /// Vertical offset of the `n`-th of `count` series from the middle of its row; the first series is at the top.
 fn shift(n: usize, count: usize) -> f64 {
@@ -76,6 +81,44 @@ impl Table {
             ))
     }
 
+    /// Figure with the rows by rank: the recommended methods with their places.
+    fn ranked(&self, ranking: &[Ranked]) -> Figure {
+        let mut table = self.clone();
+        table.rows.clear();
+        for (n, ranked) in ranking.iter().enumerate() {
+            let mut rows = self.rows.iter();
+            let Some(mut row) = rows.find(|row| row.name == ranked.name).cloned() else {
+                continue;
+            };
+            if ranked.excluded.is_none() {
+                row.name = format!("{}. {}", n + 1, row.name);
+            }
+            table.rows.push(row);
+        }
+        let mut figure = table.figure();
+        if self.title.is_empty() {
+            "Methods by recommendation".clone_into(&mut figure.title);
+        }
+        let good = ranking
+            .iter()
+            .filter(|ranked| ranked.excluded.is_none())
+            .count();
+        let told = match good {
+            0 => "No method is recommended.",
+            _ => "Methods with a number are recommended, best first; the others are excluded.",
+        };
+        figure.caption = format!("{told} {}", figure.caption);
+        if 0 < good && good < table.rows.len() {
+            let end = (table.rows.len() - good) as f64 + 0.5;
+            for panel in &mut figure.panels {
+                panel
+                    .layers
+                    .push(Rule::horizontal(end).color(palette::BLACK).into());
+            }
+        }
+        figure
+    }
+
     fn measured(&self) -> impl Iterator<Item = (f64, &Measured)> {
         let rows = self.rows.iter().enumerate();
         rows.filter_map(|(n, row)| Some((self.height(n), row.measured.as_ref().ok()?)))
@@ -88,8 +131,10 @@ impl Table {
 
     /// Axis of the methods.
     fn methods(&self) -> Axis {
-        let ticks = self.rows.iter().enumerate();
-        let ticks = ticks.map(|(n, row)| (self.height(n), row.name.clone()));
+        let names: Vec<&str> = self.rows.iter().map(|row| row.name.as_str()).collect();
+        let names = Labels::without_common(&names, NAME_LENGTH).names;
+        let ticks = names.into_iter().enumerate();
+        let ticks = ticks.map(|(n, name)| (self.height(n), name));
         Axis::linear("", (0.5, self.rows.len() as f64 + 0.5)).ticks(ticks)
     }
 
@@ -145,7 +190,13 @@ impl Table {
             let onsets = if look.filled { onsets } else { onsets.open() };
             is_any_beyond |= !beyond.is_empty();
             is_any_undefined |= !undefined.is_empty();
-            panel = panel.with(Arrows::new(beyond, tips).color(look.color));
+            // A loading of which no onset is in the range is known by the color of its arrows.
+            let has_name = onsets.points.is_empty() && !beyond.is_empty();
+            let mut arrows = Arrows::new(beyond, tips).color(look.color);
+            if has_name {
+                arrows = arrows.named(load.title(self.dimension));
+            }
+            panel = panel.with(arrows);
             panel = panel.with(marked(undefined).marker(Marker::Cross));
             panel = with_some(panel, onsets);
         }
@@ -221,6 +272,16 @@ impl Table {
         let points = self.measured().map(|(height, m)| (m.courant, height));
         self.panel("Critical time step", axis)
             .with(Points::new(points.collect()).color(palette::BLACK))
+    }
+}
+
+impl Recommendation {
+    /// Table as `compare.html` and `compare.csv`, and the figure `compare` with the methods by rank.
+    pub fn files(&self) -> Files {
+        let mut files = self.table.files();
+        files.pop();
+        files.push(picture("compare", self.table.ranked(&self.ranking)));
+        files
     }
 }
 

@@ -4,6 +4,7 @@
 //! ranks the rows by [`rules`].
 
 mod figure;
+mod names;
 mod page;
 mod rank;
 mod row;
@@ -11,6 +12,7 @@ mod short;
 mod table;
 mod thresholds;
 
+pub(crate) use names::OWN_METHOD;
 pub use rank::{Dependence, Ranked, Recommendation, recommended, rules};
 pub(crate) use row::outcome;
 pub use row::{Measured, Row, WAVELENGTHS};

@@ -1,5 +1,6 @@
 //! Short forms of a comparison and of a recommendation.
 
+use super::names::{Labels, OWN_METHOD};
 use super::rank::{EXCLUSIONS, Ranked, recommended};
 use super::table::{Column, MATERIAL};
 use super::{Recommendation, Table};
@@ -19,16 +20,10 @@ impl Brief for Table {
         let verdicts = ranking.iter().map(|ranked| ranked.verdict().len() + 2);
         let taken = widths.sum::<usize>() + verdicts.max().unwrap_or(0);
         let width_of_name = NAME.min(WIDTH.saturating_sub(taken));
+        let labels = self.labels(width_of_name);
         let shortened = |name: &str| -> String {
-            let name = cut(name, NAME);
-            match name.chars().count() > width_of_name {
-                true => name
-                    .chars()
-                    .take(width_of_name.saturating_sub(1))
-                    .chain(['…'])
-                    .collect(),
-                false => name,
-            }
+            let own = self.rows.iter().position(|row| row.name == name);
+            own.map_or_else(|| cut(name, width_of_name), |n| labels.names[n].clone())
         };
         let line = |name: &str, verdict: &str, cell: &dyn Fn(&Column) -> String| {
             let cells = columns.iter().map(|column| {
@@ -44,7 +39,11 @@ impl Brief for Table {
             column.head.clone()
         });
         let of_material = line(MATERIAL, "", &|column| column.material.clone());
-        let lines = ranking.iter().map(|ranked| {
+        // The own method of a study is the first row, so that it is shown whatever its place is.
+        let is_own = |ranked: &&Ranked| ranked.name == OWN_METHOD;
+        let shown = ranking.iter().filter(is_own);
+        let shown = shown.chain(ranking.iter().filter(|ranked| !is_own(ranked)));
+        let lines = shown.map(|ranked| {
             let mut rows = self.rows.iter();
             let row = rows.find(|row| row.name == ranked.name);
             match row.and_then(|row| row.measured.as_ref().ok()) {
@@ -67,6 +66,12 @@ impl Brief for Table {
                 "their rules: onset recommend; columns, compression and other wavelengths: --all",
             )
             .notes(&self.all_notes());
+        if let Some(place) = place_of_own(&ranking) {
+            short = short.row(0, "own method", place);
+        }
+        if let Some(keys) = &labels.keys {
+            short = short.row(0, "methods", format!("named by {keys}"));
+        }
         if let Some(first) = self.rows.first() {
             short = short.settings("material", first.settings.law());
         }
@@ -77,7 +82,22 @@ impl Brief for Table {
     }
 }
 
+/// Place of the own method of a study in a ranking; `None` if no method has this name.
+fn place_of_own(ranking: &[Ranked]) -> Option<String> {
+    let at = ranking.iter().position(|own| own.name == OWN_METHOD)?;
+    Some(match &ranking[at].excluded {
+        None => format!("place {} of {}", at + 1, ranking.len()),
+        Some((rule, why)) => format!("excluded, {}: {why}", EXCLUSIONS[rule - 1].1),
+    })
+}
+
 impl Table {
+    /// Distinct names of the methods with at most `width` characters.
+    fn labels(&self, width: usize) -> Labels {
+        let names: Vec<&str> = self.rows.iter().map(|row| row.name.as_str()).collect();
+        Labels::fitting(&names, width)
+    }
+
     /// Sentence on the number of recommended methods and the best of them.
     fn summary(&self, ranking: &[Ranked]) -> String {
         let good = ranking.iter().filter(|ranked| ranked.excluded.is_none());
@@ -98,11 +118,19 @@ impl Brief for Recommendation {
             .ranking
             .iter()
             .filter(|ranked| ranked.excluded.is_none());
+        let labels = self.table.labels(NAME);
+        let label = |name: &str| {
+            let own = self.table.rows.iter().position(|row| row.name == name);
+            own.map_or_else(|| cut(name, NAME), |n| labels.names[n].clone())
+        };
         let good = good.enumerate().map(|(n, ranked)| {
             let measure = ranked.measure(4);
-            format!("{:>2}  {:NAME$}  {measure}", n + 1, cut(&ranked.name, NAME))
+            format!("{:>2}  {:NAME$}  {measure}", n + 1, label(&ranked.name))
         });
         let mut short = Short::new(self.table.summary(&self.ranking)).table(good);
+        if let Some(place) = place_of_own(&self.ranking) {
+            short = short.row(0, "own method", place);
+        }
         let mut is_first = true;
         for (n, (verdict, rule)) in EXCLUSIONS.into_iter().enumerate() {
             let is_excluded = |ranked: &&Ranked| {

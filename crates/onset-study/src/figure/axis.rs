@@ -132,6 +132,15 @@ impl Axis {
         fraction.is_finite().then_some(fraction)
     }
 
+    /// Ticks as of [`Axis::marks`], of which at least two have labels.
+    pub(super) fn labeled_marks(&self, target: usize) -> Vec<Tick> {
+        let is_enough = |marks: &Vec<Tick>| marks.iter().filter(|own| !own.minor).count() > 1;
+        (target..=target + 8)
+            .map(|target| self.marks(target))
+            .find(is_enough)
+            .unwrap_or_else(|| self.marks(target))
+    }
+
     /// About `target` labeled ticks inside the range, in increasing order.
     pub(super) fn marks(&self, target: usize) -> Vec<Tick> {
         let (start, end) = self.limits();

@@ -4,7 +4,7 @@ use super::axis::{Scale, Tick};
 use super::draw::{Frame, LEVELS, field_range, level_color, shown_values};
 use super::pen::{CAPITAL, INK, NUMBERS, Pen, crisp, polygon, rectangle, segment};
 use super::scene::{Anchor, Paint, Scene};
-use super::sheet::{MILLIMETER, Size as Asked};
+use super::sheet::{MILLIMETER, Size as Asked, told_omitted};
 use super::{Axis, Dash, Field, Figure, Layer, Panel, Sheet, Theme, font, legend};
 use tiny_skia::PathBuilder;
 
@@ -36,21 +36,91 @@ const NARROWEST_OF_ROWS: f64 = 120.0;
 /// Smallest width of a panel, and smallest usual height for which the label of the vertical axis has few lines.
 const SMALLEST_PANEL: f64 = 40.0;
 const LOWEST: f64 = 120.0;
+/// Height in millimeters above which the panels of a printed picture are lowered, and largest height of a printed picture: a page of a journal. The
+/// last panels are omitted if the lowest ones do not fit.
+const HIGH: f64 = 180.0;
+const HIGHEST: f64 = 230.0;
+/// Heights of panels in a printed picture that is too high, relative to their usual height. Markers of a row touch in lower rows.
+const LOWERED: [f64; 4] = [1.0, 0.85, 0.7, 0.55];
+const LOWEST_ROWS: f64 = 0.8;
+/// Largest share of the width of a printed picture that names of rows take.
+const NAMES: f64 = 0.5;
 
 /// Draws the figure on a sheet.
 pub(super) fn scene(figure: &Figure, sheet: &Sheet) -> Scene {
+    let title = sheet.title_of(figure).to_owned();
     let mut figure = sheet.dressed(figure);
     let width = match sheet.size {
         Some(Asked::Picture(millimeters)) => millimeters * MILLIMETER,
         _ => {
             return Scene {
+                title,
                 theme: sheet.theme,
-                ..drawn(&figure, None, 0.0)
+                ..drawn(&figure, None, 1.0, 0.0)
             };
         }
     };
     // The panels take the room that margins and gaps leave.
     let available = width / PRINTED;
+    shorten_names(&mut figure, NAMES * available);
+    let caption = figure.caption.clone();
+    let mut omitted = Vec::new();
+    let scene = loop {
+        let scene = printed(&mut figure, available);
+        if height_in_print(&scene, width) <= HIGHEST || figure.panels.len() < 2 {
+            break scene;
+        }
+        omitted.splice(0..0, figure.panels.pop().map(|panel| panel.title));
+        if !sheet.bare {
+            let told = told_omitted(&omitted).unwrap_or_default();
+            figure.caption = format!("{caption} {told}").trim().to_owned();
+        }
+    };
+    Scene {
+        title,
+        scale: width / scene.width,
+        is_printed: true,
+        theme: sheet.theme,
+        omitted,
+        ..scene
+    }
+}
+
+/// Height in millimeters of a picture with a width in pixels.
+fn height_in_print(scene: &Scene, width: f64) -> f64 {
+    scene.height * width / scene.width / MILLIMETER
+}
+
+/// Shortens the names of the ticks of vertical axes that are wider than `widest`, as far as they remain distinct.
+fn shorten_names(figure: &mut Figure, widest: f64) {
+    let short = |name: &str| -> String {
+        let mut kept: Vec<char> = name.chars().collect();
+        let mut own = name.to_owned();
+        while font::width(&own, NUMBERS) > widest && kept.len() > 4 {
+            kept.pop();
+            own = kept.iter().collect::<String>().trim_end().to_owned() + "…";
+        }
+        own
+    };
+    for panel in &mut figure.panels {
+        let Some(ticks) = &mut panel.y.ticks else {
+            continue;
+        };
+        let names: Vec<String> = ticks.iter().map(|(_, name)| short(name)).collect();
+        let others = |n: usize| names[..n].iter().chain(&names[n + 1..]);
+        let is_distinct: Vec<bool> = (0..names.len())
+            .map(|n| others(n).all(|other| *other != names[n]))
+            .collect();
+        for (((_, tick), name), is_distinct) in ticks.iter_mut().zip(&names).zip(is_distinct) {
+            if is_distinct {
+                tick.clone_from(name);
+            }
+        }
+    }
+}
+
+/// Draws a figure in a width, with its panels in as many columns as fit and lowered if they are too high.
+fn printed(figure: &mut Figure, available: f64) -> Scene {
     let count = figure.panels.len();
     // Panels with equal rows need the names of the rows only once if they are in one row.
     let mut pairs = figure.panels.windows(2);
@@ -60,22 +130,21 @@ pub(super) fn scene(figure: &Figure, sheet: &Sheet) -> Scene {
         false => (figure.columns, NARROWEST),
     };
     figure.columns = columns.clamp(1, count.max(1));
-    let scene = loop {
-        if widest_panel(&figure, available) >= narrowest || figure.columns == 1 {
-            // Rows have equal numbers of panels, if possible.
-            let rows = count.div_ceil(figure.columns).max(1);
-            figure.columns = count.div_ceil(rows).max(1);
-            let panel = widest_panel(&figure, available);
-            break drawn(&figure, Some(panel), available);
-        }
+    while widest_panel(figure, available) < narrowest && figure.columns > 1 {
         figure.columns -= 1;
-    };
-    Scene {
-        scale: width / scene.width,
-        is_printed: true,
-        theme: sheet.theme,
-        ..scene
     }
+    // Rows have equal numbers of panels, if possible.
+    let rows = count.div_ceil(figure.columns).max(1);
+    figure.columns = count.div_ceil(rows).max(1);
+    let panel = widest_panel(figure, available);
+    let mut scene = drawn(figure, Some(panel), LOWERED[0], available);
+    for lowered in &LOWERED[1..] {
+        if height_in_print(&scene, available * PRINTED) <= HIGH {
+            break;
+        }
+        scene = drawn(figure, Some(panel), *lowered, available);
+    }
+    scene
 }
 
 /// Largest usual panel width for which the picture is not wider than available.
@@ -86,7 +155,7 @@ fn widest_panel(figure: &Figure, available: f64) -> f64 {
     );
     for _ in 0..12 {
         let middle = 0.5 * (low + high);
-        match Grid::of(figure, Some(middle)).width() <= available {
+        match Grid::of(figure, Some(middle), 1.0).width() <= available {
             true => low = middle,
             false => high = middle,
         }
@@ -108,11 +177,11 @@ struct Grid<'a> {
 }
 
 impl<'a> Grid<'a> {
-    /// Measures the panels with boxes of the `usual` width, or of a default width.
-    fn of(figure: &'a Figure, usual: Option<f64>) -> Self {
+    /// Measures the panels with boxes of the `usual` width, or of a default width, and of a relative height.
+    fn of(figure: &'a Figure, usual: Option<f64>, lowered: f64) -> Self {
         let columns = figure.columns.clamp(1, figure.panels.len().max(1));
         let usual = usual.unwrap_or(if columns == 1 { 420.0 } else { 300.0 });
-        let size = Size::of(figure.panel_size, usual);
+        let size = Size::of(figure.panel_size, usual).lowered(lowered);
         let panels: Vec<Measured> = figure
             .panels
             .iter()
@@ -153,9 +222,9 @@ impl<'a> Grid<'a> {
     }
 }
 
-/// Draws the whole figure with at least the given width.
-fn drawn(figure: &Figure, usual: Option<f64>, least: f64) -> Scene {
-    let grid = Grid::of(figure, usual);
+/// Draws the whole figure with at least the given width, and with panels of a relative height.
+fn drawn(figure: &Figure, usual: Option<f64>, lowered: f64, least: f64) -> Scene {
+    let grid = Grid::of(figure, usual, lowered);
     let content = grid.content();
     let Grid {
         panels,
@@ -216,6 +285,7 @@ fn drawn(figure: &Figure, usual: Option<f64>, least: f64) -> Scene {
         scale: 1.0,
         is_printed: false,
         theme: Theme::Light,
+        omitted: Vec::new(),
     }
 }
 
@@ -255,7 +325,7 @@ impl<'a> Measured<'a> {
         let x_label = font::wrap(&panel.x.label, WORDS, width + 50.0);
         let y_label = font::wrap(&panel.y.label, WORDS, height + 10.0);
         let x_marks = spaced_marks(&panel.x, width);
-        let mut y_marks = panel.y.marks(match panel.y.scale {
+        let mut y_marks = panel.y.labeled_marks(match panel.y.scale {
             Scale::Linear => mark_target(height, 42.0),
             // One tick per decade if there is room.
             Scale::Log10 => mark_target(height, 22.0),
@@ -390,9 +460,21 @@ struct Size {
     width: f64,
     height: f64,
     equal_height: f64,
+    /// Height of rows relative to their usual height.
+    rows: f64,
 }
 
 impl Size {
+    /// Size with a relative height.
+    fn lowered(self, by: f64) -> Self {
+        Self {
+            height: (self.height * by).round().max(LOWEST.min(self.height)),
+            equal_height: self.equal_height * by,
+            rows: by.max(LOWEST_ROWS),
+            ..self
+        }
+    }
+
     /// Requested size, adjusted so that it can be drawn; the usual size without a request.
     fn of(asked: Option<(f64, f64)>, usual: f64) -> Self {
         let sane = |pixels: f64| {
@@ -407,11 +489,13 @@ impl Size {
                 width: sane(width),
                 height: sane(height),
                 equal_height: sane(height),
+                rows: 1.0,
             },
             None => Self {
                 width: usual,
                 height: (0.75 * usual).round().max(LOWEST),
                 equal_height: 1.2 * usual,
+                rows: 1.0,
             },
         }
     }
@@ -432,7 +516,7 @@ fn box_size(panel: &Panel, size: Size) -> (f64, f64) {
             1.0
         };
         let height = match panel.lines.filter(|lines| lines.is_finite()) {
-            Some(lines) => (NAME * lines).round().clamp(40.0, 10_000.0),
+            Some(lines) => (NAME * lines * size.rows).round().clamp(40.0, 10_000.0),
             None => size.height,
         };
         return ((wider * width).round(), height.max(NAME * names as f64));
@@ -472,10 +556,36 @@ fn spaced_marks(axis: &Axis, width: f64) -> Vec<Tick> {
         target -= 1;
         marks = axis.marks(target);
     }
+    // An axis has two numbers at least, if they fit.
+    let is_enough = |marks: &[Tick]| marks.iter().filter(|mark| !mark.label.is_empty()).count() > 1;
+    if axis.ticks.is_none() && !is_enough(&marks) {
+        let finer = axis.labeled_marks(target);
+        let outer = ends_of(&finer);
+        if let Some(marks) = [finer, outer]
+            .into_iter()
+            .find(|own| is_enough(own) && clear(own))
+        {
+            return marks;
+        }
+    }
     // A smaller target does not thin named ticks, so overlapping labels are dropped while their ticks stay.
     for i in 1..=marks.len() {
         if !clear(&marks[..i]) {
             marks[i - 1].label.clear();
+        }
+    }
+    marks
+}
+
+/// Ticks of which only the first and the last have labels.
+fn ends_of(marks: &[Tick]) -> Vec<Tick> {
+    let mut marks = marks.to_vec();
+    let labeled = |mark: &Tick| !mark.label.is_empty();
+    let first = marks.iter().position(labeled);
+    let last = marks.iter().rposition(labeled);
+    for (n, mark) in marks.iter_mut().enumerate() {
+        if Some(n) != first && Some(n) != last {
+            mark.label.clear();
         }
     }
     marks
@@ -489,7 +599,7 @@ fn widest(marks: &[Tick]) -> f64 {
 impl<'a> Bar<'a> {
     fn new(field: &'a Field, height: f64) -> Self {
         let axis = Axis::linear(field.label.clone(), field_range(field));
-        let marks = axis.marks(mark_target(height, 42.0));
+        let marks = axis.labeled_marks(mark_target(height, 42.0));
         let label = font::wrap(&field.label, WORDS, height + 10.0);
         let lines = label.len() as f64 * WORDS * LEADING;
         let width = BAR_GAP + BAR + TICK + TICK_GAP + widest(&marks) + LABEL_GAP + lines;
@@ -579,7 +689,7 @@ mod tests {
         let panel = Panel::new("", Axis::linear("k", (0.0, 1.0)), axis()).wider(1.84);
         let figure = Figure::new("").columns(1).with(panel);
         for available in [250.0, 357.0, 740.0] {
-            let grid = Grid::of(&figure, Some(widest_panel(&figure, available)));
+            let grid = Grid::of(&figure, Some(widest_panel(&figure, available)), 1.0);
             assert!(grid.width() <= available && grid.width() > available - 40.0);
             assert!(grid.panels[0].height >= LOWEST);
         }
@@ -590,7 +700,7 @@ mod tests {
         let rows = || Axis::linear("", (0.5, 2.5)).ticks([(1.0, "a long name"), (2.0, "another")]);
         let panel = || Panel::new("", Axis::linear("x (m)", (0.0, 1.0)), rows()).lines(4.0);
         let figure = Figure::new("").columns(2).with(panel()).with(panel());
-        let grid = Grid::of(&figure, None);
+        let grid = Grid::of(&figure, None, 1.0);
         let has_names = |n: usize| {
             grid.panels[n]
                 .y_marks
@@ -599,8 +709,62 @@ mod tests {
         };
         assert!(has_names(0) && !has_names(1));
         let figure = figure.columns(1);
-        let below = Grid::of(&figure, None);
+        let below = Grid::of(&figure, None, 1.0);
         assert!(below.panels.iter().all(|own| own.left > 60.0));
+    }
+
+    #[test]
+    fn a_printed_picture_is_not_higher_than_a_page_and_names_what_it_omits() {
+        let rows =
+            || (0..15).map(|n| (f64::from(n), format!("a method with a name of its own {n}")));
+        let rows = || Axis::linear("", (-0.5, 14.5)).ticks(rows());
+        let panel = |n| {
+            Panel::new(
+                format!("panel {n}"),
+                Axis::linear("x (m)", (0.0, 1.0)),
+                rows(),
+            )
+        };
+        let rows = (0..4).map(|n| panel(n).lines(30.0));
+        let curve = |n: i32| {
+            let y = Axis::linear("a long quantity (unit)", (-0.9, 0.9));
+            Panel::new(format!("panel {n}"), Axis::log("x (m)", (0.3, 20.0)), y)
+        };
+        for (panels, least) in [
+            (rows.collect::<Vec<_>>(), 1),
+            ((0..5).map(curve).collect(), 4),
+        ] {
+            for millimeters in [84.0, 174.0] {
+                let mut figure = Figure::new("").columns(2);
+                figure.panels.clone_from(&panels);
+                let sheet = Sheet {
+                    size: Some(Asked::Picture(millimeters)),
+                    ..Sheet::default()
+                };
+                let scene = scene(&figure, &sheet);
+                let height = scene.height * scene.scale / MILLIMETER;
+                assert!(height <= HIGHEST, "{height} mm at {millimeters} mm");
+                assert!(panels.len() - scene.omitted.len() >= least);
+                // Letters of 8 pt are not reduced below 7.
+                assert!(scene.scale >= PRINTED * 7.0 / 8.0, "{}", scene.scale);
+            }
+        }
+    }
+
+    #[test]
+    fn an_axis_has_two_numbers_at_least() {
+        for axis in [
+            Axis::linear("", (-0.9, 0.9)),
+            Axis::linear("", (0.31, 0.39)),
+            Axis::log("", (0.3, 20.0)),
+            Axis::log("", (0.04, 1.3)),
+            Axis::log("", (2.0, 3.0)),
+        ] {
+            let labeled =
+                |marks: Vec<Tick>| marks.iter().filter(|own| !own.label.is_empty()).count();
+            assert!(labeled(axis.labeled_marks(1)) > 1, "{axis:?}");
+            assert!(labeled(spaced_marks(&axis, 100.0)) > 1, "{axis:?}");
+        }
     }
 
     #[test]

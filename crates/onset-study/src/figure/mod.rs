@@ -190,7 +190,8 @@ impl Figure {
         sheet: &Sheet,
     ) -> Result<Vec<(OsString, Vec<u8>)>, FigureError> {
         let scene = layout::scene(self, sheet);
-        let words = sheet.words_beside(self).map(String::into_bytes);
+        let words = sheet.words_beside(self, &scene.omitted);
+        let words = words.map(String::into_bytes);
         let contents = [
             Some(scene.to_svg().into_bytes()),
             Some(scene.to_png()?),

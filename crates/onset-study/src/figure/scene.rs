@@ -38,6 +38,8 @@ pub(super) struct Scene {
     /// Whether the picture has a size in print.
     pub(super) is_printed: bool,
     pub(super) theme: Theme,
+    /// Titles of panels that are omitted because the picture would be higher than a page.
+    pub(super) omitted: Vec<String>,
 }
 
 pub(super) enum Shape {

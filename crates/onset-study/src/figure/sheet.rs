@@ -135,15 +135,143 @@ impl Sheet {
         figure
     }
 
-    /// Title and caption, which are written to a separate file for a bare picture; `None` if the picture contains them or both are empty.
-    pub(super) fn words_beside(&self, figure: &Figure) -> Option<String> {
-        let title = self.title.as_ref().unwrap_or(&figure.title);
-        let words: Vec<&str> = [title.trim(), figure.caption.trim()]
+    /// Title of the picture, whether it is drawn or not.
+    pub(super) fn title_of<'a>(&'a self, figure: &'a Figure) -> &'a str {
+        self.title.as_ref().unwrap_or(&figure.title).trim()
+    }
+
+    /// Title, caption and the titles of omitted panels, which are written to a separate file for a bare picture: one paragraph for LaTeX. `None` if
+    /// the picture contains them or all are empty.
+    pub(super) fn words_beside(&self, figure: &Figure, omitted: &[String]) -> Option<String> {
+        let mut words: Vec<String> = [self.title_of(figure), figure.caption.trim()]
             .into_iter()
             .filter(|words| !words.is_empty())
+            .map(sentence)
             .collect();
-        (self.bare && !words.is_empty()).then(|| words.join("\n\n") + "\n")
+        words.extend(told_omitted(omitted));
+        (self.bare && !words.is_empty()).then(|| latex(&words.join(" ")) + "\n")
     }
+}
+
+/// Sentence on panels that are omitted at the width of a picture.
+pub(super) fn told_omitted(titles: &[String]) -> Option<String> {
+    let shown: Vec<&str> = titles.iter().map(String::as_str).collect();
+    (!shown.is_empty()).then(|| format!("Not shown in this width: {}.", shown.join(", ")))
+}
+
+/// Text with a full stop at its end.
+fn sentence(text: &str) -> String {
+    match text.ends_with(['.', '!', '?', ':']) {
+        true => text.to_owned(),
+        false => format!("{text}."),
+    }
+}
+
+/// Letters of the captions that LaTeX reads only as a command of mathematics.
+const LATEX: &[(char, &str)] = &[
+    ('Γ', "\\Gamma"),
+    ('Δ', "\\Delta"),
+    ('Λ', "\\Lambda"),
+    ('Σ', "\\Sigma"),
+    ('Ω', "\\Omega"),
+    ('α', "\\alpha"),
+    ('β', "\\beta"),
+    ('γ', "\\gamma"),
+    ('δ', "\\delta"),
+    ('ε', "\\varepsilon"),
+    ('θ', "\\theta"),
+    ('κ', "\\kappa"),
+    ('λ', "\\lambda"),
+    ('μ', "\\mu"),
+    ('ν', "\\nu"),
+    ('π', "\\pi"),
+    ('ρ', "\\rho"),
+    ('σ', "\\sigma"),
+    ('τ', "\\tau"),
+    ('φ', "\\varphi"),
+    ('ω', "\\omega"),
+    ('−', "-"),
+    ('×', "\\times"),
+    ('·', "\\cdot"),
+    ('±', "\\pm"),
+    ('≤', "\\le"),
+    ('≥', "\\ge"),
+    ('≈', "\\approx"),
+    ('∞', "\\infty"),
+    ('√', "\\surd"),
+    ('∂', "\\partial"),
+    ('°', "^\\circ"),
+    ('→', "\\to"),
+    ('′', "'"),
+    ('|', "|"),
+    ('<', "<"),
+    ('>', ">"),
+];
+/// Raised and lowered letters: their number in the tables is the digit.
+const RAISED: &str = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+const LOWERED: &str = "₀₁₂₃₄₅₆₇₈₉";
+/// Letters with a meaning in LaTeX, and marks of punctuation that old versions of it do not read.
+const ESCAPED: &[(char, &str)] = &[
+    ('%', "\\%"),
+    ('&', "\\&"),
+    ('#', "\\#"),
+    ('$', "\\$"),
+    ('_', "\\_"),
+    ('{', "\\{"),
+    ('}', "\\}"),
+    ('~', "\\textasciitilde{}"),
+    ('\\', "\\textbackslash{}"),
+    ('–', "--"),
+    ('—', "---"),
+    ('…', "\\dots{}"),
+    ('“', "``"),
+    ('”', "''"),
+    ('\u{a0}', "~"),
+];
+
+/// Text as LaTeX reads it, in one line: mathematical letters, and powers such as `omega^2`, are formulas.
+fn latex(text: &str) -> String {
+    let words: Vec<String> = text.split_whitespace().map(latex_word).collect();
+    words.join(" ")
+}
+
+fn latex_word(word: &str) -> String {
+    let digit_in = |row: &str, letter: char| row.chars().position(|own| own == letter);
+    let mut out = String::new();
+    let mut letters = word.chars().peekable();
+    while let Some(letter) = letters.next() {
+        let known = LATEX.iter().find(|(own, _)| *own == letter);
+        if let Some((_, command)) = known {
+            out += &format!("${command}$");
+        } else if let Some(digit) = digit_in(RAISED, letter) {
+            out += &format!("$^{digit}$");
+        } else if letter == '⁻' {
+            out += "$^-$";
+        } else if let Some(digit) = digit_in(LOWERED, letter) {
+            out += &format!("$_{digit}$");
+        } else if letter == '^' {
+            let mut power = String::new();
+            while let Some(next) = letters.next_if(|own| own.is_ascii_digit() || *own == '-') {
+                power.push(next);
+            }
+            match power.is_empty() {
+                true => out += "\\textasciicircum{}",
+                false => {
+                    // The base is a formula too, if it is the name of a letter.
+                    if let Some(before) = out.strip_suffix("omega") {
+                        out = format!("{before}$\\omega$");
+                    }
+                    out += &format!("$^{{{power}}}$");
+                }
+            }
+        } else if let Some((_, text)) = ESCAPED.iter().find(|(own, _)| *own == letter) {
+            out += text;
+        } else {
+            out.push(letter);
+        }
+    }
+    // Formulas that follow each other are one formula.
+    out.replace("$$", "")
 }
 
 #[cfg(test)]
@@ -166,6 +294,23 @@ mod tests {
         ] {
             assert!(text.parse::<Size>().is_err(), "{text}");
         }
+    }
+
+    #[test]
+    fn the_words_beside_a_bare_picture_are_one_paragraph_for_latex() {
+        let figure =
+            Figure::new("Waves at λ₁ = 1.2").caption("omega^2 below 0 grows;\n\n50 % of k³ a_b");
+        let sheet = Sheet {
+            bare: true,
+            ..Sheet::default()
+        };
+        let words = sheet.words_beside(&figure, &["Cost".to_owned()]);
+        assert_eq!(
+            words.as_deref(),
+            Some(
+                "Waves at $\\lambda_1$ = 1.2. $\\omega^{2}$ below 0 grows; 50 \\% of k$^3$ a\\_b. Not shown in this width: Cost.\n"
+            )
+        );
     }
 
     #[test]

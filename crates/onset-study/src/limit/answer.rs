@@ -2,11 +2,12 @@
 
 use super::interval::{Admitted, Trial, admitted, refuse_undefined};
 use super::varied::Varied;
-use super::{LimitQuestion, VALUES};
+use super::{LimitQuestion, SHORT_ROWS, VALUES};
 use crate::answers::{
     BodyStepAnswer, Evidence, FiniteBodyAnswer, LATTICE_NOTE, Problem, ProblemError, Strain, notes,
     reach_of,
 };
+use crate::brief::{Brief, Short, WIDTH, cut};
 use crate::csv::Table;
 use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
 use crate::number::told;
@@ -463,60 +464,81 @@ impl LimitAnswer {
     }
 }
 
+impl LimitAnswer {
+    /// All sentences of the answer.
+    fn sentences(&self) -> String {
+        let varied = self.varied();
+        let others = varied.ends_of_domain().chain(self.verdicts());
+        let sentences = [Some(self.sentence()), self.present_sentence()];
+        let all: Vec<String> = sentences.into_iter().flatten().chain(others).collect();
+        all.join(" ")
+    }
+
+    /// Head of the table.
+    fn head(&self) -> String {
+        let heading = self.varied().heading();
+        format!("{heading:>14}  {:>14}  verdict", "critical step")
+    }
+
+    /// Row of a value.
+    fn row(&self, one: &Tried) -> String {
+        let value = told(one.value);
+        match (&one.note, one.verdict) {
+            (None, Some(verdict)) => {
+                let step = self.step(one.critical_time_step);
+                let large = match one.is_admitted() {
+                    true => "",
+                    false => ", step too large",
+                };
+                format!("{value:>14}  {step:>14}  {}{large}", verdict.name())
+            }
+            (note, _) => {
+                let note = note.as_deref().unwrap_or_default();
+                let note = note.lines().next().unwrap_or_default();
+                format!("{value:>14}  {note}")
+            }
+        }
+    }
+
+    /// Steps of finite bodies with the present value.
+    fn of_finite_bodies(&self) -> Option<String> {
+        let finite = self.finite_bodies.as_ref()?;
+        let now = self.present.as_ref().map_or(f64::NAN, |own| own.value);
+        let now = self.value(told(now));
+        Some(format!("with {now}: {}", finite.words(self.units())))
+    }
+}
+
+impl Brief for LimitAnswer {
+    fn brief(&self) -> Short {
+        let rows = self.varied().rows_near_limits(SHORT_ROWS);
+        let rows = rows.into_iter().map(|one| cut(&self.row(one), WIDTH));
+        let mut short = Short::new(self.sentences())
+            .table([self.head()].into_iter().chain(rows))
+            .row(1, "steps", self.critical_time_step_of.clone());
+        if let Some(finite) = self.of_finite_bodies() {
+            short = short.row(2, "bodies", finite);
+        }
+        short
+            .notes(&self.notes)
+            .settings("material", self.settings.law())
+            .settings("method", self.settings.method())
+    }
+}
+
 impl fmt::Display for LimitAnswer {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "{}", self.sentence())?;
-        if let Some(present) = self.present_sentence() {
-            write!(formatter, " {present}")?;
-        }
-        let varied = self.varied();
-        for sentence in varied.ends_of_domain().chain(self.verdicts()) {
-            write!(formatter, " {sentence}")?;
-        }
-        let heading = varied.heading();
-        writeln!(
-            formatter,
-            "\n\n  {heading:>14}  {:>14}  verdict",
-            "critical step"
-        )?;
-        for one in varied.rows() {
-            match (&one.note, one.verdict) {
-                (None, Some(verdict)) => writeln!(
-                    formatter,
-                    "  {:>14}  {:>14}  {}{}",
-                    told(one.value),
-                    self.step(one.critical_time_step),
-                    verdict.name(),
-                    match one.is_admitted() {
-                        true => "",
-                        false => ", step too large",
-                    }
-                )?,
-                (note, _) => writeln!(
-                    formatter,
-                    "  {:>14}  {}",
-                    told(one.value),
-                    note.as_deref()
-                        .unwrap_or_default()
-                        .lines()
-                        .next()
-                        .unwrap_or_default()
-                )?,
-            }
+        writeln!(formatter, "{}\n\n  {}", self.sentences(), self.head())?;
+        for one in self.varied().rows() {
+            writeln!(formatter, "  {}", self.row(one))?;
         }
         writeln!(
             formatter,
             "\ncritical steps: {}",
             self.critical_time_step_of
         )?;
-        if let Some(finite) = &self.finite_bodies {
-            let now = self.present.as_ref().map_or(f64::NAN, |own| own.value);
-            let now = self.value(told(now));
-            writeln!(
-                formatter,
-                "finite bodies, with {now}: {}",
-                finite.words(self.units())
-            )?;
+        if let Some(finite) = self.of_finite_bodies() {
+            writeln!(formatter, "finite bodies, {finite}")?;
         }
         for note in &self.notes {
             writeln!(formatter, "\nnote: {note}")?;

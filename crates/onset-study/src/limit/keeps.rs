@@ -2,8 +2,9 @@
 
 use super::interval::{Admitted, Trial, admitted, refuse_undefined};
 use super::varied::Varied;
-use super::{LimitQuestion, VALUES};
+use super::{LimitQuestion, SHORT_ROWS, VALUES};
 use crate::answers::{Evidence, Problem, ProblemError, notes};
+use crate::brief::{Brief, Short, WIDTH, cut};
 use crate::csv::Table;
 use crate::figure::{Axis, Figure, Line, Panel, palette};
 use crate::number::{counted, told, vector};
@@ -299,35 +300,56 @@ fn share(share: f64) -> String {
     }
 }
 
-impl fmt::Display for KeepsAnswer {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "{}", self.sentence())?;
+impl KeepsAnswer {
+    /// All sentences of the answer.
+    fn sentences(&self) -> String {
         let varied = self.varied();
         let present = self.present_sentence().into_iter();
-        for sentence in present.chain(varied.ends_of_domain()) {
-            write!(formatter, " {sentence}")?;
+        let others = present.chain(varied.ends_of_domain());
+        let all: Vec<String> = [self.sentence()].into_iter().chain(others).collect();
+        all.join(" ")
+    }
+
+    /// Head of the table.
+    fn head(&self) -> String {
+        let heading = self.varied().heading();
+        format!("{heading:>14}  stable states  first state that is not, with its stretches")
+    }
+}
+
+/// Row of a value.
+fn row(one: &Kept) -> String {
+    let told = told(one.value);
+    match (one.stable_share, one.verdict, one.stretches) {
+        (Some(own), Some(verdict), Some(at)) => {
+            format!("{told:>14}  {:>13}  {verdict}, {}", share(own), vector(&at))
         }
-        let heading = varied.heading();
-        writeln!(
-            formatter,
-            "\n\n  {heading:>14}  stable states  first state that is not, with its stretches"
-        )?;
-        for one in varied.rows() {
-            let told = told(one.value);
-            match (one.stable_share, one.verdict, one.stretches) {
-                (Some(own), Some(verdict), Some(at)) => writeln!(
-                    formatter,
-                    "  {told:>14}  {:>13}  {verdict}, {}",
-                    share(own),
-                    vector(&at)
-                )?,
-                (Some(own), ..) => writeln!(formatter, "  {told:>14}  {:>13}", share(own))?,
-                (None, ..) => {
-                    let note = one.note.as_deref().unwrap_or_default();
-                    let note = note.lines().next().unwrap_or_default();
-                    writeln!(formatter, "  {told:>14}  {note}")?;
-                }
-            }
+        (Some(own), ..) => format!("{told:>14}  {:>13}", share(own)),
+        (None, ..) => {
+            let note = one.note.as_deref().unwrap_or_default();
+            let note = note.lines().next().unwrap_or_default();
+            format!("{told:>14}  {note}")
+        }
+    }
+}
+
+impl Brief for KeepsAnswer {
+    fn brief(&self) -> Short {
+        let rows = self.varied().rows_near_limits(SHORT_ROWS);
+        let rows = rows.into_iter().map(|one| cut(&row(one), WIDTH));
+        Short::new(self.sentences())
+            .table([self.head()].into_iter().chain(rows))
+            .notes(&self.notes)
+            .settings("material", self.settings.law())
+            .settings("method", self.settings.method())
+    }
+}
+
+impl fmt::Display for KeepsAnswer {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(formatter, "{}\n\n  {}", self.sentences(), self.head())?;
+        for one in self.varied().rows() {
+            writeln!(formatter, "  {}", row(one))?;
         }
         for note in &self.notes {
             writeln!(formatter, "\nnote: {note}")?;

@@ -20,6 +20,8 @@ use crate::settings::{
 
 /// Number of grid values that are evaluated before limits are refined.
 const VALUES: usize = 25;
+/// Largest number of rows of the table in a short answer.
+const SHORT_ROWS: usize = 5;
 /// Ratio of the ends of the default range to the present value of the setting.
 const DEFAULT_RANGE_RATIO: f64 = 1e6;
 

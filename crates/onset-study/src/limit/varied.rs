@@ -97,6 +97,27 @@ impl<'a, T: Trial> Varied<'a, T> {
         tried.filter(move |one| !one.is_refined() || ends.contains(&one.value()))
     }
 
+    /// Rows of the short text: at most `most` rows next to the limits and to the present value.
+    pub(super) fn rows_near_limits(&self, most: usize) -> Vec<&'a T> {
+        let rows: Vec<&T> = self.rows().collect();
+        let limits = self.all_ends().filter(|end| end.kind != EndKind::Range);
+        let places = limits.map(|end| end.value);
+        let places: Vec<f64> = places.chain(self.present.map(T::value)).collect();
+        // Numbers of rows between a row and the nearest place.
+        let distance = |n: usize| {
+            let to = |place: &f64| {
+                let below = rows.iter().filter(|row| row.value() < *place).count();
+                n.abs_diff(below.min(rows.len().saturating_sub(1)))
+            };
+            places.iter().map(to).min().unwrap_or(n)
+        };
+        let mut order: Vec<usize> = (0..rows.len()).collect();
+        order.sort_by_key(|n| distance(*n));
+        order.truncate(most);
+        order.sort_unstable();
+        order.into_iter().map(|n| rows[n]).collect()
+    }
+
     /// Dimension of the values, for a table.
     pub(super) fn dimension(&self) -> &'static str {
         Key::named(self.key).and_then(Key::unit).unwrap_or("1")

@@ -1,6 +1,7 @@
 //! Figure of a localization: moduli along the path, and critical moduli by direction.
 
 use super::LocalizationAnswer;
+use crate::caption;
 use crate::figure::{Axis, Figure, Line, Panel, Points, Rule, palette};
 use crate::output::{Files, picture, text};
 
@@ -40,7 +41,8 @@ impl LocalizationAnswer {
             .chain([0.0]);
         let end = self.path.last().map_or(1.0, |point| point.slip);
         let x = Axis::linear("plastic shear strain γ (−)", (0.0, end));
-        let y = Axis::linear(self.units.label("modulus", "stress"), (0.0, 1.0)).covering(heights);
+        let y = Axis::linear(caption::label(self.units, "modulus", "stress"), (0.0, 1.0))
+            .covering(heights);
         let mut panel = Panel::new("along the path", x, y)
             .with(Rule::horizontal(0.0))
             .with(
@@ -87,8 +89,11 @@ impl LocalizationAnswer {
             .map(|point| point.1)
             .chain([modulus]);
         let x = Axis::linear("normal to axis of smallest stress (°)", (0.0, 90.0));
-        let y = Axis::linear(self.units.label("critical modulus", "stress"), (0.0, 1.0))
-            .covering(heights);
+        let y = Axis::linear(
+            caption::label(self.units, "critical modulus", "stress"),
+            (0.0, 1.0),
+        )
+        .covering(heights);
         let title = if self.localization.is_some() {
             "by direction, at localization"
         } else {

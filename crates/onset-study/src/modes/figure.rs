@@ -2,6 +2,7 @@
 
 use super::view::View;
 use super::{ModesAnswer, ShownMode};
+use crate::caption;
 use crate::figure::{
     Arrows, Axis, Ball, Balls, Color, Figure, Label, Line, Panel, Points, palette,
 };
@@ -84,8 +85,8 @@ impl ModesAnswer {
             _ => "x₂",
         };
         let units = self.settings.units();
-        let [x, y] =
-            ["x₁", second].map(|what| Axis::linear(units.label(what, "length"), (0.0, 1.0)));
+        let [x, y] = ["x₁", second]
+            .map(|what| Axis::linear(caption::label(units, what, "length"), (0.0, 1.0)));
         let x = x.covering(ends().map(|end: &(f64, f64)| end.0));
         let y = y.covering(ends().map(|end: &(f64, f64)| end.1));
         let panel = Panel::new(title, x, y)

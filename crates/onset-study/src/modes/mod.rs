@@ -314,7 +314,7 @@ impl fmt::Display for ModesAnswer {
 
 impl Brief for ModesAnswer {
     fn brief(&self) -> Short {
-        let (law, law_defaults) = self.settings.material();
+        let (law, law_defaults) = crate::caption::law(&self.settings);
         let (method, method_defaults) = self.settings.discretization();
         let notes = [self.cautions(), self.notes.clone()].concat();
         Short::new(self.sentence())

@@ -5,6 +5,7 @@ mod overlay;
 mod stored;
 
 use crate::boundary::{Boundaries, BoundaryError, Watch};
+use crate::caption;
 use crate::domain::{Class, Domain};
 use crate::figure::{Axis, ColorMap, Field, Figure, Layer, Panel, Regions, palette};
 use crate::number::counted;
@@ -25,6 +26,8 @@ const STEP_FIELD: &str = "critical_time_step";
 const ROUNDING_FRACTION: f64 = 1e-12;
 /// Name of the field of verdicts.
 const VERDICT: &str = "verdict";
+/// Field that marks the states that an adaptive map evaluated.
+const EVALUATED: &str = "evaluated";
 
 /// Note on boundaries that are drawn along cells instead of being traced.
 const NOT_LOADED: &str =
@@ -311,7 +314,7 @@ pub fn figure_of(map: &Domain, boundaries: Option<&Boundaries>) -> Figure {
     Figure::new(map.study.title.clone())
         .columns(1)
         .with(panel)
-        .caption(map.study.effective().caption())
+        .caption(caption::settings(&map.study.effective()))
 }
 
 /// Caption with the settings that all maps share, and the remaining settings of each map.
@@ -321,7 +324,7 @@ fn captions(maps: &[StoredMap]) -> String {
         return String::new();
     };
     let is_common = |name: &str| effective.iter().all(|own| own.get(name) == first.get(name));
-    let common = first.clone().only(&is_common).caption();
+    let common = caption::settings(&first.clone().only(&is_common));
     let own = maps.iter().zip(&effective).map(|(map, effective)| {
         match effective.clone().only(&|name| !is_common(name)).told() {
             told if told.is_empty() => String::new(),
@@ -340,6 +343,11 @@ fn single(map: &StoredMap, plot: &Plot<'_>, watch: &dyn Watch) -> Result<Figure,
     });
     let figure = panels(figure, &slices.collect::<Vec<_>>(), plot, watch)?;
     let mut caption = map.settings();
+    if map.study.map.adaptive && plot.field != VERDICT && map.words(plot.field).is_none() {
+        caption = format!(
+            "States that were not evaluated have the color of the nearest evaluated state. {caption}"
+        );
+    }
     if !map.may_be_evaluated() {
         caption = format!("{NOT_LOADED} {caption}");
     }
@@ -469,6 +477,33 @@ fn sizes(map: &StoredMap, slice: &Slice, name: &str) -> Result<Vec<f64>, PlotErr
     })
 }
 
+/// Gives each state that an adaptive map adopted the value of the nearest evaluated state; states not yet computed and undefined values remain.
+fn spread(values: &mut [f64], evaluated: &[f64], columns: usize) {
+    let is = |index: usize, flag: f64| evaluated[index] == flag;
+    let mut is_known: Vec<bool> = (0..values.len()).map(|index| is(index, 1.0)).collect();
+    let mut front: Vec<usize> = (0..values.len()).filter(|index| is_known[*index]).collect();
+    while !front.is_empty() {
+        let mut next = Vec::new();
+        for index in front {
+            let column = index % columns;
+            let sides = [
+                (column > 0).then(|| index - 1),
+                (column + 1 < columns).then_some(index + 1),
+                index.checked_sub(columns),
+                Some(index + columns).filter(|below| *below < values.len()),
+            ];
+            for side in sides.into_iter().flatten() {
+                if !is_known[side] && is(side, 0.0) {
+                    is_known[side] = true;
+                    values[side] = values[index];
+                    next.push(side);
+                }
+            }
+        }
+        front = next;
+    }
+}
+
 /// Field of numbers with a color range from its first to its last percentile.
 fn field(map: &StoredMap, slice: &Slice, name: &str) -> Result<Field, PlotError> {
     let label = map.label(name)?;
@@ -478,6 +513,10 @@ fn field(map: &StoredMap, slice: &Slice, name: &str) -> Result<Field, PlotError>
         if value.abs() <= ROUNDING_FRACTION * size {
             *value = 0.0;
         }
+    }
+    if map.holds(EVALUATED) {
+        let (_, evaluated) = map.numbers(slice, EVALUATED)?;
+        spread(&mut values, &evaluated, cells.0);
     }
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
@@ -498,5 +537,21 @@ fn is_elliptic(verdict: Verdict) -> Option<bool> {
         Verdict::Stable | Verdict::ZeroEnergy => Some(true),
         Verdict::Physical | Verdict::Suppressed => Some(false),
         Verdict::Numerical => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::spread;
+
+    #[test]
+    fn states_that_were_not_evaluated_take_the_nearest_value() {
+        let nan = f64::NAN;
+        let mut values = vec![1.0, nan, nan, 3.0, nan, nan, nan, nan];
+        let evaluated = [1.0, 0.0, 0.0, 1.0, 0.0, 0.0, nan, 1.0];
+        spread(&mut values, &evaluated, 4);
+        assert_eq!(values[..6], [1.0, 1.0, 3.0, 3.0, 1.0, 1.0]);
+        // Neither a state that is not computed yet nor an undefined value changes.
+        assert!(values[6].is_nan() && values[7].is_nan());
     }
 }

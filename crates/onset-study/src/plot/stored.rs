@@ -1,6 +1,7 @@
 //! Stored map, read for a picture with a limited number of cells.
 
 use super::{PlotError, Unfinished};
+use crate::caption;
 use crate::domain::Class;
 use crate::map::{self, stored_layout};
 use crate::settings::{Quantity, Study, Trust, Units};
@@ -89,7 +90,7 @@ impl StoredMap {
 
     /// Settings in effect at all states, as a caption.
     pub(super) fn settings(&self) -> String {
-        self.study.effective().caption()
+        caption::settings(&self.study.effective())
     }
 
     fn units(&self) -> Units {
@@ -190,7 +191,7 @@ impl StoredMap {
             .find(|field| field.name == name && is_shown(&field.kind, field.is_vector))
             .filter(|_| stored.contains(&name));
         match field.map(|field| &field.kind) {
-            Some(Kind::Numbers(unit)) => Ok(self.units().label(&title(name), unit)),
+            Some(Kind::Numbers(unit)) => Ok(caption::label(self.units(), &title(name), unit)),
             _ => Err(PlotError::NotShown {
                 field: name.to_owned(),
                 known: fields

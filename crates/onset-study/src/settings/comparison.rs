@@ -7,7 +7,7 @@ use super::toml::{File, described, in_order, list, read_keys, scalar, typed};
 use super::{
     KEYS, Key, Kind, MaterialSettings, Origin, SettingError, Settings, Trust, Value, unknown_key,
 };
-use crate::compare::PANELS;
+use crate::compare::{OWN_METHOD, PANELS};
 use crate::number::counted;
 use onset::kinematics::STRETCHES;
 use onset::material::Admitted::{Between, Positive};
@@ -193,13 +193,24 @@ impl Comparison {
                 "vary a key of [discretization]; `onset limit` and `onset map` vary parameters of the law",
             );
         }
-        let words = Key::named(key).map_or(&[] as &[&str], Key::words);
+        if key == "discretization.preset" || key == "preset" {
+            return refused(
+                format!("unknown key `{key}`"),
+                "presets are values of the method: --vary discretization.method=lammps-smd-tlsph,sphinxsys-tl; `onset list presets` lists them",
+            );
+        }
+        let Some(known) = Key::named(key) else {
+            let names = KEYS.iter().map(|key| key.name);
+            let names = names.filter(|name| name.starts_with("discretization."));
+            return Err(unknown_key(key, names, origin));
+        };
+        let words = known.words();
         let values: Vec<&str> = match values {
             Some(values) => {
                 let separator = if values.contains(';') { ';' } else { ',' };
                 values.split(separator).map(str::trim).collect()
             }
-            None if words.is_empty() && Key::named(key).is_some() => {
+            None if words.is_empty() => {
                 return refused(format!("`{variation}` has no values"), WRITTEN);
             }
             None => words.to_vec(),
@@ -224,8 +235,7 @@ impl Comparison {
                 if SUPPORTS.contains(&short) {
                     settings = settings.with_other_support();
                 }
-                let kind = Key::named(key).map(|key| key.kind);
-                settings.set(key, &Value::typed(value, kind), origin.clone())?;
+                settings.set(key, &Value::typed(value, Some(known.kind)), origin.clone())?;
                 let own = match short {
                     "method" => (*value).to_owned(),
                     _ => format!("{short} {value}"),
@@ -420,7 +430,7 @@ impl Comparison {
         let (name, text) = PANELS[dimension - 1];
         let panel = Self::parse::<&str>(name, text, &[])?;
         self.candidates.push(Candidate {
-            name: "the study's own method".to_owned(),
+            name: OWN_METHOD.to_owned(),
             settings: self.common.clone(),
             origin: Origin::Combination,
         });

@@ -347,6 +347,14 @@ fn state(f: &[[f64; 3]; 3]) -> String {
 }
 
 impl SimulateAnswer {
+    /// Amplitude of the wave over time as CSV.
+    pub fn amplitude_csv(&self) -> String {
+        Table::new(&self.samples, self.settings.units())
+            .with("time", "time", |[time, _]| *time)
+            .with("amplitude", "length", |[_, amplitude]| *amplitude)
+            .to_string()
+    }
+
     /// Predicted and measured rate as CSV, in one row.
     pub fn csv(&self) -> String {
         let measured = |own: &Self, value: fn(&Measured) -> f64| own.measured.as_ref().map(value);

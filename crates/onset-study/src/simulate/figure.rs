@@ -2,12 +2,13 @@
 
 use super::SimulateAnswer;
 use super::answer::rate_in_words;
+use crate::caption;
 use crate::figure::{Axis, Dash, Figure, Line, Panel, Points, palette};
 use crate::verify::Rate;
 use nalgebra::{Matrix2, Vector2};
 
 /// Largest number of drawn samples.
-const MARKS: usize = 60;
+const MARKS: usize = 40;
 /// Number of vertices of a curve.
 const VERTICES: usize = 400;
 /// Smallest growth over the record that makes the axis of the amplitude logarithmic.
@@ -24,53 +25,65 @@ impl SimulateAnswer {
         let is_log = self.predicted.is_growth() && growth > LARGE_GROWTH;
         let shown = |value: f64| if is_log { value.abs() } else { value };
         let points: Vec<(f64, f64)> = self.samples.iter().map(|[t, y]| (*t, shown(*y))).collect();
-        let label = units.label("amplitude of the wave", "length");
+        let label = caption::label(units, "amplitude of the wave", "length");
         let y = match is_log {
             true => Axis::log(label, (1e-3, 1.0)),
             false => Axis::linear(label, (-1.0, 1.0)),
         };
-        let x = Axis::linear(units.label("time", "time"), (0.0, 1.0));
+        let x = Axis::linear(caption::label(units, "time", "time"), (0.0, 1.0));
         let mut panel = Panel::new(
             "",
             x.covering(points.iter().map(|point| point.0)),
             y.covering(points.iter().map(|point| point.1)),
+        );
+        // The curves are drawn over the markers, the predicted one wide below the measured one.
+        let every = points.len().div_ceil(MARKS).max(1);
+        let marks = points.into_iter().step_by(every).collect();
+        panel = panel.with(
+            Points::new(marks)
+                .color(palette::GREY)
+                .open()
+                .size(6.0)
+                .named("run"),
         );
         let rates = [
             (
                 "predicted rate",
                 Some(self.predicted),
                 palette::BLUE,
+                3.2,
                 Dash::Solid,
             ),
             (
                 "measured rate",
                 self.measured.map(|own| own.rate),
                 palette::VERMILION,
+                1.6,
                 Dash::Dashed,
             ),
         ];
-        for (name, rate, color, dash) in rates {
+        for (name, rate, color, width, dash) in rates {
             if let Some(curve) = rate.and_then(|rate| self.motion(rate)) {
                 let vertices = (0..=VERTICES).map(|i| end * i as f64 / VERTICES as f64);
                 let mut line = Line::new(vertices.map(|t| (t, shown(curve(t)))).collect());
                 line.dash = dash;
-                panel = panel.with(line.named(name).color(color));
+                panel = panel.with(line.named(name).color(color).width(width));
             }
         }
-        let every = points.len().div_ceil(MARKS).max(1);
-        let marks = points.into_iter().step_by(every).collect();
-        let panel = panel.with(Points::new(marks).open().size(5.0).named("run"));
         let told = |rate: &Rate, share| rate_in_words(rate, share, units);
         let measured = self.measured.map_or("not determined".to_owned(), |own| {
             told(&own.rate, own.uncertainty)
         });
-        Figure::new("Motion of a wave against its prediction")
-            .with(panel)
-            .caption(format!(
-                "Predicted: {}. Measured: {measured}. {}",
-                told(&self.predicted, 0.0),
-                self.settings.caption()
-            ))
+        let state = caption::state(&self.deformation_gradient, self.wave_vector.len());
+        Figure::new(format!(
+            "Motion of a wave against its prediction at {state}"
+        ))
+        .with(panel)
+        .caption(format!(
+            "State: {state}. Predicted: {}. Measured: {measured}. {}",
+            told(&self.predicted, 0.0),
+            caption::settings(&self.settings)
+        ))
     }
 
     /// Motion with a rate that is closest to the record; `None` if the record does not determine it.

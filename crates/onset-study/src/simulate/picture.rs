@@ -1,5 +1,6 @@
 //! Picture of a body: particles at their current positions, colored by stretch.
 
+use crate::caption;
 use crate::figure::{Axis, Figure, Panel};
 use crate::number::told;
 use crate::settings::Units;
@@ -33,7 +34,8 @@ pub(super) fn figure(body: &dyn BodyMotion, time: f64, units: Units) -> Figure {
         .copied()
         .fold(0.0, f64::max)
         .max(low * (1.0 + 1e-9));
-    let [x, y] = ["x₁", "x₂"].map(|what| Axis::linear(units.label(what, "length"), (0.0, 1.0)));
+    let [x, y] =
+        ["x₁", "x₂"].map(|what| Axis::linear(caption::label(units, what, "length"), (0.0, 1.0)));
     let x = x.covering(places.iter().map(|place| place.0));
     let y = y.covering(places.iter().map(|place| place.1));
     let (width, height) = (x.range.1 - x.range.0, y.range.1 - y.range.0);
