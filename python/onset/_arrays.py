@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 import os
 from typing import Any
 
@@ -17,8 +17,8 @@ Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 
-def numbers(value: ArrayLike, what: str) -> Floats:
-    """Returns an array of doubles in the order of its indices; `what` is the name of the argument in messages."""
+def numbers(value: ArrayLike, what: str, kinds: str = "fiu") -> Floats:
+    """Returns an array of doubles in the order of its indices; `what` is the name of the argument in messages, `kinds` are letters of `dtype.kind`."""
     parts = value if isinstance(value, (list, tuple)) else (value,)
     masked = sum(int(np.ma.getmaskarray(part).sum()) for part in parts if isinstance(part, np.ma.MaskedArray))
     if masked:
@@ -31,7 +31,7 @@ def numbers(value: ArrayLike, what: str) -> Floats:
         raise
     except Exception as error:
         raise InputError(f"{what} cannot be read as numbers: {error}") from error
-    if array.dtype.kind not in "fiu":
+    if array.dtype.kind not in kinds:
         raise TypeError(f"{what} holds {array.dtype}; expected numbers")
     # The buffer protocol requires aligned memory.
     return np.require(np.ascontiguousarray(array, dtype=np.float64), requirements="A")
@@ -193,18 +193,42 @@ def frames_of(
     x: Any, X: ArrayLike | None, time: ArrayLike | None, velocity: Any, F: Any, stress: Any, dimension: int
 ) -> tuple[Callable[[int], tuple[float, bytes, bytes | None, bytes | None, bytes | None]], int, Floats, list[bool]]:
     """Returns a function that gives the fields of a frame, the number of frames, the reference positions, and the components of stress that are given."""
-    try:
-        count = len(x)
-    except TypeError as error:
-        raise InputError("x has no frames; expected positions of the shape (frames, particles, D)") from error
+
+    def series(value: Any, what: str) -> tuple[Any, int]:
+        # Slices of memory views with several axes are not defined.
+        value = np.asarray(value) if isinstance(value, memoryview) else value
+        try:
+            if isinstance(value, Mapping) or not hasattr(value, "__getitem__"):
+                raise TypeError("it cannot be indexed")
+            return value, len(value)
+        except TypeError as error:
+            raise InputError(f"{what} has no frames; expected an array with an axis of frames, or a list of arrays") from error
+
+    x, count = series(x, "x")
     if count < 2:
         raise InputError(f"x has {count} frame(s); growth needs at least two")
+
+    def fields(value: Any, what: str) -> Any:
+        if value is None:
+            return None
+        value, own = series(value, what)
+        if own < count:
+            raise InputError(f"{what} has {own} frame(s); expected {count}, one for each frame of x")
+        return value
+
+    velocity, F, stress = fields(velocity, "velocity"), fields(F, "F"), fields(stress, "stress")
+
+    def finite(array: Floats, what: str) -> None:
+        if not np.all(np.isfinite(array)):
+            raise InputError(f"{what} has values that are not finite; omit the frames after the run has broken down")
 
     def vectors(value: object, what: str, expected: int | None) -> Floats:
         array = numbers(value, what)  # type: ignore[arg-type]
         if array.ndim != 2 or array.shape[1] not in (dimension, 3) or expected not in (None, len(array)):
             wanted = expected or "particles"
             raise InputError(f"{what} has the shape {array.shape}; expected ({wanted}, {dimension}) or ({wanted}, 3)")
+        if len(array) == 0:
+            raise InputError(f"{what} has no particles")
         full = np.zeros((len(array), 3))
         full[:, :dimension] = array[:, :dimension]
         # Fits use the squares of positions. NaN is not below the limit either.
@@ -222,9 +246,10 @@ def frames_of(
 
     def gradients(value: object, what: str) -> Floats:
         array = numbers(value, what)  # type: ignore[arg-type]
-        side = array.shape[-1]
+        side = array.shape[-1] if array.ndim else 0
         if array.ndim != 3 or array.shape[1] != side or side not in (dimension, 3):
             raise InputError(f"{what} has the shape {array.shape}; expected (points, {dimension}, {dimension}) or (points, 3, 3)")
+        finite(array, what)
         full = np.tile(np.eye(3), (len(array), 1, 1))
         full[:, :side, :side] = array
         return full
@@ -236,13 +261,14 @@ def frames_of(
         array = numbers(value, what)  # type: ignore[arg-type]
         if array.ndim != 2 or array.shape[1] not in columns:
             raise InputError(f"{what} has the shape {array.shape}; expected (points, 3) for xx, yy, xy or (points, 6) for xx, yy, zz, xy, xz, yz")
+        finite(array, what)
         full = np.zeros((len(array), 6))
         full[:, columns[array.shape[1]]] = array
         return full
 
     if stress is not None:
-        width = np.shape(stress[0])[-1]
         stresses(stress[0], "stress[0]")
+        width = np.shape(stress[0])[-1]
         given = [column in columns[width] for column in range(6)]
 
     def give(number: int) -> tuple[float, bytes, bytes | None, bytes | None, bytes | None]:

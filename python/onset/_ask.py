@@ -686,16 +686,20 @@ def screen(
     give, count, reference, given = frames_of(x, X, time, velocity, F, stress, problem.dimension)
     particles = len(reference)
 
-    def of_particles(value: ArrayLike | None, what: str) -> Floats | None:
+    def of_particles(value: ArrayLike | None, what: str, kinds: str) -> Floats | None:
         if value is None:
             return None
-        array = numbers(value, what)
+        array = numbers(value, what, kinds)
         if array.shape != (particles,):
             raise InputError(f"{what} has the shape {array.shape}; expected ({particles},), a value for each particle")
+        if not np.all(np.isfinite(array)):
+            raise InputError(f"{what} has values that are not finite")
         return array
 
-    fixed = of_particles(None if held is None else np.asarray(held) * 1, "held")
-    volume = of_particles(volumes, "volumes")
+    fixed = of_particles(held, "held", "fiub")
+    volume = of_particles(volumes, "volumes", "fiu")
+    if volume is not None and not np.all(volume > 0):
+        raise InputError("volumes has values that are not positive")
     nodes = None if elements is None else np.atleast_2d(numbers(elements, "elements"))
     if nodes is not None and not np.all((nodes >= 0) & (nodes < particles) & (nodes == np.floor(nodes))):
         raise InputError(f"elements refers to missing particles; expected whole numbers from 0 to {particles - 1}")
