@@ -10,6 +10,7 @@ use super::law::{Energy, ForeignLaw, HENCKY, LOGARITHM, SQUARE, Volume, named};
 use super::unread::{Chosen, Relaxation, Unread};
 use super::write::{Block, Form, Refusal, Sheet, order, ordered};
 use super::{Program, Trouble, number};
+use onset_frames::{brief, cut};
 use onset::material::PronyTerm;
 use roxmltree::{Document, Node};
 use std::cell::RefCell;
@@ -65,7 +66,7 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
     let document = Document::parse(&whole).map_err(|error| {
         Trouble::new(
             error.pos().row as usize,
-            format!("the text is not XML: {error}"),
+            format!("the text is not XML: {}", fault(&error)),
             "expected <material id=\"1\" type=\"Ogden\"> with its parameters",
         )
     })?;
@@ -96,7 +97,7 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
                     line_of(node),
                     format!(
                         "the type \"{}\" is not supported",
-                        node.attribute("type").unwrap_or_default()
+                        cut(node.attribute("type").unwrap_or_default())
                     ),
                     HINT,
                 )
@@ -113,6 +114,21 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
         count: with_law.len(),
     });
     Ok(read)
+}
+
+/// Description of an error of XML, without names of the text.
+fn fault(error: &roxmltree::Error) -> String {
+    use roxmltree::Error;
+    let own = match error {
+        Error::UnexpectedCloseTag(..) => "a tag is closed under another name",
+        Error::DuplicatedAttribute(..) => "an attribute is given twice",
+        Error::DuplicatedNamespace(..) | Error::UnknownNamespace(..) => {
+            "a namespace is unknown or defined twice"
+        }
+        Error::UnknownEntityReference(..) => "an entity is unknown",
+        other => return other.to_string(),
+    };
+    own.to_owned()
 }
 
 const HINT: &str = "supported: neo-Hookean, incomp neo-Hookean, Mooney-Rivlin, coupled Mooney-Rivlin, Yeoh, polynomial, Ogden, Ogden unconstrained, \
@@ -169,7 +185,7 @@ fn unread(
     let parameters = parameters.filter(|node| !known.contains(node.tag_name().name()));
     unread
         .parts
-        .extend(parameters.map(|node| (format!("<{}>", node.tag_name().name()), line_of(&node))));
+        .extend(parameters.map(|node| (format!("<{}>", brief(node.tag_name().name())), line_of(&node))));
     if material == law.node {
         return Ok(unread);
     }
@@ -180,8 +196,8 @@ fn unread(
     let others = others.map(|node| {
         let part = format!(
             "<{} type=\"{}\">",
-            node.tag_name().name(),
-            node.attribute("type").unwrap_or_default()
+            brief(node.tag_name().name()),
+            cut(node.attribute("type").unwrap_or_default())
         );
         (part, line_of(&node))
     });
@@ -223,7 +239,7 @@ fn unread(
     }
     let relaxation = unread.relaxation.as_ref();
     if relaxation.is_none_or(|own| own.terms.is_none()) {
-        let part = format!("type=\"{kind}\"");
+        let part = format!("type=\"{}\"", cut(kind));
         unread.parts.insert(0, (part, line_of(&material)));
     }
     Ok(unread)
@@ -238,8 +254,9 @@ fn value_of(node: &Node<'_, '_>) -> Result<f64, Trouble> {
         return Err(Trouble::new(
             line,
             format!(
-                "<{}> is given by type=\"{kind}\", which is not supported",
-                node.tag_name().name()
+                "<{}> is given by type=\"{}\", which is not supported",
+                node.tag_name().name(),
+                brief(kind)
             ),
             "expected a number",
         ));
@@ -324,7 +341,7 @@ impl Law<'_, '_> {
             other => {
                 return Err(Trouble::new(
                     self.line,
-                    format!("pressure_model is {other}"),
+                    format!("pressure_model is {}", brief(other)),
                     "expected default, NIKE3D, Abaqus or Abaqus (GOH), or 0 to 3",
                 ));
             }
