@@ -79,7 +79,7 @@ fn states(
     problem: &answers::Problem,
     components: &[f64],
 ) -> Result<Vec<DeformationGradient>, Failure> {
-    let given = deformations(components)?.into_iter();
+    let given = deformations(components, 0)?.into_iter();
     Ok(given.map(|f| problem.given(f)).collect::<Result<_, _>>()?)
 }
 
