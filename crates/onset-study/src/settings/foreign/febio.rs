@@ -106,6 +106,12 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
         });
     };
     let (own, node, (law, reader)) = &with_law[at];
+    let law = &Law {
+        node: *law,
+        kind: law.attribute("type").unwrap_or_default(),
+        line: line_of(law),
+        known: RefCell::new(BTreeSet::from(["density".to_owned()])),
+    };
     let mut read = reader(law)?;
     read.unread = unread(**node, law, read.shear)?;
     read.unread.material = Some(Chosen {
@@ -150,26 +156,17 @@ fn elastic(node: Node<'_, '_>) -> Option<Trouble> {
     )
 }
 
+/// Line of an element, found by reading the text from its beginning: not for each element of a file.
 fn line_of(node: &Node<'_, '_>) -> usize {
     node.document().text_pos_at(node.range().start).row as usize
 }
 
 /// The material itself or the first part of it that has a known type.
-fn law_in<'d, 't>(material: Node<'d, 't>) -> Option<(Law<'d, 't>, Reader)> {
+fn law_in<'d, 't>(material: Node<'d, 't>) -> Option<(Node<'d, 't>, Reader)> {
     material.descendants().find_map(|node| {
         let kind = node.attribute("type")?;
         let (_, reader) = LAWS.iter().find(|(name, _)| *name == kind)?;
-        let line = line_of(&node);
-        let known = RefCell::new(BTreeSet::from(["density".to_owned()]));
-        Some((
-            Law {
-                node,
-                kind,
-                line,
-                known,
-            },
-            *reader,
-        ))
+        Some((node, *reader))
     })
 }
 
@@ -183,9 +180,16 @@ fn unread(
     let known = law.known.borrow();
     let parameters = law.node.children().filter(Node::is_element);
     let parameters = parameters.filter(|node| !known.contains(node.tag_name().name()));
-    unread
-        .parts
-        .extend(parameters.map(|node| (format!("<{}>", brief(node.tag_name().name())), line_of(&node))));
+    // Only the first parts are shown with their lines.
+    let shown_line = |n: usize, node: &Node<'_, '_>| match n < super::LISTED {
+        true => line_of(node),
+        false => 0,
+    };
+    let parameters = parameters.enumerate().map(|(n, node)| {
+        let part = format!("<{}>", brief(node.tag_name().name()));
+        (part, shown_line(n, &node))
+    });
+    unread.parts.extend(parameters);
     if material == law.node {
         return Ok(unread);
     }
@@ -193,13 +197,13 @@ fn unread(
     let others = material.children().filter(|node| {
         node.attribute("type").is_some() && !law.node.ancestors().any(|around| around == *node)
     });
-    let others = others.map(|node| {
+    let others = others.enumerate().map(|(n, node)| {
         let part = format!(
             "<{} type=\"{}\">",
             brief(node.tag_name().name()),
             cut(node.attribute("type").unwrap_or_default())
         );
-        (part, line_of(&node))
+        (part, shown_line(n, &node))
     });
     unread.parts.extend(others);
     if kind.ends_with("viscoelastic") && shear.is_some() {
@@ -248,11 +252,10 @@ fn unread(
 /// Number of an element.
 fn value_of(node: &Node<'_, '_>) -> Result<f64, Trouble> {
     let text = node.text().unwrap_or_default();
-    let line = line_of(node);
     let kind = node.attribute("type").filter(|kind| *kind != "const");
     if let Some(kind) = kind {
         return Err(Trouble::new(
-            line,
+            line_of(node),
             format!(
                 "<{}> is given by type=\"{}\", which is not supported",
                 node.tag_name().name(),
@@ -263,7 +266,7 @@ fn value_of(node: &Node<'_, '_>) -> Result<f64, Trouble> {
     }
     if node.attribute("lc").is_some() {
         return Err(Trouble::new(
-            line,
+            line_of(node),
             format!(
                 "<{}> is multiplied by a load curve, which is not supported",
                 node.tag_name().name()
@@ -271,7 +274,10 @@ fn value_of(node: &Node<'_, '_>) -> Result<f64, Trouble> {
             "give the value at one time, without lc",
         ));
     }
-    number(text, line)
+    number(text, 0).map_err(|trouble| Trouble {
+        line: line_of(node),
+        ..trouble
+    })
 }
 
 impl Law<'_, '_> {
