@@ -204,3 +204,19 @@ fn an_interrupt_abandons_a_long_step_of_a_run_with_checkpoints() {
     assert!(pressed.elapsed() < Duration::from_secs(2), "{:?}", pressed.elapsed());
     assert!(checkpoint.exists(), "the last checkpoint is lost");
 }
+
+/// Under any limit of address space a command answers, or ends with a message; it does not panic. An allocation that fails ends it by SIGABRT.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_limit_of_address_space_is_no_panic() {
+    for limit in [30_000, 38_000, 45_000, 60_000, 150_000] {
+        let line = format!("ulimit -v {limit}; exec {} state", env!("CARGO_BIN_EXE_onset"));
+        let answer = Command::new("sh")
+            .args(["-c", &line])
+            .env_remove("RUST_BACKTRACE")
+            .output()
+            .expect("sh");
+        let told = String::from_utf8_lossy(&answer.stderr);
+        assert!(!told.contains("panicked"), "{limit}: {told}");
+    }
+}
