@@ -17,15 +17,23 @@ Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 
-def numbers(value: ArrayLike, what: str, kinds: str = "fiu") -> Floats:
-    """Returns an array of doubles in the order of its indices; `what` is the name of the argument in messages, `kinds` are letters of `dtype.kind`."""
+def unmasked(value: object, what: str) -> None:
+    """Refuses masked values, also in the arrays of a list."""
     parts = value if isinstance(value, (list, tuple)) else (value,)
     masked = sum(int(np.ma.getmaskarray(part).sum()) for part in parts if isinstance(part, np.ma.MaskedArray))
     if masked:
         raise InputError(f"{what} has {masked} masked values; select or fill them, for example with compressed() or filled(1.0)")
+
+
+def numbers(value: ArrayLike, what: str, kinds: str = "fiu") -> Floats:
+    """Returns an array of doubles in the order of its indices; `what` is the name of the argument in messages, `kinds` are letters of `dtype.kind`."""
+    unmasked(value, what)
     try:
         array = np.asarray(value)
         if array.dtype.kind == "O":
+            # NumPy reads texts as numbers, and None as NaN.
+            if any(item is None or isinstance(item, (str, bytes)) for item in array.flat):
+                raise TypeError(f"{what} holds texts or None; expected numbers")
             array = array.astype(np.float64)
     except TypeError:
         raise
@@ -140,6 +148,14 @@ def typed(array: Floats) -> str:
     return ",".join(repr(float(x)) for x in array.ravel())
 
 
+def finite(value: ArrayLike, what: str) -> Floats:
+    """Returns an array of finite doubles."""
+    array = numbers(value, what)
+    if not np.all(np.isfinite(array)):
+        raise InputError(f"{what} has values that are not finite")
+    return array
+
+
 def deformations(F: ArrayLike | None, stretch: ArrayLike | None, dimension: int) -> tuple[Floats, tuple[int, ...]]:
     """Returns deformation gradients as rows of nine components, and the shape of the states.
 
@@ -149,7 +165,7 @@ def deformations(F: ArrayLike | None, stretch: ArrayLike | None, dimension: int)
     if (F is None) == (stretch is None):
         raise InputError("a state has `stretch` or `F`; give one of them")
     if F is not None:
-        given = numbers(F, "F")
+        given = finite(F, "F")
         side = given.shape[-1] if given.ndim >= 2 else 0
         if given.ndim < 2 or given.shape[-2] != side or side not in (3, dimension):
             expected = "(..., 3, 3)" if dimension == 3 else f"(..., 3, 3) or (..., {dimension}, {dimension})"
@@ -158,7 +174,7 @@ def deformations(F: ArrayLike | None, stretch: ArrayLike | None, dimension: int)
         full[...] = np.eye(3)
         full[..., :side, :side] = given
         return np.ascontiguousarray(full.reshape(-1, 9)), given.shape[:-2]
-    given = numbers(stretch if stretch is not None else [], "stretch")
+    given = finite(stretch if stretch is not None else [], "stretch")
     count = given.shape[-1] if given.ndim else 0
     if not dimension <= count <= 3:
         raise InputError(f"stretch has the shape {given.shape}; expected (..., {dimension}) to (..., 3)")
@@ -218,7 +234,7 @@ def frames_of(
 
     velocity, F, stress = fields(velocity, "velocity"), fields(F, "F"), fields(stress, "stress")
 
-    def finite(array: Floats, what: str) -> None:
+    def check(array: Floats, what: str) -> None:
         if not np.all(np.isfinite(array)):
             raise InputError(f"{what} has values that are not finite; omit the frames after the run has broken down")
 
@@ -249,7 +265,7 @@ def frames_of(
         side = array.shape[-1] if array.ndim else 0
         if array.ndim != 3 or array.shape[1] != side or side not in (dimension, 3):
             raise InputError(f"{what} has the shape {array.shape}; expected (points, {dimension}, {dimension}) or (points, 3, 3)")
-        finite(array, what)
+        check(array, what)
         full = np.tile(np.eye(3), (len(array), 1, 1))
         full[:, :side, :side] = array
         return full
@@ -261,7 +277,7 @@ def frames_of(
         array = numbers(value, what)  # type: ignore[arg-type]
         if array.ndim != 2 or array.shape[1] not in columns:
             raise InputError(f"{what} has the shape {array.shape}; expected (points, 3) for xx, yy, xy or (points, 6) for xx, yy, zz, xy, xz, yz")
-        finite(array, what)
+        check(array, what)
         full = np.zeros((len(array), 6))
         full[:, columns[array.shape[1]]] = array
         return full

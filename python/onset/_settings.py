@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _onset
-from ._arrays import Floats, alone, listed, names, number, numbers, place, received, write
+from ._arrays import Floats, alone, listed, names, number, numbers, place, received, unmasked, write
 from ._errors import InputError, SettingError, asks
 from ._functions import Handed, delivered, differentiated, has_jax, is_felupe, of_felupe
 from ._trace import formula
@@ -46,6 +46,7 @@ def _key(section: str, name: str) -> str:
 
 def _typed(value: object, key: str) -> str:
     """Returns a value in the notation of ``--set key=``."""
+    unmasked(value, key)
     value = alone(value)
     if isinstance(value, str):
         return value

@@ -125,10 +125,10 @@ impl Law {
         interrupt::answer(py, move || {
             let mut deformations = Vec::new();
             for stretches in &stretches {
-                deformations.push(Strain::of_stretches("--stretch", stretches, 2)?.0);
+                deformations.push(Strain::of_stretches("stretch", stretches, 2)?.0);
             }
             for components in &components {
-                let strain = Strain::of_components("--deformation-gradient", components, 2)?;
+                let strain = Strain::of_components("F", components, 2)?;
                 deformations.push(strain.0);
             }
             if deformations.is_empty() {
