@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 import os
 from typing import Any
 
@@ -17,21 +17,29 @@ Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 
-def numbers(value: ArrayLike, what: str) -> Floats:
-    """Returns an array of doubles in the order of its indices; `what` is the name of the argument in messages."""
+def unmasked(value: object, what: str) -> None:
+    """Refuses masked values, also in the arrays of a list."""
     parts = value if isinstance(value, (list, tuple)) else (value,)
     masked = sum(int(np.ma.getmaskarray(part).sum()) for part in parts if isinstance(part, np.ma.MaskedArray))
     if masked:
         raise InputError(f"{what} has {masked} masked values; select or fill them, for example with compressed() or filled(1.0)")
+
+
+def numbers(value: ArrayLike, what: str, kinds: str = "fiu") -> Floats:
+    """Returns an array of doubles in the order of its indices; `what` is the name of the argument in messages, `kinds` are letters of `dtype.kind`."""
+    unmasked(value, what)
     try:
         array = np.asarray(value)
         if array.dtype.kind == "O":
+            # NumPy reads texts as numbers, and None as NaN.
+            if any(item is None or isinstance(item, (str, bytes)) for item in array.flat):
+                raise TypeError(f"{what} holds texts or None; expected numbers")
             array = array.astype(np.float64)
     except TypeError:
         raise
     except Exception as error:
         raise InputError(f"{what} cannot be read as numbers: {error}") from error
-    if array.dtype.kind not in "fiu":
+    if array.dtype.kind not in kinds:
         raise TypeError(f"{what} holds {array.dtype}; expected numbers")
     # The buffer protocol requires aligned memory.
     return np.require(np.ascontiguousarray(array, dtype=np.float64), requirements="A")
@@ -140,6 +148,14 @@ def typed(array: Floats) -> str:
     return ",".join(repr(float(x)) for x in array.ravel())
 
 
+def finite(value: ArrayLike, what: str) -> Floats:
+    """Returns an array of finite doubles."""
+    array = numbers(value, what)
+    if not np.all(np.isfinite(array)):
+        raise InputError(f"{what} has values that are not finite")
+    return array
+
+
 def deformations(F: ArrayLike | None, stretch: ArrayLike | None, dimension: int) -> tuple[Floats, tuple[int, ...]]:
     """Returns deformation gradients as rows of nine components, and the shape of the states.
 
@@ -149,7 +165,7 @@ def deformations(F: ArrayLike | None, stretch: ArrayLike | None, dimension: int)
     if (F is None) == (stretch is None):
         raise InputError("a state has `stretch` or `F`; give one of them")
     if F is not None:
-        given = numbers(F, "F")
+        given = finite(F, "F")
         side = given.shape[-1] if given.ndim >= 2 else 0
         if given.ndim < 2 or given.shape[-2] != side or side not in (3, dimension):
             expected = "(..., 3, 3)" if dimension == 3 else f"(..., 3, 3) or (..., {dimension}, {dimension})"
@@ -158,7 +174,7 @@ def deformations(F: ArrayLike | None, stretch: ArrayLike | None, dimension: int)
         full[...] = np.eye(3)
         full[..., :side, :side] = given
         return np.ascontiguousarray(full.reshape(-1, 9)), given.shape[:-2]
-    given = numbers(stretch if stretch is not None else [], "stretch")
+    given = finite(stretch if stretch is not None else [], "stretch")
     count = given.shape[-1] if given.ndim else 0
     if not dimension <= count <= 3:
         raise InputError(f"stretch has the shape {given.shape}; expected (..., {dimension}) to (..., 3)")
@@ -193,18 +209,42 @@ def frames_of(
     x: Any, X: ArrayLike | None, time: ArrayLike | None, velocity: Any, F: Any, stress: Any, dimension: int
 ) -> tuple[Callable[[int], tuple[float, bytes, bytes | None, bytes | None, bytes | None]], int, Floats, list[bool]]:
     """Returns a function that gives the fields of a frame, the number of frames, the reference positions, and the components of stress that are given."""
-    try:
-        count = len(x)
-    except TypeError as error:
-        raise InputError("x has no frames; expected positions of the shape (frames, particles, D)") from error
+
+    def series(value: Any, what: str) -> tuple[Any, int]:
+        # Slices of memory views with several axes are not defined.
+        value = np.asarray(value) if isinstance(value, memoryview) else value
+        try:
+            if isinstance(value, Mapping) or not hasattr(value, "__getitem__"):
+                raise TypeError("it cannot be indexed")
+            return value, len(value)
+        except TypeError as error:
+            raise InputError(f"{what} has no frames; expected an array with an axis of frames, or a list of arrays") from error
+
+    x, count = series(x, "x")
     if count < 2:
         raise InputError(f"x has {count} frame(s); growth needs at least two")
+
+    def fields(value: Any, what: str) -> Any:
+        if value is None:
+            return None
+        value, own = series(value, what)
+        if own < count:
+            raise InputError(f"{what} has {own} frame(s); expected {count}, one for each frame of x")
+        return value
+
+    velocity, F, stress = fields(velocity, "velocity"), fields(F, "F"), fields(stress, "stress")
+
+    def check(array: Floats, what: str) -> None:
+        if not np.all(np.isfinite(array)):
+            raise InputError(f"{what} has values that are not finite; omit the frames after the run has broken down")
 
     def vectors(value: object, what: str, expected: int | None) -> Floats:
         array = numbers(value, what)  # type: ignore[arg-type]
         if array.ndim != 2 or array.shape[1] not in (dimension, 3) or expected not in (None, len(array)):
             wanted = expected or "particles"
             raise InputError(f"{what} has the shape {array.shape}; expected ({wanted}, {dimension}) or ({wanted}, 3)")
+        if len(array) == 0:
+            raise InputError(f"{what} has no particles")
         full = np.zeros((len(array), 3))
         full[:, :dimension] = array[:, :dimension]
         # Fits use the squares of positions. NaN is not below the limit either.
@@ -222,9 +262,10 @@ def frames_of(
 
     def gradients(value: object, what: str) -> Floats:
         array = numbers(value, what)  # type: ignore[arg-type]
-        side = array.shape[-1]
+        side = array.shape[-1] if array.ndim else 0
         if array.ndim != 3 or array.shape[1] != side or side not in (dimension, 3):
             raise InputError(f"{what} has the shape {array.shape}; expected (points, {dimension}, {dimension}) or (points, 3, 3)")
+        check(array, what)
         full = np.tile(np.eye(3), (len(array), 1, 1))
         full[:, :side, :side] = array
         return full
@@ -236,13 +277,14 @@ def frames_of(
         array = numbers(value, what)  # type: ignore[arg-type]
         if array.ndim != 2 or array.shape[1] not in columns:
             raise InputError(f"{what} has the shape {array.shape}; expected (points, 3) for xx, yy, xy or (points, 6) for xx, yy, zz, xy, xz, yz")
+        check(array, what)
         full = np.zeros((len(array), 6))
         full[:, columns[array.shape[1]]] = array
         return full
 
     if stress is not None:
-        width = np.shape(stress[0])[-1]
         stresses(stress[0], "stress[0]")
+        width = np.shape(stress[0])[-1]
         given = [column in columns[width] for column in range(6)]
 
     def give(number: int) -> tuple[float, bytes, bytes | None, bytes | None, bytes | None]:

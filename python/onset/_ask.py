@@ -36,7 +36,7 @@ from ._answers import (
     Waves,
     Zoo,
 )
-from ._arrays import Complexes, Floats, components, deformations, number, numbers, pair, positive, received, share, typed, whole
+from ._arrays import Complexes, Floats, components, deformations, finite, number, numbers, pair, positive, received, share, typed, whole
 from ._arrays import between, frames_of, listed, names, place, switch
 from ._arrays import state as state_as_typed
 from ._errors import InputError, OnsetError, asks
@@ -128,6 +128,14 @@ def _waves_at(problem: _onset.Problem, states: Floats, k: Floats) -> tuple[Compl
     particles = received(problem.omega_squared(states, k), (len(k), problem.branches * 2)).view(np.complex128)
     continuum = received(problem.continuum_omega_squared(states, k), (len(k), problem.dimension))
     return particles, continuum
+
+
+def _wave_vector(value: ArrayLike, dimension: int) -> Floats:
+    """Returns one wave vector."""
+    given = np.atleast_1d(finite(value, "wave_vector"))
+    if given.shape != (dimension,):
+        raise InputError(f"wave_vector has the shape {given.shape}; expected ({dimension},)")
+    return given
 
 
 def _wave_vectors(k: ArrayLike, dimension: int) -> tuple[Floats, tuple[int, ...]]:
@@ -318,7 +326,7 @@ def waves(
     """
     problem = problem_of(material, method)
     given, gradient = state_as_typed(F, stretch)
-    answer = Waves(problem.waves(given, gradient, typed(numbers(wave_vector, "wave_vector"))))
+    answer = Waves(problem.waves(given, gradient, typed(_wave_vector(wave_vector, problem.dimension))))
     return answer._of(lambda: Cell.of(problem, given, gradient))
 
 
@@ -567,7 +575,7 @@ def simulate(
             gradient,
             [whole(side, "cells", 0, MOST) for side in sides.ravel()],
             mode,
-            None if wave_vector is None else [float(x) for x in numbers(wave_vector, "wave_vector").ravel()],
+            None if wave_vector is None else [float(x) for x in _wave_vector(wave_vector, problem.dimension)],
             None if around is None else [whole(turn, "turns", -MOST, MOST) for turn in around.ravel()],
             whole(branch, "branch", 0, MOST),
             share(amplitude, "amplitude"),
@@ -686,16 +694,20 @@ def screen(
     give, count, reference, given = frames_of(x, X, time, velocity, F, stress, problem.dimension)
     particles = len(reference)
 
-    def of_particles(value: ArrayLike | None, what: str) -> Floats | None:
+    def of_particles(value: ArrayLike | None, what: str, kinds: str) -> Floats | None:
         if value is None:
             return None
-        array = numbers(value, what)
+        array = numbers(value, what, kinds)
         if array.shape != (particles,):
             raise InputError(f"{what} has the shape {array.shape}; expected ({particles},), a value for each particle")
+        if not np.all(np.isfinite(array)):
+            raise InputError(f"{what} has values that are not finite")
         return array
 
-    fixed = of_particles(None if held is None else np.asarray(held) * 1, "held")
-    volume = of_particles(volumes, "volumes")
+    fixed = of_particles(held, "held", "fiub")
+    volume = of_particles(volumes, "volumes", "fiu")
+    if volume is not None and not np.all(volume > 0):
+        raise InputError("volumes has values that are not positive")
     nodes = None if elements is None else np.atleast_2d(numbers(elements, "elements"))
     if nodes is not None and not np.all((nodes >= 0) & (nodes < particles) & (nodes == np.floor(nodes))):
         raise InputError(f"elements refers to missing particles; expected whole numbers from 0 to {particles - 1}")

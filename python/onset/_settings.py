@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _onset
-from ._arrays import Floats, alone, deformations, listed, names, number, numbers, place, received, write
+from ._arrays import Floats, alone, listed, names, number, numbers, place, received, unmasked, write
 from ._errors import InputError, SettingError, asks
 from ._functions import Handed, delivered, differentiated, has_jax, is_felupe, of_felupe
 from ._trace import formula
@@ -46,6 +46,7 @@ def _key(section: str, name: str) -> str:
 
 def _typed(value: object, key: str) -> str:
     """Returns a value in the notation of ``--set key=``."""
+    unmasked(value, key)
     value = alone(value)
     if isinstance(value, str):
         return value
@@ -164,6 +165,9 @@ class _Settings:
 
 #: Function of the deformation and of parameters that returns an energy per reference volume, a stress or a tangent; stress.
 Energy = Callable[..., object]
+
+#: Number of states between two checks for signals.
+_BATCH = 32768
 
 _WORD = re.compile(r"[A-Za-z][A-Za-z0-9-]*\Z")
 
@@ -350,9 +354,18 @@ class Material(_Settings):
     def _law(self) -> _onset.Law:
         return _onset.Law(self._assigned(), None, [], list(self.notes))
 
-    def _responses(self, F: ArrayLike) -> tuple[Floats, tuple[int, ...]]:
-        states, shape = deformations(F, None, 3)
-        return received(self._law().responses(states), (-1, 91)), shape
+    def _responses(self, F: ArrayLike, part: slice) -> tuple[Floats, tuple[int, ...]]:
+        given = numbers(F, "F")
+        if given.shape[-2:] != (3, 3):
+            raise InputError(f"F has the shape {given.shape}; expected (..., 3, 3)")
+        states = given.reshape(-1, 9)
+        found = np.empty((len(states), part.stop - part.start))
+        law = self._law()
+        # An interrupt is answered between batches, and only one batch has all 91 numbers.
+        for first in range(0, max(len(states), 1), _BATCH):
+            batch = states[first : first + _BATCH]
+            found[first : first + _BATCH] = received(law.responses(batch, first), (-1, 91))[:, part]
+        return found, given.shape[:-2]
 
     @asks
     def energy(self, F: ArrayLike) -> Floats:
@@ -368,8 +381,8 @@ class Material(_Settings):
         InputError
             If the law is not defined at a state.
         """
-        responses, shape = self._responses(F)
-        return responses[:, 0].reshape(shape)
+        responses, shape = self._responses(F, slice(0, 1))
+        return responses.reshape(shape)
 
     @asks
     def stress(self, F: ArrayLike) -> Floats:
@@ -385,8 +398,8 @@ class Material(_Settings):
         InputError
             If the law is not defined at a state.
         """
-        responses, shape = self._responses(F)
-        return responses[:, 1:10].reshape(*shape, 3, 3)
+        responses, shape = self._responses(F, slice(1, 10))
+        return responses.reshape(*shape, 3, 3)
 
     @asks
     def tangent(self, F: ArrayLike) -> Floats:
@@ -402,8 +415,8 @@ class Material(_Settings):
         InputError
             If the law is not defined at a state.
         """
-        responses, shape = self._responses(F)
-        return responses[:, 10:].reshape(*shape, 3, 3, 3, 3)
+        responses, shape = self._responses(F, slice(10, 91))
+        return responses.reshape(*shape, 3, 3, 3, 3)
 
     @asks
     def gradient(self, x: Sequence[ArrayLike]) -> list[Floats | None]:

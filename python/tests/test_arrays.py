@@ -126,3 +126,17 @@ def test_the_interpreter_runs_while_states_are_computed() -> None:
     other.join()
     # The counter would have stayed at zero if the lock had been held.
     assert took > 0.05 and before > 0.1 * took / 0.001, (before, took)
+
+
+def test_responses_do_not_depend_on_batches_and_errors_count_all_states() -> None:
+    F = np.eye(3) + np.random.default_rng(6).uniform(-0.1, 0.1, (40000, 3, 3))
+    stress = RUBBER.stress(F)
+    for place in (0, 32767, 32768, 39999):
+        np.testing.assert_allclose(stress[place], RUBBER.stress(F[place]), rtol=1e-12, atol=1e-15)
+    F[35000] = -F[35000]
+    with pytest.raises(onset.InputError, match="state 35000"):
+        RUBBER.energy(F)
+    for shape in [(3,), (2, 2), (0, 3, 2)]:
+        with pytest.raises(onset.InputError, match="F has the shape"):
+            RUBBER.energy(np.ones(shape))
+    assert RUBBER.energy(np.zeros((0, 3, 3))).shape == (0,)

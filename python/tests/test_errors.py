@@ -276,3 +276,24 @@ def test_noise_refuses_the_arguments_of_a_single_wave() -> None:
     for wave in ({"wave_vector": (1.0, 0.0)}, {"turns": (1, 0)}):
         with pytest.raises(onset.InputError, match='mode "noise" has no wave'):
             onset.simulate("neo-hooke", "total-lagrangian-sph", stretch=(1, 1), cells=4, steps=1, mode="noise", **wave)
+
+
+@pytest.mark.parametrize(
+    ("call", "name"),
+    [
+        (lambda: onset.verdicts(stretch=[[math.nan, 1.0]]), "stretch"),
+        (lambda: onset.verdicts(F=np.full((2, 2), math.inf)), "F"),
+        (lambda: onset.state(stretch=(math.nan, 1.0)), "stretch"),
+        (lambda: onset.waves(wave_vector=(math.nan, 1.0), stretch=(1, 1)), "wave_vector"),
+        (lambda: onset.waves(wave_vector=(1.0, 0.0, 0.0), stretch=(1, 1)), "wave_vector"),
+        (lambda: onset.simulate(stretch=(1, 1), wave_vector=(math.inf, 0.0)), "wave_vector"),
+        (lambda: onset.verdicts(stretch=np.array([["1.1", "1"]], dtype=object)), "stretch"),
+        (lambda: onset.verdicts(stretch=np.array([[None, 1.0]], dtype=object)), "stretch"),
+        (lambda: onset.Material("neo-hooke", mu=np.ma.array(1.0, mask=True), lambda_=1), "material.mu"),
+        (lambda: onset.Material("neo-hooke", mu=np.ma.masked, lambda_=1), "material.mu"),
+    ],
+)
+def test_wrong_values_are_refused_with_the_name_of_the_argument(call: Any, name: str) -> None:
+    with pytest.raises((TypeError, ValueError)) as refused:
+        call()
+    assert str(refused.value).startswith(name) and "--" not in str(refused.value)

@@ -74,6 +74,7 @@ print(time.process_time() - used)
 CALLS = {
     "tune": 'onset.tune(cell, "penalty", material=law)',
     "verdicts": 'onset.verdicts(law, onset.Method("updated-sph"), stretch=numpy.random.default_rng(1).uniform(0.7, 1.5, (500_000, 2)))',
+    "energy": "[law.energy(F) for F in [numpy.repeat(1.01 * numpy.eye(3)[None], 6_000_000, 0)] for _ in range(20)]",
     "state": "onset.state(law, large, stretch=(1.1, 0.9))",
     "modes": "onset.modes(large)",
     "bands": "onset.bands(law, large, stretch=(1.1, 0.9))",

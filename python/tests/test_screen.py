@@ -122,6 +122,16 @@ def test_errors_name_the_argument() -> None:
         ({"region": ([0, 0], [-1])}, "is not a box"),
         ({"actual": 6}, "the frames are from t = 0 to 5"),
         ({"x": x[:1]}, "growth needs at least two"),
+        ({"X": np.zeros((0, 2))}, "X has no particles"),
+        ({"x": np.zeros((3, 0, 2)), "X": None}, r"x\[0\] has no particles"),
+        ({"velocity": []}, r"velocity has 0 frame\(s\); expected 6"),
+        ({"F": np.array(1.0)}, "F has no frames"),
+        ({"F": {"a": 1}}, "F has no frames"),
+        ({"F": np.full((6, 100, 2, 2), np.nan)}, r"F\[0\] has values that are not finite"),
+        ({"stress": np.full((6, 100, 3), np.inf)}, r"stress\[0\] has values that are not finite"),
+        ({"volumes": np.full(100, np.nan)}, "volumes has values that are not finite"),
+        ({"volumes": np.zeros(100)}, "volumes has values that are not positive"),
+        ({"held": np.ma.array(np.zeros(100), mask=np.arange(100) == 3)}, "held has 1 masked values"),
     ]:
         with pytest.raises(onset.InputError, match=message):
             onset.screen(**{"x": x, "X": X, **given})
@@ -138,3 +148,9 @@ def test_exceptions_of_frames_are_raised_unchanged() -> None:
 
     with pytest.raises(OSError, match="the disk is gone"):
         onset.screen(Failing(x), X)
+
+
+def test_frames_in_a_memory_view_are_read() -> None:
+    X, x = plate()
+    view = memoryview(np.ascontiguousarray(x))
+    assert onset.screen(view, X).json == onset.screen(x, X).json

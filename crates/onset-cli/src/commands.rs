@@ -234,6 +234,7 @@ fn waiting_for(command: &Command) -> Option<&'static str> {
         Command::State { .. } => Some("searching the zone"),
         Command::Dispersion { .. } => Some("computing waves"),
         Command::Path { .. } => Some("following the path"),
+        Command::Map(_) => Some("preparing the map"),
         Command::Localize(_) => Some("following the loading"),
         Command::Criteria(_) => Some("following loadings"),
         Command::Zoo(_) => Some("searching the zone"),

@@ -9,7 +9,9 @@ use clap_complete::Shell;
 use onset_study::csv::of_files;
 use onset_study::output::{Output, text};
 use onset_study::settings::renamed_command;
+use onset_umat::message;
 use std::ffi::OsString;
+use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -99,8 +101,20 @@ pub fn parse() -> Arguments {
         .get(1)
         .is_some_and(|first| first == "--help" || first == "help");
     let command = command(is_long).color(color(&typed));
-    Arguments::from_arg_matches(&command.get_matches_from(typed))
-        .unwrap_or_else(|error| error.exit())
+    let matches = command.try_get_matches_from(typed);
+    let parsed = matches.and_then(|matches| Arguments::from_arg_matches(&matches));
+    parsed.unwrap_or_else(|error| refuse(&error))
+}
+
+/// Prints help, or an error that may repeat arguments of any length and content, and exits.
+fn refuse(error: &clap::Error) -> ! {
+    let whole = error.render().to_string();
+    let told = message(&whole);
+    if !error.use_stderr() || told == whole {
+        error.exit();
+    }
+    let _ = writeln!(std::io::stderr(), "{}", told.trim_end());
+    std::process::exit(error.exit_code())
 }
 
 /// Words of the command line, with a former name of a command replaced by its current name.

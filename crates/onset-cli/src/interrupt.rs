@@ -5,6 +5,7 @@
 
 use crate::patience;
 use crate::printing::tell;
+use std::io;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -15,12 +16,10 @@ pub const CODE: u8 = 130;
 /// Response to interrupts of a command that finishes started work.
 #[derive(Clone, Debug, Default)]
 pub struct Answer {
-    /// Message after the first interrupt; `None` for no message.
-    pub told: Option<&'static str>,
     /// Message if the command is ended immediately, by a second interrupt or because it takes too long; `None` for no message.
     pub at_end: Option<String>,
-    /// Longest time from the first interrupt to the end of the command; `None` for no limit.
-    pub patience: Option<Duration>,
+    /// Longest time from the first interrupt to the end of the command.
+    pub patience: Duration,
 }
 
 static ANSWER: OnceLock<Answer> = OnceLock::new();
@@ -29,49 +28,51 @@ static SINCE: OnceLock<Instant> = OnceLock::new();
 /// Whether the command is about to end by itself.
 static IS_ENDING: AtomicBool = AtomicBool::new(false);
 
-/// Handles interrupts until the process ends.
-///
-/// Nothing is installed if SIGHUP is ignored, as with `nohup`, because the handler would receive it too.
+/// Handles interrupts until the process ends. A SIGHUP that is ignored, as with `nohup`, stays ignored.
 ///
 /// # Errors
 /// The error of the operating system.
-pub fn listen() -> Result<(), ctrlc::Error> {
-    if is_hangup_ignored() {
-        return Ok(());
+#[cfg(unix)]
+pub fn listen() -> io::Result<()> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let mut watched = vec![SIGINT, SIGTERM];
+    if !is_hangup_ignored() {
+        watched.push(SIGHUP);
     }
-    listen_always()
+    let mut signals = signal_hook::iterator::Signals::new(watched)?;
+    let listening = std::thread::Builder::new().name("interrupts".to_owned());
+    listening.spawn(move || signals.forever().for_each(|_| interrupted()))?;
+    Ok(())
+}
+
+/// Handles interrupts until the process ends.
+///
+/// # Errors
+/// The error of the operating system.
+#[cfg(not(unix))]
+pub fn listen() -> io::Result<()> {
+    ctrlc::set_handler(interrupted).map_err(io::Error::other)
 }
 
 /// Handles the first interrupt as a request to end.
-///
-/// # Errors
-/// The error of the operating system.
-pub fn answer_with(answer: Answer) -> Result<(), ctrlc::Error> {
+pub fn answer_with(answer: Answer) {
     // A command sets its answer once.
     let _ = ANSWER.set(answer);
-    match listen_always() {
-        Err(ctrlc::Error::MultipleHandlers) => Ok(()),
-        listening => listening,
-    }
 }
 
-fn listen_always() -> Result<(), ctrlc::Error> {
-    ctrlc::set_handler(|| match ANSWER.get() {
+fn interrupted() {
+    match ANSWER.get() {
         Some(answer) if SINCE.set(Instant::now()).is_ok() => {
-            if let Some(told) = answer.told {
-                tell(told);
-            }
-            if let Some(patience) = answer.patience {
-                std::thread::spawn(move || {
-                    std::thread::sleep(patience);
-                    if !IS_ENDING.load(Ordering::Relaxed) {
-                        end_at_once(Some(answer));
-                    }
-                });
-            }
+            let patience = answer.patience;
+            std::thread::spawn(move || {
+                std::thread::sleep(patience);
+                if !IS_ENDING.load(Ordering::Relaxed) {
+                    end_at_once(Some(answer));
+                }
+            });
         }
         answer => end_at_once(answer),
-    })
+    }
 }
 
 /// Time limit for the end of the process, since a message may block on a full pipe.
@@ -92,6 +93,7 @@ fn end_at_once(answer: Option<&Answer>) -> ! {
 }
 
 /// Returns true if SIGHUP, signal 1, is known to be ignored.
+#[cfg(unix)]
 fn is_hangup_ignored() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));

@@ -39,7 +39,10 @@ fn main() -> ExitCode {
         printing::tell(format_args!("error: cannot listen for interrupts: {error}"));
         return ExitCode::from(1);
     }
-    let outcome = threads::check().and_then(|()| commands::run(arguments));
+    let ready = threads::check();
+    #[cfg(unix)]
+    let ready = ready.and_then(|()| threads::start());
+    let outcome = ready.and_then(|()| commands::run(arguments));
     for note in notes_on_settings() {
         printing::tell(format_args!("note: {note}"));
     }

@@ -3,7 +3,7 @@
 use crate::arguments::MapArguments;
 use crate::commands::{Failure, study};
 use crate::interrupt;
-use crate::patience::bar;
+use crate::patience::{self, bar};
 use crate::printing::{print, tell};
 use indicatif::ProgressBar;
 use onset_study::map::{MapError, Plan, Summary, Watch};
@@ -59,11 +59,10 @@ pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
         .unwrap_or_else(|| default_place(&arguments.file));
     let again = format!("interrupted; resume with\n  {}", resuming(arguments, &path));
     let answer = interrupt::Answer {
-        told: None,
         at_end: Some(again.clone()),
-        patience: Some(PATIENCE),
+        patience: PATIENCE,
     };
-    interrupt::answer_with(answer).map_err(Failure::machine)?;
+    interrupt::answer_with(answer);
     let store = if arguments.overwrite {
         ZarrStore::replace(&path, plan.layout())
     } else if arguments.resume || arguments.tiles.is_some() {
@@ -77,6 +76,7 @@ pub fn run(arguments: &MapArguments) -> Result<ExitCode, Failure> {
         .sum();
     let template =
         "{bar:32} {percent:>3} % of {human_len} states, {per_sec}, {eta} left ({elapsed})";
+    patience::end();
     let progress = Progress(bar(states, template));
     let asked = tiles.len();
     let summary = plan.run(&store, &tiles, &progress)?;

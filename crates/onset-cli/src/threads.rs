@@ -1,6 +1,8 @@
 //! Limits on the number of threads.
 
 use crate::commands::Failure;
+#[cfg(unix)]
+use std::sync::{Arc, Mutex};
 use std::thread::available_parallelism;
 
 /// Largest useful number of threads per core; more threads only need more memory.
@@ -20,6 +22,74 @@ pub fn check() -> Result<(), Failure> {
              hint: unset {VARIABLE} for one thread per core"
         ))),
     }
+}
+
+/// Starts the threads of computations, fewer if a limit of the process admits no more. Without such limits they are started when they are needed.
+///
+/// # Errors
+/// [`Failure`] if no thread can be started.
+#[cfg(unix)]
+pub fn start() -> Result<(), Failure> {
+    use rustix::process::{Resource, getrlimit};
+    /// Address space per thread: its stack, and room for its data.
+    const SPACE: u64 = 16 << 20;
+    /// Number of processes and threads of a user that is no limit in practice.
+    const MANY: u64 = 2048;
+    let space = getrlimit(Resource::As).current;
+    let processes = getrlimit(Resource::Nproc).current;
+    if space.is_none() && processes.is_none_or(|most| most > MANY) {
+        return Ok(());
+    }
+    let cores = available_parallelism().map_or(1, usize::from);
+    let asked = std::env::var(VARIABLE).ok();
+    let asked = asked.and_then(|asked| asked.parse().ok());
+    let asked = asked.filter(|threads| *threads > 0).unwrap_or(cores);
+    let admitted = space.map_or(asked, |space| (space / SPACE).max(1) as usize);
+    let wanted = asked.min(admitted);
+    let threads = match startable(wanted) {
+        all if all == wanted => all,
+        // Room for other data.
+        some => some / 2,
+    };
+    let refused = || {
+        Failure::input(
+            "no thread can be started under the limits of this process
+  hint: raise the limit of address space (ulimit -v, h_vmem) or of processes (ulimit -u)",
+        )
+    };
+    if threads == 0 {
+        return Err(refused());
+    }
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .stack_size(STACK);
+    pool.build_global().map_err(|_| refused())
+}
+
+/// Stack size of a thread, the default of the standard library; bytes.
+#[cfg(unix)]
+const STACK: usize = 2 << 20;
+
+/// Number of threads, up to a number, that can exist at the same time.
+#[cfg(unix)]
+fn startable(count: usize) -> usize {
+    let gate = Arc::new(Mutex::new(()));
+    let closed = gate.lock();
+    let start = |_| {
+        let gate = Arc::clone(&gate);
+        let wait = move || drop(gate.lock());
+        std::thread::Builder::new()
+            .stack_size(STACK)
+            .spawn(wait)
+            .ok()
+    };
+    let threads: Vec<_> = (0..count).map_while(start).collect();
+    let started = threads.len();
+    drop(closed);
+    for thread in threads {
+        let _ = thread.join();
+    }
+    started
 }
 
 /// Restarts the program with few memory arenas if the address space is limited, as in batch systems.

@@ -471,7 +471,7 @@ impl<'a> Columns<'a> {
         let missing = |name: &str| FrameError::NoColumn {
             place: Box::new(place.clone()),
             quantity,
-            name: crate::error::word(name.as_bytes()),
+            name: crate::error::brief(name),
             available: names_of(self.available),
         };
         let wrong = |count: usize| {
@@ -687,7 +687,7 @@ impl Plan {
                 return Err(format!(
                     "{count} values with {} components in `{}`",
                     own.components,
-                    crate::error::word(own.name.as_bytes())
+                    crate::error::brief(&own.name)
                 ));
             }
         }

@@ -88,8 +88,8 @@ pub enum FrameError {
     },
     /// Requested column that the file does not have.
     #[error(
-        "{place}: no column {name} for {quantity}\n  hint: the columns are {}",
-        listed(available)
+        "{place}: no column {name} for {quantity}\n  hint: the file has {}",
+        listed(available, |own| is_similar(own, name))
     )]
     NoColumn {
         /// Place of the names.
@@ -103,8 +103,8 @@ pub enum FrameError {
     },
     /// File without columns that are recognized as positions.
     #[error(
-        "{place}: no positions found\n  hint: name their columns, for example --columns x=NAME or x=NAME1,NAME2; the columns are {}",
-        listed(available)
+        "{place}: no positions found\n  hint: name their columns, for example --columns x=NAME or x=NAME1,NAME2; the file has {}",
+        listed(available, is_position)
     )]
     NoPositions {
         /// Place of the names.
@@ -149,7 +149,7 @@ impl FrameError {
         Self::Wrong {
             place: Box::new(place),
             expected: expected.into(),
-            found: Some(word(text)),
+            found: Some(brief(text)),
             hint: hint.to_owned(),
         }
     }
@@ -163,14 +163,27 @@ impl FrameError {
     }
 }
 
-/// First word of foreign text: at most 24 characters, without control characters.
-pub(crate) fn word(text: &[u8]) -> String {
-    let text = text.trim_ascii_start();
+/// Number of characters of foreign text in a message.
+const QUOTED: usize = 24;
+
+/// First word of foreign text: at most 24 characters, without control characters. A message quotes no more of a file.
+///
+/// ```
+/// assert_eq!(onset_frames::brief("two words"), "two");
+/// assert_eq!(onset_frames::brief(&"a".repeat(100)), "aaaaaaaaaaaaaaaaaaaaaaaa...");
+/// ```
+pub fn brief(text: &(impl AsRef<[u8]> + ?Sized)) -> String {
+    let text = text.as_ref().trim_ascii_start();
     let end = text.iter().position(u8::is_ascii_whitespace);
-    let end = end.unwrap_or(text.len()).min(96);
-    let shown = String::from_utf8_lossy(&text[..end]);
-    let shown: String = shown.chars().flat_map(char::escape_debug).collect();
-    match shown.char_indices().nth(24) {
+    let end = end.unwrap_or(text.len()).min(4 * (QUOTED + 1));
+    cut(&String::from_utf8_lossy(&text[..end]))
+}
+
+/// First 24 characters of foreign text, without control characters; for names with blanks.
+pub fn cut(text: &str) -> String {
+    let shown = text.chars().take(QUOTED + 1);
+    let shown: String = shown.flat_map(char::escape_debug).collect();
+    match shown.char_indices().nth(QUOTED) {
         Some((cut, _)) => format!("{}...", &shown[..cut]),
         None => shown,
     }
@@ -185,13 +198,36 @@ fn quoted(word: Option<&str>) -> String {
 }
 
 /// Number of names listed in an error.
-const LISTED_NAMES: usize = 40;
+const LISTED_NAMES: usize = 6;
 
-fn listed(names: &[String]) -> String {
-    let shown = names.iter().take(LISTED_NAMES);
-    let shown: Vec<String> = shown.map(|name| word(name.as_bytes())).collect();
-    match names.len().saturating_sub(LISTED_NAMES) {
-        0 => shown.join(", "),
-        more => format!("{} and {more} more", shown.join(", ")),
+/// Number of columns, and the names that may be the expected ones.
+fn listed(names: &[String], is_near: impl Fn(&str) -> bool) -> String {
+    let near = names.iter().filter(|name| is_near(name)).take(LISTED_NAMES);
+    let near: Vec<String> = near.map(|name| format!("`{}`", cut(name))).collect();
+    let count = match names.len() {
+        1 => "1 column".to_owned(),
+        count => format!("{count} columns"),
+    };
+    match near.is_empty() {
+        true => count,
+        false => format!("{count}, among them {}", near.join(", ")),
     }
+}
+
+/// Returns true if a name may be a coordinate.
+fn is_position(name: &str) -> bool {
+    let plain = name.to_ascii_lowercase();
+    let is_short = plain.len() < 4 && plain.starts_with(['x', 'y', 'z']);
+    is_short || ["pos", "coord"].iter().any(|part| plain.contains(part))
+}
+
+/// Returns true if two names are equal, or one contains the other, up to case and punctuation.
+fn is_similar(own: &str, name: &str) -> bool {
+    let plain = |text: &str| -> String {
+        let letters = text.chars().filter(|letter| letter.is_alphanumeric());
+        letters.flat_map(char::to_lowercase).collect()
+    };
+    let (own, name) = (plain(own), plain(name));
+    let is_part = |part: &str, whole: &str| part.len() > 1 && whole.contains(part);
+    own == name || is_part(&own, &name) || is_part(&name, &own)
 }

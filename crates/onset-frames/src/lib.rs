@@ -27,7 +27,7 @@ mod series;
 mod text;
 
 pub use columns::{ColumnUse, Support};
-pub use error::{FrameError, Place};
+pub use error::{FrameError, Place, brief, cut};
 pub use frame::{Bounds, Cells, Frame, Order};
 pub use reading::{FrameRange, Limits, Quantity, Reading};
 pub use series::{Format, Recognized, Series};

@@ -149,7 +149,7 @@ impl FromStr for Quantity {
             _ => Self::ALL.into_iter().find(|own| own.word() == word),
         };
         long.ok_or_else(|| FrameError::Request {
-            what: format!("unknown quantity `{}`", crate::error::word(word.as_bytes())),
+            what: format!("unknown quantity `{}`", crate::error::brief(word)),
             hint: format!("quantities: {}", Self::words()),
         })
     }
@@ -196,7 +196,7 @@ impl FromStr for FrameRange {
     fn from_str(text: &str) -> Result<Self, FrameError> {
         let wrong = || {
             FrameError::Request {
-            what: format!("`{}` is not a range of frames", crate::error::word(text.as_bytes())),
+            what: format!("`{}` is not a range of frames", crate::error::brief(text)),
             hint: "write FIRST:END, FIRST:END:EVERY, or :END; END is not included, and negative numbers count from the end".to_owned(),
         }
         };

@@ -1,7 +1,7 @@
 //! Series of frames: recognition of the format, order in time, and reading.
 
 use crate::columns::{ColumnUse, Plan};
-use crate::error::{FrameError, word};
+use crate::error::{FrameError, brief};
 use crate::formats::{Source, Stamp, hdf5, lammps, numpy, table, vtk, xyz};
 use crate::frame::Frame;
 use crate::reading::{Quantity, Reading};
@@ -379,8 +379,8 @@ fn of_one_body(files: Vec<PathBuf>, reading: &Reading) -> Result<Vec<PathBuf>, F
             hint: match several {
                 [first, second, ..] => format!(
                     "name the files of one, or choose it by a part of its name: {}, {}",
-                    word(first.as_bytes()),
-                    word(second.as_bytes())
+                    brief(first),
+                    brief(second)
                 ),
                 _ => "no file has the chosen group in its name".to_owned(),
             },

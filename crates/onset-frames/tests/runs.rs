@@ -267,7 +267,7 @@ fn rows_of_a_table_are_sorted_into_frames() {
 }
 
 #[test]
-fn named_columns_replace_guesses_and_missing_names_are_listed() {
+fn named_columns_replace_guesses_and_similar_names_are_listed() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = written(&folder, "a.csv", "n,a,b,x,y\n4,1,2,0,0\n");
     let reading = Reading::default()
@@ -281,7 +281,13 @@ fn named_columns_replace_guesses_and_missing_names_are_listed() {
         .expect("columns");
     let error = refused(path, &reading);
     assert!(
-        error.contains("no column c for stress") && error.contains("n, a, b"),
+        error.contains("no column c for stress") && error.ends_with("the file has 5 columns"),
+        "{error}"
+    );
+    let path = written(&folder, "b.csv", "SECRET one,xpos_1,SECRET two\n4,1,2\n");
+    let error = refused(path, &Reading::default());
+    assert!(
+        error.contains("the file has 3 columns, among them `xpos_1`") && !error.contains("SECRET"),
         "{error}"
     );
 }

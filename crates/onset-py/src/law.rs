@@ -125,10 +125,10 @@ impl Law {
         interrupt::answer(py, move || {
             let mut deformations = Vec::new();
             for stretches in &stretches {
-                deformations.push(Strain::of_stretches("--stretch", stretches, 2)?.0);
+                deformations.push(Strain::of_stretches("stretch", stretches, 2)?.0);
             }
             for components in &components {
-                let strain = Strain::of_components("--deformation-gradient", components, 2)?;
+                let strain = Strain::of_components("F", components, 2)?;
                 deformations.push(strain.0);
             }
             if deformations.is_empty() {
@@ -140,22 +140,24 @@ impl Law {
         })
     }
 
-    /// Energy, first Piola-Kirchhoff stress and tangent at states of nine components each: 91 numbers for each state.
+    /// Energy, first Piola-Kirchhoff stress and tangent at states of nine components each: 91 numbers for each state. `first` is the number of the first
+    /// state in messages.
     fn responses<'py>(
         &self,
         py: Python<'py>,
         components: PyBuffer<f64>,
+        first: usize,
     ) -> PyResult<Bound<'py, PyBytes>> {
         let components = numbers(py, &components)?;
         let settings = self.settings.clone();
         let responses = interrupt::answer(py, move || {
             let law = settings.build().map_err(Failure::input)?;
-            let states = deformations(&components)?;
+            let states = deformations(&components, first)?;
             let mut all = vec![0.0; states.len() * NUMBERS];
             let scope = Scope::current();
             let part = |(n, (out, states)): (usize, (&mut [f64], &[DeformationGradient]))| {
                 for (i, (out, f)) in out.chunks_exact_mut(NUMBERS).zip(states).enumerate() {
-                    let state = n * BATCH_STATES + i;
+                    let state = first + n * BATCH_STATES + i;
                     respond(&*law, f, out)
                         .map_err(|error| Failure::Input(format!("state {state}: {error}")))?;
                 }

@@ -79,7 +79,7 @@ fn states(
     problem: &answers::Problem,
     components: &[f64],
 ) -> Result<Vec<DeformationGradient>, Failure> {
-    let given = deformations(components)?.into_iter();
+    let given = deformations(components, 0)?.into_iter();
     Ok(given.map(|f| problem.given(f)).collect::<Result<_, _>>()?)
 }
 
@@ -91,8 +91,8 @@ fn strain(
 ) -> Result<Strain, Failure> {
     let extent = problem.extent();
     Ok(match (stretch, components) {
-        (Some(text), None) => Strain::of_stretches("--stretch", text, extent)?,
-        (None, Some(text)) => Strain::of_components("--deformation-gradient", text, extent)?,
+        (Some(text), None) => Strain::of_stretches("stretch", text, extent)?,
+        (None, Some(text)) => Strain::of_components("F", text, extent)?,
         _ => {
             return Err(Failure::input(
                 "a state has `stretch` or `F`; give one of them",
@@ -266,8 +266,8 @@ impl Problem {
         let problem = Arc::clone(&self.0);
         interrupt::answer(py, move || {
             let extent = problem.extent();
-            let from = Strain::of_either("--from", &from, extent)?;
-            let to = Strain::of_either("--to", &to, extent)?;
+            let from = Strain::of_either("from_", &from, extent)?;
+            let to = Strain::of_either("to", &to, extent)?;
             along(problem, Course::Straight(from, to))
         })
     }

@@ -248,8 +248,14 @@ mod tests {
             format!("run --set {}", "k=v ".repeat(40)),
         ];
         let (with, without) = (answer(&notes).text(false), answer(&[]).text(false));
-        assert!(with.lines().count() <= LINES && without.contains("line 5"), "{with}");
-        assert!(with.contains("limits      in tension") && !with.contains("line 5"), "{with}");
+        assert!(
+            with.lines().count() <= LINES && without.contains("line 5"),
+            "{with}"
+        );
+        assert!(
+            with.contains("limits      in tension") && !with.contains("line 5"),
+            "{with}"
+        );
         for note in &notes {
             let words = with.split_whitespace().collect::<Vec<_>>().join(" ");
             assert!(words.contains(note.trim()), "{with}");

@@ -681,3 +681,35 @@ fn a_run_without_particles_to_assess_is_refused() {
         "{told}"
     );
 }
+
+#[test]
+fn frames_without_particles_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let dump = |step| {
+        format!(
+            "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n0\nITEM: BOX BOUNDS ff ff pp\n0 20\n0 20\n0 1\nITEM: ATOMS id type x y z\n"
+        )
+    };
+    let xyz = |step| format!("0\nProperties=species:S:1:pos:R:3 Time={step}\n");
+    for (name, text) in [
+        ("run.dump", dump(0) + &dump(1)),
+        ("run.xyz", xyz(0) + &xyz(1)),
+    ] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("written");
+        let error = Recording::open(&HEALTHY.source(path), 2, false).expect_err("refused");
+        assert!(error.to_string().contains("has no particles"), "{error}");
+    }
+    let (problem, run) = (HEALTHY.problem(&[]), Run::default());
+    let mut none = std::iter::empty();
+    let answer = ScreenAnswer::new(
+        &problem,
+        &HEALTHY.question(),
+        &run,
+        None,
+        &mut none,
+        &mut |_| Ok(()),
+    );
+    let told = answer.expect_err("a refusal").to_string();
+    assert!(told.contains("the run has no particles"), "{told}");
+}

@@ -4,7 +4,7 @@ use super::{Failure, with_files};
 use crate::arguments::SimulateArguments;
 use crate::interrupt;
 use crate::patience::{self, bar};
-use crate::printing::{is_quiet, print, tell};
+use crate::printing::{print, tell};
 use indicatif::ProgressBar;
 use onset_study::answers::{Problem, numbers};
 use onset_study::output::{Output, picture};
@@ -25,7 +25,7 @@ const PICTURES: [&str; 11] = [
     "svg", "png", "pdf", "eps", "ps", "jpg", "jpeg", "tif", "tiff", "gif", "webp",
 ];
 
-/// Longest time of a step after an interrupt, for a run without output files.
+/// Longest time of a step and of its checkpoint after an interrupt; afterwards the last checkpoint stands.
 const PATIENCE: time::Duration = time::Duration::from_millis(200);
 
 impl From<SimulateError> for Failure {
@@ -244,35 +244,24 @@ impl Progress {
     }
 
     fn finish(&self) {
+        interrupt::is_ending();
         if let Some(bar) = self.bar.get() {
             bar.finish_and_clear();
         }
     }
 
-    /// Lets an interrupt end the run after the current step.
+    /// Lets an interrupt end the run after the current step. A long step is abandoned.
     fn answer_interrupts(&self) {
-        let (told, at_end, patience) = match self.is_kept {
-            true => (
-                Some("writing a checkpoint; interrupt again to end immediately"),
-                "interrupted; the same command with --resume continues from the last checkpoint",
-                None,
-            ),
-            false => (
-                None,
-                "interrupted; nothing was kept: give --out",
-                Some(PATIENCE),
-            ),
+        let at_end = match self.is_kept {
+            true => {
+                "interrupted; the same command with --resume continues from the last checkpoint"
+            }
+            false => "interrupted; nothing was kept: give --out",
         };
-        let answer = interrupt::Answer {
-            told: told.filter(|_| !is_quiet()),
+        interrupt::answer_with(interrupt::Answer {
             at_end: Some(at_end.to_owned()),
-            patience,
-        };
-        if let Err(error) = interrupt::answer_with(answer) {
-            tell(format_args!(
-                "note: an interrupt ends this run without a checkpoint: {error}"
-            ));
-        }
+            patience: PATIENCE,
+        });
     }
 }
 

@@ -435,7 +435,7 @@ fn broken_cells_and_headers_are_refused() {
             table("time,reading", |own| own),
             [
                 "line 1",
-                "the header has `time,reading`",
+                "the header has 2 columns",
                 "expected stretch or strain",
             ],
         ),

@@ -640,3 +640,27 @@ fn an_undefined_path_is_not_reported_as_stable() {
         "{partly}"
     );
 }
+
+#[test]
+fn errors_of_long_arguments_have_at_most_2000_characters() {
+    let long = "S".repeat(90_000);
+    for arguments in [
+        &[long.as_str()][..],
+        &["state", "--format", &long],
+        &["path", "--mode", &long, "--to", "2"],
+        &["map", "rubber.toml", "--fail-on", &long],
+        &["state", &format!("--{long}")],
+        &["state", "--stretch", &long],
+        &["state", "--set", &long],
+        &["state", "--format", "\u{1b}[2J"],
+    ] {
+        let answer = onset(arguments);
+        let told = answer.stderr;
+        assert_eq!(answer.code, Some(2), "{told}");
+        assert!(told.starts_with("error: "), "{told}");
+        assert!(
+            told.chars().count() <= 2001 && !told.contains('\u{1b}'),
+            "{told}"
+        );
+    }
+}

@@ -131,7 +131,6 @@ fn a_quick_answer_shows_no_progress() {
     assert!(!text.contains("Ctrl-C"), "{text}");
 }
 
-/// If SIGHUP is ignored, as under `nohup`, no handler is installed; Ctrl-C still ends the command.
 #[test]
 fn ctrl_c_ends_a_command_under_nohup() {
     let mut terminal = Terminal::with(&format!("nohup {}", onset(SLOW)));
@@ -144,12 +143,97 @@ fn ctrl_c_ends_a_command_under_nohup() {
     terminal.press(CTRL_C);
     let (code, text) = terminal.ended();
     assert_eq!(code, Some(130), "{text}");
+    let left = terminal.left();
     assert!(
-        fs::read_dir(&folder).is_ok_and(|mut all| all.all(|one| {
-            // Files of the interrupted attempt are removed by the next command.
-            let name = one.expect("one").file_name();
-            name.to_string_lossy().starts_with(".onset-unfinished-")
-        })),
-        "{text}"
+        left.iter().all(|one| one.ends_with("nohup.out")),
+        "{left:?}"
     );
+}
+
+#[test]
+fn a_hangup_stays_ignored_under_nohup_and_a_termination_ends_the_command() {
+    let place = Scratch::new("nohup");
+    fs::create_dir_all(place.join("here")).expect("a folder");
+    let mut child = Command::new("nohup")
+        .arg(env!("CARGO_BIN_EXE_onset"))
+        .args(SLOW.split_whitespace())
+        .current_dir(place.join("here"))
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("nohup");
+    let begin = Instant::now();
+    while !place.join("here/new/inner").is_dir() && begin.elapsed() < PATIENCE {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let send = |signal: &str, to: u32| {
+        let sent = Command::new("kill")
+            .args([signal, &to.to_string()])
+            .status();
+        assert!(sent.expect("kill").success(), "{signal}");
+    };
+    send("-HUP", child.id());
+    std::thread::sleep(Duration::from_millis(500));
+    assert!(child.try_wait().expect("a state").is_none(), "ended by HUP");
+    send("-TERM", child.id());
+    assert_eq!(child.wait().expect("an end").code(), Some(130));
+}
+
+/// Body of many particles, a step of which takes longer than an interrupt may.
+const LARGE: &str = "[material]\nmodel = \"neo-hooke\"\nmu = 1.0\nlambda = 2.0\n\
+     [discretization]\nmethod = \"total-lagrangian-sph\"\nlattice = \"square\"\n\
+     [body]\nshape = \"bar\"\nsize = [200, 200]\n";
+
+#[test]
+fn an_interrupt_abandons_a_long_step_of_a_run_with_checkpoints() {
+    let place = Scratch::new("steps");
+    fs::write(place.join("study.toml"), LARGE).expect("written");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_onset"))
+        .args(
+            "simulate study.toml --amplitude 1e-6 --steps 1000000 --out run --checkpoint 1"
+                .split(' '),
+        )
+        .current_dir(place.join("."))
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the command starts");
+    let begin = Instant::now();
+    let checkpoint = place.join("run/checkpoint.onset");
+    while !checkpoint.exists() && begin.elapsed() < PATIENCE {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let pressed = Instant::now();
+    let sent = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(sent.expect("kill").success());
+    assert_eq!(child.wait().expect("an end").code(), Some(130));
+    assert!(
+        pressed.elapsed() < Duration::from_secs(2),
+        "{:?}",
+        pressed.elapsed()
+    );
+    assert!(checkpoint.exists(), "the last checkpoint is lost");
+}
+
+/// Under any limit of address space a command answers, or ends with a message; it does not panic. An allocation that fails ends it by SIGABRT.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_limit_of_address_space_is_no_panic() {
+    for limit in [30_000, 38_000, 45_000, 60_000, 150_000] {
+        let line = format!(
+            "ulimit -v {limit}; exec {} state",
+            env!("CARGO_BIN_EXE_onset")
+        );
+        let answer = Command::new("sh")
+            .args(["-c", &line])
+            .env_remove("RUST_BACKTRACE")
+            .output()
+            .expect("sh");
+        let told = String::from_utf8_lossy(&answer.stderr);
+        assert!(!told.contains("panicked"), "{limit}: {told}");
+    }
 }

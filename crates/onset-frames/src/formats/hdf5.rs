@@ -6,7 +6,7 @@
 use super::numpy::{Axes, time_name, without_time};
 use super::{Opened, SINGLE_DIGITS, Source, Stamp};
 use crate::columns::Plan;
-use crate::error::{FrameError, Place, word};
+use crate::error::{FrameError, Place, brief};
 use crate::frame::Frame;
 use crate::input::regular;
 use crate::reading::{Quantity, Reading};
@@ -114,7 +114,7 @@ fn stored(
                 name: String::new(),
                 path: own,
             }),
-            None => ignored.push(format!("`{}` holds no numbers", word(own.as_bytes()))),
+            None => ignored.push(format!("`{}` holds no numbers", brief(&own))),
         }
     }
     // One body of PySPH: the chosen one, or the one with the most particles.
@@ -132,7 +132,7 @@ fn stored(
     if let Some(chosen) = chosen {
         sets.retain(|own| body_of(&own.path) == Some(chosen));
         let others = bodies.keys().filter(|name| *name != chosen);
-        ignored.extend(others.map(|name| format!("the particles `{}`", word(name.as_bytes()))));
+        ignored.extend(others.map(|name| format!("the particles `{}`", brief(name))));
     }
     let short = |path: &str| path.rsplit('/').next().unwrap_or(path).to_owned();
     let mut times: HashMap<String, usize> = HashMap::new();
@@ -189,7 +189,7 @@ fn numbers(
         true => Ok(values),
         false => Err(FrameError::wrong(
             Place::file(path),
-            format!("complete values of `{}`", word(set.path.as_bytes())),
+            format!("complete values of `{}`", brief(&set.path)),
             HINT,
         )),
     }
@@ -238,7 +238,7 @@ fn body(
             Some((_, has_frames)) => columns.push((set, has_frames)),
             None => ignored.push(format!(
                 "`{}` has other axes than frames, particles, components",
-                word(set.name.as_bytes())
+                brief(&set.name)
             )),
         }
     }

@@ -5,7 +5,7 @@
 use super::zip::{Member, members};
 use super::{Opened, Source, Stamp};
 use crate::columns::{Available, Dialect, Plan, Support};
-use crate::error::{FrameError, Place, word};
+use crate::error::{FrameError, Place, brief};
 use crate::frame::Frame;
 use crate::input::regular;
 use crate::reading::{Quantity, Reading};
@@ -128,7 +128,7 @@ fn header(
     let wrong = || {
         FrameError::wrong(
             Place::file(path),
-            format!("an array in `{}`", word(name.as_bytes())),
+            format!("an array in `{}`", brief(name)),
             HINT,
         )
     };
@@ -155,7 +155,7 @@ fn header(
     let Some(described) = described.strip_prefix('\'') else {
         return Err(FrameError::refused(
             Place::file(path),
-            format!("`{}` has records", word(name.as_bytes())),
+            format!("`{}` has records", brief(name)),
             "save each field as a separate array",
         ));
     };
@@ -165,7 +165,7 @@ fn header(
             Place::file(path),
             format!(
                 "`{}` holds pickled objects, which are programs and are not loaded",
-                word(name.as_bytes())
+                brief(name)
             ),
             "write HDF5, or save plain arrays with numpy.savez",
         ));
@@ -230,7 +230,7 @@ fn arrays(path: &Path, ignored: &mut Vec<String>) -> Result<Vec<Array>, FrameErr
                 is_fortran,
                 shape,
             }),
-            None => ignored.push(format!("`{}` holds no numbers", word(name.as_bytes()))),
+            None => ignored.push(format!("`{}` holds no numbers", brief(&name))),
         }
     }
     Ok(arrays)
@@ -444,7 +444,7 @@ fn archive(
         if !fitting.contains(&n) {
             ignored.push(format!(
                 "`{}` has other axes than frames, particles, components",
-                word(own.name.as_bytes())
+                brief(&own.name)
             ));
         }
     }
@@ -526,7 +526,7 @@ impl Stream {
                 Place::file(path),
                 format!(
                     "`{}` is too large for Fortran order",
-                    word(self.array.name.as_bytes())
+                    brief(&self.array.name)
                 ),
                 "save numpy.ascontiguousarray of the array",
             ));

@@ -155,7 +155,7 @@ fn member(entry: &[u8], length: u64) -> Option<(Result<Member, String>, &[u8])> 
         return None;
     }
     let method = short(10)?;
-    let shown = crate::error::word(text.as_bytes());
+    let shown = crate::error::brief(&text);
     let member = match (short(8)? & 1, method) {
         (1, _) => Err(format!("`{shown}` is encrypted")),
         (_, 0) if size != packed => return None,

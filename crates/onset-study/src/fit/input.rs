@@ -356,12 +356,9 @@ fn initial_modulus(test: &Test) -> Option<f64> {
     (below > 0.0 && above > 0.0).then(|| above / below)
 }
 
-/// First characters of a text from a file.
+/// First word of a text from a file.
 fn brief(text: &str) -> String {
-    text.chars()
-        .filter(|own| !own.is_control())
-        .take(40)
-        .collect()
+    onset_frames::brief(text)
 }
 
 fn is_deck(text: &str) -> bool {
@@ -667,7 +664,10 @@ impl Table<'_> {
         let (Some(along), Some(stress)) = (along, stress) else {
             return Err(self.line(
                 at,
-                format!("the header has `{header}`; {expected}"),
+                format!(
+                    "the header has {}; {expected}",
+                    counted(names.len(), "column")
+                ),
                 "rename the columns",
             ));
         };
@@ -702,7 +702,10 @@ impl Table<'_> {
             if stress_unit(unit).is_some() {
                 return Err(self.line(
                     at,
-                    format!("the column `{}` has the unit of a stress", names[stress.1]),
+                    format!(
+                        "the column `{}` has the unit of a stress",
+                        brief(&names[stress.1])
+                    ),
                     "name it nominal_stress, or correct the unit",
                 ));
             }
@@ -721,7 +724,7 @@ impl Table<'_> {
             {
                 return Err(self.line(
                     at,
-                    format!("forces in {unit} do not give stresses in {}", brief(asked)),
+                    format!("forces in {} do not give stresses in {}", brief(unit), brief(asked)),
                     "forces are converted to N: name MPa for an area in mm^2, or Pa for an area in m^2",
                 ));
             }
@@ -812,7 +815,7 @@ impl Table<'_> {
                     };
                     self.line(
                         line,
-                        format!("{what} of the column `{}` {fault}", names[place]),
+                        format!("{what} of the column `{}` {fault}", brief(&names[place])),
                         "write numbers such as 1.25 or 3e-2",
                     )
                 })

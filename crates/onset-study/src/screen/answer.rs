@@ -296,6 +296,9 @@ impl ScreenAnswer {
         frames: &mut dyn Iterator<Item = Result<Frame, ScreenError>>,
         sink: Sink<'_>,
     ) -> Result<Self, ScreenError> {
+        if run.reference.is_empty() {
+            return Err(super::input::no_particles("the run"));
+        }
         let spacing = problem.analysis.spacing();
         let measured = || run.spacing(problem.dimension());
         let found = recording.map_or_else(measured, |own| own.spacing);

@@ -337,6 +337,9 @@ impl Recording {
 
     /// Initializes the particles from the first frame.
     fn begin(&mut self, frame: &Read) -> Result<(), ScreenError> {
+        if frame.is_empty() {
+            return Err(no_particles(format!("{}: the frame", frame.source)));
+        }
         if let Some(fault) = broken(frame) {
             return Err(wrong(
                 fault,
@@ -561,6 +564,14 @@ impl Recording {
         self.held_by = format!("faces that move rigidly: {}", faces.join(", "));
         held
     }
+}
+
+/// Error for a frame or a run without particles.
+pub(super) fn no_particles(of: impl std::fmt::Display) -> ScreenError {
+    wrong(
+        format!("{of} has no particles"),
+        "choose frames with particles; the first frame defines the particles of the run",
+    )
 }
 
 fn time_of(frame: &Read) -> Result<f64, ScreenError> {

@@ -154,7 +154,7 @@ fn read(
             measured.get_or_insert_with(|| (known.name, file.of(value)));
         }
         if !known.kind.accepts(&read) {
-            let message = format!("`{name}` cannot be {read}");
+            let message = format!("`{name}` cannot be {}", read.brief());
             return Err(SettingError::new(file.of(value), message)
                 .hint(format!("expected {} ({})", known.expects(), known.meaning))
                 .nearest_word(known.name, &read, known.words()));
@@ -437,7 +437,7 @@ impl BodySettings {
                     Some(time) if time >= 0.0 => Ok(time),
                     _ => Err(SettingError::new(
                         origin.clone(),
-                        format!("`{name}` cannot be {value}"),
+                        format!("`{name}` cannot be {}", value.brief()),
                     )
                     .hint("expected a time that is not negative")),
                 },

@@ -500,7 +500,7 @@ impl Comparison {
         if known.kind.accepts(&value) && self.options.set(known.parts().1, &value) {
             return Ok(());
         }
-        let message = format!("`{}` cannot be {value}", known.name);
+        let message = format!("`{}` cannot be {}", known.name, value.brief());
         Err(SettingError::new(origin, message).hint(expected(known)))
     }
 
@@ -621,8 +621,8 @@ fn expected(key: &Key) -> String {
 /// A value as a message shows it, with the numbers of a list.
 fn described_value(value: &DeValue<'_>) -> String {
     match (scalar(value), list(value)) {
-        (Some(value), _) => value.to_string(),
-        (_, Some(numbers)) => format!("{numbers:?}"),
+        (Some(value), _) => value.brief(),
+        (_, Some(numbers)) => Value::Numbers(numbers).brief(),
         _ => described(value),
     }
 }

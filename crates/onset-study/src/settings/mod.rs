@@ -335,10 +335,11 @@ impl Settings {
     pub fn assign(&mut self, assignment: &str) -> Result<(), SettingError> {
         let origin = Origin::CommandLine(format!("--set {assignment}"));
         let Some((name, text)) = assignment.split_once('=') else {
-            return Err(
-                SettingError::new(origin, format!("`{assignment}` is not an assignment"))
-                    .hint("write --set key=value, for example --set discretization.support=1.6"),
-            );
+            return Err(SettingError::new(
+                origin,
+                format!("`{}` is not an assignment", onset_frames::cut(assignment)),
+            )
+            .hint("write --set key=value, for example --set discretization.support=1.6"));
         };
         let (name, text) = (name.trim(), text.trim());
         let kind = Key::named(name).map(|key| key.kind);
@@ -385,9 +386,12 @@ impl Settings {
                     format!("expected {} ({})", key.expects(), key.meaning),
                 ),
             };
-            SettingError::new(origin, format!("`{name}` cannot be {typed}{range}"))
-                .hint(hint)
-                .nearest_word(key.name, typed, key.words())
+            SettingError::new(
+                origin,
+                format!("`{name}` cannot be {}{range}", typed.brief()),
+            )
+            .hint(hint)
+            .nearest_word(key.name, typed, key.words())
         };
         let measured = units::converted(key, typed, &origin)?;
         let has_unit = measured.is_some();
@@ -681,6 +685,20 @@ fn words(text: &str) -> Vec<String> {
         .collect()
 }
 
+impl Value {
+    /// Beginning of a value in a message; values of files are not repeated at length.
+    pub(crate) fn brief(&self) -> String {
+        match self {
+            Self::Word(word) => format!("\"{}\"", onset_frames::brief(word)),
+            Self::Numbers(numbers) if numbers.len() > 9 => {
+                format!("a list of {} numbers", numbers.len())
+            }
+            Self::Words(words) => format!("a list of {} words", words.len()),
+            other => other.to_string(),
+        }
+    }
+}
+
 impl std::fmt::Display for Value {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -705,7 +723,13 @@ pub(crate) fn unknown_key<'a>(
     known: impl Iterator<Item = &'a str> + Clone,
     origin: Origin,
 ) -> SettingError {
-    let error = SettingError::new(origin, format!("unknown key `{name}`"));
+    let told = match name.split_once('.') {
+        Some((section, key)) => {
+            format!("{}.{}", onset_frames::cut(section), onset_frames::cut(key))
+        }
+        None => onset_frames::cut(name),
+    };
+    let error = SettingError::new(origin, format!("unknown key `{told}`"));
     if let Some(told) = aliases::hint(name) {
         return error.hint(told);
     }

@@ -66,7 +66,7 @@ fn term(text: &str) -> Result<Typed, String> {
     let [shear, bulk, time] = fields[..] else {
         return Err(format!(
             "`{}` has {} numbers; expected g, k, tau",
-            text.trim(),
+            onset_frames::brief(text),
             fields.len()
         ));
     };
@@ -74,7 +74,7 @@ fn term(text: &str) -> Result<Typed, String> {
         text.parse::<f64>()
             .ok()
             .filter(|number| number.is_finite())
-            .ok_or_else(|| format!("`{text}` is not a number"))
+            .ok_or_else(|| format!("`{}` is not a number", onset_frames::brief(text)))
     };
     let measured = units::time(time)?;
     Ok((

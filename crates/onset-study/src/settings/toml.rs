@@ -165,7 +165,7 @@ pub(super) fn described(value: &DeValue<'_>) -> String {
         DeValue::Datetime(date) => format!("the date {date}"),
         DeValue::Array(_) => "a list".to_owned(),
         DeValue::Table(_) => "a table".to_owned(),
-        DeValue::Integer(integer) => integer.to_string(),
-        other => scalar(other).map_or_else(String::new, |value| value.to_string()),
+        DeValue::Integer(integer) => onset_frames::brief(&integer.to_string()),
+        other => scalar(other).map_or_else(String::new, |value| value.brief()),
     }
 }

@@ -137,7 +137,8 @@ pub(super) fn time(text: &str) -> Result<Option<f64>, String> {
     match value_of("time", unit) {
         Some(factor) => Ok(Some(scaled(number, factor))),
         None => Err(format!(
-            "`{unit}` is not a unit of time; units are {}",
+            "`{}` is not a unit of time; units are {}",
+            onset_frames::brief(unit),
             names_of("time")
         )),
     }
@@ -213,8 +214,9 @@ pub(crate) fn converted(
     match (of(dimension), other) {
         ([], _) => wrong(
             format!(
-                "`{}` has no dimension and accepts no unit such as `{unit}`",
-                key.name
+                "`{}` has no dimension and accepts no unit such as `{}`",
+                key.name,
+                onset_frames::brief(unit)
             ),
             format!("give a number without unit ({})", key.meaning),
         ),
@@ -234,7 +236,7 @@ pub(crate) fn converted(
             let meant =
                 nearest.map_or_else(String::new, |known| format!("did you mean `{known}`? "));
             wrong(
-                format!("`{unit}` is not a known unit"),
+                format!("`{}` is not a known unit", onset_frames::brief(unit)),
                 format!(
                     "{meant}units of {} are {}",
                     named(dimension),

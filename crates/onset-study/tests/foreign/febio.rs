@@ -3,7 +3,7 @@
 use crate::{STATES, agrees, chains, invariants, ogden, read, told};
 use nalgebra::Matrix3;
 use onset::kinematics::DeformationGradient;
-use onset_study::settings::Program::Febio;
+use onset_study::settings::{Program::Febio, law_from};
 
 /// File with a material.
 fn file(kind: &str, parameters: &str) -> String {
@@ -229,4 +229,15 @@ fn unsupported_materials_are_refused_with_their_line() {
         let error = told(Febio, &text, None);
         assert!(error.contains(fact), "{text}: {error}");
     }
+}
+
+#[test]
+fn the_time_to_read_a_file_is_linear_in_the_number_of_materials() {
+    let one =
+        "<material id=\"1\" name=\"a\" type=\"neo-Hookean\">\n<E>1</E><v>0.3</v></material>\n";
+    let begin = std::time::Instant::now();
+    let law = law_from(Febio, "a deck", &one.repeat(20_000), &[]).expect("a law");
+    assert_eq!(law.assignments[0], "material.model=neo-hooke");
+    // Quadratic work took half a minute in a release build.
+    assert!(begin.elapsed().as_secs() < 10, "{:?}", begin.elapsed());
 }

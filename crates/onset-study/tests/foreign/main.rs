@@ -960,3 +960,45 @@ fn prony_series_of_decks_are_read() {
         told("0.5, 0, 0.25", "long-term")
     );
 }
+
+#[test]
+fn messages_quote_at_most_the_beginning_of_one_word_of_a_deck() {
+    let long = "SECRET".repeat(3000);
+    for (program, deck) in [
+        (
+            Program::Ansys,
+            format!("TB,HYPER,1,,1,SECRET{long}\nTBDATA,1,2\n"),
+        ),
+        (
+            Program::Ansys,
+            format!("TB,HYPER,1,,1,OGDEN\nTBDATA,1,{long}\n"),
+        ),
+        (
+            Program::Abaqus,
+            format!("*MATERIAL, NAME=a\n*HYPERELASTIC, {long}\n1, 2, 3\n"),
+        ),
+        (
+            Program::Abaqus,
+            format!("*HYPERELASTIC, OGDEN, N=1\n{long}, 2, 3\n"),
+        ),
+        (
+            Program::Febio,
+            format!("<material id=\"1\" type=\"{long}\"></material>"),
+        ),
+        (
+            Program::Febio,
+            format!("<material><{long}>1</other></material>"),
+        ),
+        (
+            Program::Felupe,
+            format!("umat = fem.Hyperelastic(fem.ogden, mu=[{long}], alpha=[2])\n"),
+        ),
+        (Program::LsDyna, format!("*MAT_{long}\n1\n")),
+        (Program::Radioss, format!("/MAT/{long}/1\ntitle\n")),
+    ] {
+        let error = law_from(program, "a deck", &deck, &[]).expect_err("refused");
+        let told = error.to_string();
+        let count = told.to_ascii_uppercase().matches("SECRET").count();
+        assert!(count <= 4 && told.len() < 1000, "{program:?}: {told}");
+    }
+}

@@ -6,7 +6,7 @@ mod xml;
 use super::numpy::{Number, without_time};
 use super::{Opened, SINGLE_DIGITS, Source, Stamp};
 use crate::columns::{Available, Dialect, Plan, Support};
-use crate::error::{FrameError, Place, word};
+use crate::error::{FrameError, Place, brief};
 use crate::frame::{Cells, Frame};
 use crate::input::{bounded, regular};
 use crate::reading::{Quantity, Reading};
@@ -128,7 +128,7 @@ fn document(path: &Path, bytes: &[u8], is_head: bool) -> Result<Document, FrameE
             | "HyperTreeGrid" => {
                 return Err(FrameError::refused(
                     Place::file(path),
-                    format!("the file has a `{}`", word(tag.name.as_bytes())),
+                    format!("the file has a `{}`", brief(&tag.name)),
                     HINT,
                 ));
             }
@@ -256,7 +256,7 @@ fn encoding(tag: &Tag, path: &Path) -> Result<Encoding, FrameError> {
         other => {
             return Err(FrameError::refused(
                 Place::file(path),
-                format!("compressed by `{}`", word(other.as_bytes())),
+                format!("compressed by `{}`", brief(other)),
                 "write the file with zlib or without compression",
             ));
         }
@@ -539,7 +539,7 @@ impl Grids {
         }
         let read = |array: &Array, most: usize| {
             values(bytes, &array.storage, array.number, encoding, most).map_err(|expected| {
-                let name = word(array.name.as_bytes());
+                let name = brief(&array.name);
                 FrameError::wrong(place(), format!("{expected} in `{name}`"), HINT)
             })
         };
@@ -569,7 +569,7 @@ impl Grids {
             let count = count.saturating_mul(own.components);
             let list = read(array, count)?;
             if list.len() != count {
-                let name = word(own.name.as_bytes());
+                let name = brief(&own.name);
                 return Err(FrameError::wrong(
                     place(),
                     format!("{count} numbers in `{name}`, found {}", list.len()),

@@ -14,6 +14,7 @@ use super::unread::{Chosen, Relaxation, Unread};
 use super::write::{self, Form, Refusal, Sheet, list, order, ordered};
 use super::{Program, Trouble, number};
 use onset::material::PronyTerm;
+use onset_frames::{brief, cut};
 
 /// Number of constants on a data line.
 const CONSTANTS_PER_LINE: usize = 8;
@@ -37,6 +38,14 @@ const LAWS: [&str; 3] = ["HYPERELASTIC", "HYPERFOAM", "ANISOTROPICHYPERELASTIC"]
 
 fn is_law(block: &Block<'_>) -> bool {
     LAWS.contains(&block.keyword.as_str())
+}
+
+/// Keyword of a block in a message.
+fn title(block: &Block<'_>) -> String {
+    match is_law(block) {
+        true => block.title.clone(),
+        false => cut(&block.title),
+    }
 }
 
 /// Splits the blocks into materials. Blocks before the first `*MATERIAL` form a material without a name.
@@ -133,8 +142,8 @@ fn unread(blocks: &[Block<'_>]) -> Result<Unread, Trouble> {
         let is_table = block.keyword.ends_with("TESTDATA");
         let mut add = |name: &str, value: &Option<String>| {
             let value = value.as_ref();
-            let value = value.map_or_else(String::new, |value| format!("={value}"));
-            let part = format!("{name}{value} of {}", block.title);
+            let value = value.map_or_else(String::new, |value| format!("={}", brief(value)));
+            let part = format!("{}{value} of {}", brief(name), title(block));
             unread.parts.push((part, block.line));
         };
         if is_table {
@@ -148,8 +157,9 @@ fn unread(blocks: &[Block<'_>]) -> Result<Unread, Trouble> {
             continue;
         }
         if block.line != line {
-            if !unread.parts.iter().any(|(part, _)| *part == block.title) {
-                unread.parts.push((block.title.clone(), block.line));
+            let part = title(block);
+            if !unread.parts.iter().any(|(other, _)| *other == part) {
+                unread.parts.push((part, block.line));
             }
             continue;
         }
@@ -324,7 +334,10 @@ impl Block<'_> {
         number.ok_or_else(|| {
             Trouble::new(
                 self.line,
-                format!("{name} is `{value}`; expected an integer from 1 to {most}"),
+                format!(
+                    "{name} is `{}`; expected an integer from 1 to {most}",
+                    brief(value)
+                ),
                 "write it as N=2",
             )
         })
@@ -431,7 +444,10 @@ fn rubber(block: &Block<'_>, unread: &mut Unread) -> Result<ForeignLaw, Trouble>
     {
         return Err(Trouble::new(
             block.line,
-            format!("*HYPERELASTIC has the parameter `{other}`, which is not supported"),
+            format!(
+                "*HYPERELASTIC has the parameter `{}`, which is not supported",
+                brief(other)
+            ),
             "supported: NEO HOOKE, MOONEY-RIVLIN, YEOH, REDUCED POLYNOMIAL, POLYNOMIAL, OGDEN, ARRUDA-BOYCE and VAN DER WAALS, with N, and MARLOW with a table",
         ));
     }

@@ -8,6 +8,7 @@ use super::unread::{Chosen, Relaxation, Unread};
 use super::write::{Block, Form, Refusal, Sheet, list, order, ordered};
 use super::{Program, Trouble, number};
 use onset::material::PronyTerm;
+use onset_frames::brief;
 
 /// Table of constants with its form.
 struct Table {
@@ -86,7 +87,7 @@ fn law(table: &Table) -> Result<ForeignLaw, Trouble> {
         "ETUBE" => tube(table, title),
         other => Err(Trouble::new(
             line,
-            format!("TB,HYPER with `{other}` is not supported"),
+            format!("TB,HYPER with `{}` is not supported", brief(other)),
             "supported: NEO, MOONEY, POLY, YEOH, OGDEN, BOYCE, GENT, BLATZ, FOAM and ETUBE",
         )),
     }
@@ -191,7 +192,7 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
             if !is_open {
                 unread
                     .parts
-                    .push((format!("TB,{},{}", field(1), field(2)), line));
+                    .push((format!("TB,{},{}", brief(field(1)), brief(field(2))), line));
             }
             if field(1) == "PRONY"
                 && found.is_some()
@@ -240,14 +241,16 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
                 ));
             }
             if is_open {
-                unread.parts.push((format!("TBTEMP,{}", field(1)), line));
+                unread
+                    .parts
+                    .push((format!("TBTEMP,{}", brief(field(1))), line));
             }
             continue;
         } else if !field(0).is_empty() && field(0) != "TBDATA" && !field(0).starts_with(['/', '*'])
         {
             unread
                 .parts
-                .push((format!("{},{}", field(0), field(1)), line));
+                .push((format!("{},{}", brief(field(0)), brief(field(1))), line));
         }
         match (field(0), &mut found) {
             ("TB", None) if is_open => {
@@ -260,7 +263,7 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
                         text => Some(text.parse().map_err(|_| {
                             Trouble::new(
                                 line,
-                                format!("NPTS is `{text}`"),
+                                format!("NPTS is `{}`", brief(text)),
                                 "expected TB,HYPER,MAT,NTEMP,NPTS,TBOPT, for example TB,HYPER,1,,3,OGDEN",
                             )
                         })?),
@@ -278,7 +281,7 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
                         .ok_or_else(|| {
                             Trouble::new(
                                 line,
-                                format!("TBDATA begins at `{text}`"),
+                                format!("TBDATA begins at `{}`", brief(text)),
                                 "expected TBDATA,1,C1,C2,...",
                             )
                         })?,

@@ -11,6 +11,7 @@ use super::unread::{Chosen, Relaxation, Unread};
 use super::write::{Block, Form, Refusal, Sheet, order, ordered};
 use super::{Program, Trouble, number};
 use onset::material::PronyTerm;
+use onset_frames::{brief, cut};
 use roxmltree::{Document, Node};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -65,7 +66,7 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
     let document = Document::parse(&whole).map_err(|error| {
         Trouble::new(
             error.pos().row as usize,
-            format!("the text is not XML: {error}"),
+            format!("the text is not XML: {}", fault(&error)),
             "expected <material id=\"1\" type=\"Ogden\"> with its parameters",
         )
     })?;
@@ -96,7 +97,7 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
                     line_of(node),
                     format!(
                         "the type \"{}\" is not supported",
-                        node.attribute("type").unwrap_or_default()
+                        cut(node.attribute("type").unwrap_or_default())
                     ),
                     HINT,
                 )
@@ -105,6 +106,12 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
         });
     };
     let (own, node, (law, reader)) = &with_law[at];
+    let law = &Law {
+        node: *law,
+        kind: law.attribute("type").unwrap_or_default(),
+        line: line_of(law),
+        known: RefCell::new(BTreeSet::from(["density".to_owned()])),
+    };
     let mut read = reader(law)?;
     read.unread = unread(**node, law, read.shear)?;
     read.unread.material = Some(Chosen {
@@ -113,6 +120,21 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
         count: with_law.len(),
     });
     Ok(read)
+}
+
+/// Description of an error of XML, without names of the text.
+fn fault(error: &roxmltree::Error) -> String {
+    use roxmltree::Error;
+    let own = match error {
+        Error::UnexpectedCloseTag(..) => "a tag is closed under another name",
+        Error::DuplicatedAttribute(..) => "an attribute is given twice",
+        Error::DuplicatedNamespace(..) | Error::UnknownNamespace(..) => {
+            "a namespace is unknown or defined twice"
+        }
+        Error::UnknownEntityReference(..) => "an entity is unknown",
+        other => return other.to_string(),
+    };
+    own.to_owned()
 }
 
 const HINT: &str = "supported: neo-Hookean, incomp neo-Hookean, Mooney-Rivlin, coupled Mooney-Rivlin, Yeoh, polynomial, Ogden, Ogden unconstrained, \
@@ -134,26 +156,17 @@ fn elastic(node: Node<'_, '_>) -> Option<Trouble> {
     )
 }
 
+/// Line of an element, found by reading the text from its beginning: not for each element of a file.
 fn line_of(node: &Node<'_, '_>) -> usize {
     node.document().text_pos_at(node.range().start).row as usize
 }
 
 /// The material itself or the first part of it that has a known type.
-fn law_in<'d, 't>(material: Node<'d, 't>) -> Option<(Law<'d, 't>, Reader)> {
+fn law_in<'d, 't>(material: Node<'d, 't>) -> Option<(Node<'d, 't>, Reader)> {
     material.descendants().find_map(|node| {
         let kind = node.attribute("type")?;
         let (_, reader) = LAWS.iter().find(|(name, _)| *name == kind)?;
-        let line = line_of(&node);
-        let known = RefCell::new(BTreeSet::from(["density".to_owned()]));
-        Some((
-            Law {
-                node,
-                kind,
-                line,
-                known,
-            },
-            *reader,
-        ))
+        Some((node, *reader))
     })
 }
 
@@ -167,9 +180,16 @@ fn unread(
     let known = law.known.borrow();
     let parameters = law.node.children().filter(Node::is_element);
     let parameters = parameters.filter(|node| !known.contains(node.tag_name().name()));
-    unread
-        .parts
-        .extend(parameters.map(|node| (format!("<{}>", node.tag_name().name()), line_of(&node))));
+    // Only the first parts are shown with their lines.
+    let shown_line = |n: usize, node: &Node<'_, '_>| match n < super::LISTED {
+        true => line_of(node),
+        false => 0,
+    };
+    let parameters = parameters.enumerate().map(|(n, node)| {
+        let part = format!("<{}>", brief(node.tag_name().name()));
+        (part, shown_line(n, &node))
+    });
+    unread.parts.extend(parameters);
     if material == law.node {
         return Ok(unread);
     }
@@ -177,13 +197,13 @@ fn unread(
     let others = material.children().filter(|node| {
         node.attribute("type").is_some() && !law.node.ancestors().any(|around| around == *node)
     });
-    let others = others.map(|node| {
+    let others = others.enumerate().map(|(n, node)| {
         let part = format!(
             "<{} type=\"{}\">",
-            node.tag_name().name(),
-            node.attribute("type").unwrap_or_default()
+            brief(node.tag_name().name()),
+            cut(node.attribute("type").unwrap_or_default())
         );
-        (part, line_of(&node))
+        (part, shown_line(n, &node))
     });
     unread.parts.extend(others);
     if kind.ends_with("viscoelastic") && shear.is_some() {
@@ -223,7 +243,7 @@ fn unread(
     }
     let relaxation = unread.relaxation.as_ref();
     if relaxation.is_none_or(|own| own.terms.is_none()) {
-        let part = format!("type=\"{kind}\"");
+        let part = format!("type=\"{}\"", cut(kind));
         unread.parts.insert(0, (part, line_of(&material)));
     }
     Ok(unread)
@@ -232,21 +252,21 @@ fn unread(
 /// Number of an element.
 fn value_of(node: &Node<'_, '_>) -> Result<f64, Trouble> {
     let text = node.text().unwrap_or_default();
-    let line = line_of(node);
     let kind = node.attribute("type").filter(|kind| *kind != "const");
     if let Some(kind) = kind {
         return Err(Trouble::new(
-            line,
+            line_of(node),
             format!(
-                "<{}> is given by type=\"{kind}\", which is not supported",
-                node.tag_name().name()
+                "<{}> is given by type=\"{}\", which is not supported",
+                node.tag_name().name(),
+                brief(kind)
             ),
             "expected a number",
         ));
     }
     if node.attribute("lc").is_some() {
         return Err(Trouble::new(
-            line,
+            line_of(node),
             format!(
                 "<{}> is multiplied by a load curve, which is not supported",
                 node.tag_name().name()
@@ -254,7 +274,10 @@ fn value_of(node: &Node<'_, '_>) -> Result<f64, Trouble> {
             "give the value at one time, without lc",
         ));
     }
-    number(text, line)
+    number(text, 0).map_err(|trouble| Trouble {
+        line: line_of(node),
+        ..trouble
+    })
 }
 
 impl Law<'_, '_> {
@@ -324,7 +347,7 @@ impl Law<'_, '_> {
             other => {
                 return Err(Trouble::new(
                     self.line,
-                    format!("pressure_model is {other}"),
+                    format!("pressure_model is {}", brief(other)),
                     "expected default, NIKE3D, Abaqus or Abaqus (GOH), or 0 to 3",
                 ));
             }

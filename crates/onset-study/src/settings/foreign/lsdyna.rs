@@ -13,6 +13,7 @@ use super::law::{Energy, ForeignLaw, LINEAR, SQUARE, Volume, bulk_modulus, named
 use super::unread::{Chosen, Relaxation, Unread};
 use super::write::{self, Form, Refusal, Sheet, columns, ordered};
 use super::{Program, Trouble, number};
+use onset_frames::brief;
 
 /// Laws by name and by number, and what reads them.
 const LAWS: [(&str, &str, Reader); 6] = [
@@ -65,7 +66,7 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
     let added = blocks
         .iter()
         .filter(|other| other.keyword.starts_with("MAT_ADD") && other.number() == block.number());
-    let added = added.map(|other| (format!("*{}", other.keyword), other.line));
+    let added = added.map(|other| (format!("*{}", brief(&other.keyword)), other.line));
     law.unread.parts.extend(added);
     Ok(law)
 }
@@ -82,12 +83,12 @@ fn no_law(blocks: &[Block<'_>]) -> Trouble {
             block.line,
             format!(
                 "*{} is a table of tests and not a law with constants",
-                block.keyword
+                brief(&block.keyword)
             ),
             "fit a law with constants to the table",
         ),
         Some(block) => elastic(block).unwrap_or_else(|| {
-            let message = format!("*{} is not supported", block.keyword);
+            let message = format!("*{} is not supported", brief(&block.keyword));
             Trouble::new(block.line, message, HINT)
         }),
         None => Trouble::no_law(Program::LsDyna, HINT),

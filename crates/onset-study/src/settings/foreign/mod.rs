@@ -22,6 +22,7 @@ use unread::Unread;
 pub use write::{WriteError, Writing, law_written};
 
 use super::{Origin, SettingError, did_you_mean, sections};
+use onset_frames::{brief, cut};
 use std::borrow::Cow;
 use std::str::FromStr;
 
@@ -343,13 +344,12 @@ impl Trouble {
 
     /// Returns the error that no material of the requested name has a supported law.
     fn no_such_material(wanted: &str, names: &[impl AsRef<str>]) -> Self {
-        let names: Vec<String> = names.iter().map(|name| quoted(name.as_ref())).collect();
         Self::new(
             1,
             format!(
                 "no material {} has a hyperelastic law; materials with a law: {}",
                 quoted(wanted),
-                names.join(", ")
+                several(names.iter().map(|name| quoted(name.as_ref())))
             ),
             "name one of them with --material",
         )
@@ -360,11 +360,25 @@ impl Trouble {
     }
 }
 
-/// Name of a material in a text, quoted if it contains spaces or commas.
+/// Number of foreign names in a message.
+const LISTED: usize = 12;
+
+/// First names of a list, and the number of further ones.
+fn several(names: impl ExactSizeIterator<Item = String>) -> String {
+    let more = names.len().saturating_sub(LISTED);
+    let shown: Vec<String> = names.take(LISTED).collect();
+    match more {
+        0 => shown.join(", "),
+        more => format!("{} and {more} more", shown.join(", ")),
+    }
+}
+
+/// Beginning of the name of a material in a text, quoted if it contains spaces or commas.
 fn quoted(name: &str) -> String {
+    let name = cut(name);
     match name.contains([' ', ',']) {
         true => format!("\"{name}\""),
-        false => name.to_owned(),
+        false => name,
     }
 }
 
@@ -379,7 +393,7 @@ fn number(field: &str, line: usize) -> Result<f64, Trouble> {
     value.ok_or_else(|| {
         Trouble::new(
             line,
-            format!("`{text}` is not a number"),
+            format!("`{}` is not a number", brief(text)),
             "expected a number, such as 1.5 or 2E-3",
         )
     })

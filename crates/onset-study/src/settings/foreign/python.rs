@@ -8,6 +8,7 @@ use super::law::{Energy, ForeignLaw, SQUARE, Volume, extended_tube, named, van_d
 use super::unread::Chosen;
 use super::write::{Block, Form, Refusal, Sheet, order, ordered};
 use super::{Program, Trouble};
+use onset_frames::brief;
 
 /// Name of a model, and the conversion of its arguments to a law.
 type Model = (&'static str, fn(&Call) -> Result<ForeignLaw, Trouble>);
@@ -100,7 +101,6 @@ pub(super) fn read(
         _ => ("felupe", FELUPE),
     };
     let materials = materials(&text, models);
-    let names = || materials.iter().map(|own| own.name).collect::<Vec<_>>();
     let place = match material {
         None => 0,
         Some(wanted) => materials
@@ -110,8 +110,9 @@ pub(super) fn read(
                 Trouble::new(
                     1,
                     format!(
-                        "no material of the script is called {wanted}; its materials: {}",
-                        names().join(", ")
+                        "no material of the script is called {}; its materials: {}",
+                        brief(wanted),
+                        super::several(materials.iter().map(|own| brief(own.name)))
                     ),
                     "name one of them with --material",
                 )
@@ -345,7 +346,7 @@ fn arguments(text: &str, end: usize, line: usize) -> Result<Vec<(String, Vec<f64
             Some((name, value)) => Ok((name.trim().to_owned(), numbers(value, name.trim(), line)?)),
             None => Err(Trouble::new(
                 line,
-                format!("the argument `{part}` has no name"),
+                format!("the argument `{}` has no name", brief(part)),
                 "give arguments by name, as in mu=[1.0], alpha=[2.0]",
             )),
         })
@@ -380,7 +381,7 @@ fn numbers(value: &str, name: &str, line: usize) -> Result<Vec<f64>, Trouble> {
             number.ok_or_else(|| {
                 Trouble::new(
                     line,
-                    format!("{name} is `{field}`"),
+                    format!("{} is `{}`", brief(name), brief(field)),
                     "expected numbers, not names of a script or expressions",
                 )
             })
@@ -486,8 +487,9 @@ impl Call {
             Some((name, _)) => Err(Trouble::new(
                 self.line,
                 format!(
-                    "{} has no argument `{name}`; its arguments are {}",
+                    "{} has no argument `{}`; its arguments are {}",
                     self.title,
+                    brief(name),
                     names.join(", ")
                 ),
                 "check the name, upper and lower case count",

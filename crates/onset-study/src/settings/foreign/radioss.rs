@@ -16,6 +16,7 @@ use super::unread::{Chosen, Relaxation};
 use super::write::{self, Form, Refusal, Sheet, columns, order, ordered, ratio};
 use super::{Program, Trouble, number};
 use onset::material::PronyTerm;
+use onset_frames::brief;
 
 /// Laws by number and name, and what reads them.
 const LAWS: [(&str, &str, Reader); 7] = [
@@ -73,7 +74,7 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
                 Trouble::no_such_material(wanted, &numbers().collect::<Vec<_>>())
             }
             (_, Some(block)) => elastic(block).unwrap_or_else(|| {
-                let message = format!("/MAT/{} is not supported", block.law);
+                let message = format!("/MAT/{} is not supported", brief(&block.law));
                 Trouble::new(block.line, message, HINT)
             }),
             (_, None) => Trouble::no_law(Program::Radioss, HINT),

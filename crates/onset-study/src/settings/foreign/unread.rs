@@ -108,10 +108,7 @@ impl Unread {
                 .parts
                 .iter()
                 .map(|(part, line)| format!("{part} (line {line})"));
-            notes.push(format!(
-                "not read: {}",
-                parts.collect::<Vec<_>>().join(", ")
-            ));
+            notes.push(format!("not read: {}", super::several(parts)));
         }
         if let Some(Relaxation {
             terms,

@@ -32,7 +32,7 @@ fn check(settings: &MaterialSettings) -> Result<(), SettingError> {
             let (_, origin) = settings.require(name)?;
             return Err(SettingError::new(
                 origin.clone(),
-                format!("a table has no parameter `{name}`"),
+                format!("a table has no parameter `{}`", onset_frames::cut(name)),
             )
             .hint("its only parameter is material.kappa, the bulk modulus"));
         }

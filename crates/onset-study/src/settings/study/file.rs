@@ -214,7 +214,7 @@ fn quantity(value: &DeValue<'_>, origin: Origin) -> Result<Quantity, SettingErro
             Some(_) => {
                 format!("`{name}` cannot be an axis, because it does not take a range of numbers")
             }
-            None => format!("there is no quantity `{name}`"),
+            None => format!("there is no quantity `{}`", onset_frames::cut(name)),
         };
         let completed = names
             .clone()

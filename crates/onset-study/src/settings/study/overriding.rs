@@ -64,7 +64,7 @@ impl Study {
     fn assign(&mut self, assignment: &str) -> Result<(), SettingError> {
         let origin = Origin::CommandLine(format!("--set {assignment}"));
         let Some((name, text)) = assignment.split_once('=') else {
-            let message = format!("`{assignment}` is not an assignment");
+            let message = format!("`{}` is not an assignment", onset_frames::cut(assignment));
             return Err(SettingError::new(origin, message)
                 .hint("write --set key=value, for example --set discretization.support=1.6"));
         };
@@ -106,9 +106,12 @@ impl Study {
     ) -> Result<(), SettingError> {
         let key = renamed::of_word(key, value);
         let wrong = |origin: Origin| {
-            SettingError::new(origin, format!("`{}` cannot be {value}", key.name))
-                .hint(format!("expected {} ({})", key.expects(), key.meaning))
-                .nearest_word(key.name, value, key.words())
+            SettingError::new(
+                origin,
+                format!("`{}` cannot be {}", key.name, value.brief()),
+            )
+            .hint(format!("expected {} ({})", key.expects(), key.meaning))
+            .nearest_word(key.name, value, key.words())
         };
         let measured = units::converted(key, value, &origin)?;
         let meant = aliases::meant(key, value, &origin)?;

@@ -147,6 +147,22 @@ fn incomplete_axes_and_unknown_keys_of_axes_are_refused() {
 }
 
 #[test]
+fn messages_quote_at_most_24_characters_of_a_value_or_a_key() {
+    let long = "SECRET".repeat(3000);
+    for text in [
+        format!("[material]\nmodel = \"{long}\"\n"),
+        format!("[material]\nmodel = \"one word, then SECRET {long}\"\n"),
+        format!("[discretization]\nsupport = \"{long}\"\n"),
+        format!("[discretization]\n{long} = 1\n"),
+        format!("axes = \"{long}\"\n"),
+    ] {
+        let told = error(&(text + PLANE));
+        let count = told.matches("SECRET").count();
+        assert!(count <= 4 && told.len() < 2000, "{told}");
+    }
+}
+
+#[test]
 fn the_error_for_an_unknown_quantity_names_the_most_similar_one() {
     for (name, fact) in [
         ("strech-2", "did you mean `stretch-2`?"),
