@@ -266,7 +266,7 @@ fn implicit_steps_reach_a_singular_matrix_and_mask_growth_where_stated() {
         };
         // The factors of the library, which has eliminated the acceleration.
         for phase in [0.1_f64, 0.7, 3.0, 40.0] {
-            let sizes = |mut factors: Vec<Complex>| {
+            let sizes = |mut factors: Vec<Complex<f64>>| {
                 factors.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
                 factors
                     .into_iter()

@@ -95,8 +95,7 @@ fn summed<const D: usize>(
 fn compared<const D: usize>(kind: LatticeKind) {
     let mut random = Random::new(7);
     let own = crystal::<D>(kind);
-    let lattice = own.lattice();
-    let primitive = SMatrix::<f64, D, D>::from_fn(|i, j| lattice.vectors()[j][i]);
+    let primitive = *own.lattice().vectors();
     let material = solid();
     for (upwinding, corrected) in [
         (Upwinding::Constant, false),
@@ -106,10 +105,10 @@ fn compared<const D: usize>(kind: LatticeKind) {
     ] {
         let scheme = upwinded::<D>(kind, upwinding, corrected);
         for _ in 0..4 {
-            let mut whole = nalgebra::Matrix3::<f64>::identity();
+            let mut whole = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
             for i in 0..D {
                 for j in 0..D {
-                    whole[(i, j)] += 0.3 * random.number();
+                    whole[i][j] += 0.3 * random.number();
                 }
             }
             let f = DeformationGradient::new(whole).expect("a deformation");
