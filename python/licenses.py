@@ -1,4 +1,4 @@
-"""Collects the licenses of all crates that are linked into the command or the Python package.
+"""Collects the licenses of all that is linked into the command or the Python package: crates, the standard library of Rust, and the embedded font.
 
 `python python/licenses.py OUT [PACKAGE]` writes them into the file OUT, for `onset-cli` by default. The exit code is 1 if a crate has a license that is not
 admitted below. A crate that ships no license text gets the text of the MIT license, if it may be used under it.
@@ -21,8 +21,9 @@ ADMITTED = {
 #: Names of files that contain a license, or a notice that a license requires to be distributed.
 TEXTS = re.compile(r"(licen[cs]e|copying|copyright|notice|unlicense)", re.IGNORECASE)
 OWN = ("onset", "xtask")
+ROOT = Path(__file__).resolve().parent.parent
 #: The MIT license below its line of copyright.
-PERMISSION = (Path(__file__).resolve().parent.parent / "LICENSE-MIT").read_text(encoding="utf-8").split("\n\n", 2)[2].strip()
+PERMISSION = (ROOT / "LICENSE-MIT").read_text(encoding="utf-8").split("\n\n", 2)[2].strip()
 
 
 def linked(package: str) -> list[dict[str, Any]]:
@@ -66,9 +67,12 @@ def main(out: str, package: str = "onset-cli") -> int:
             texts.setdefault(f"Copyright (c) {authors}\n\n{PERMISSION}", []).append(f"{name} ({crate['license']}), {crate['repository']}")
         for path in files:
             texts.setdefault(path.read_text(encoding="utf-8", errors="replace").strip(), []).append(f"{name} ({crate['license']}), {path.name}")
+    texts.setdefault(f"Copyright (c) The Rust Project Contributors\n\n{PERMISSION}", []).append("standard library of Rust (MIT OR Apache-2.0)")
+    font = ROOT / "crates/onset-study/src/figure/DejaVu-LICENSE.txt"
+    texts.setdefault(font.read_text(encoding="utf-8").strip(), []).append("DejaVu Sans, embedded in figures")
     for fault in faults:
         print(fault, file=sys.stderr)
-    head = "Licenses of the crates that are linked into this program. Of a crate that offers a choice, all texts follow.\n"
+    head = "Licenses of the crates, the standard library and the font that are linked into this program. Of a crate that offers a choice, all texts follow.\n"
     rule = "\n" + "=" * 100 + "\n"
     parts = ("\n".join(names) + "\n\n" + text + "\n" for text, names in sorted(texts.items(), key=lambda entry: entry[1][0]))
     Path(out).write_text(head + "".join(rule + part for part in parts), encoding="utf-8")

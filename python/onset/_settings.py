@@ -681,7 +681,7 @@ def source(path: str | os.PathLike[str], what: str = "a study") -> tuple[str, st
     """Returns the name and the text of a file."""
     name = place(path, what)
     try:
-        return name, Path(name).read_text(encoding="utf-8")
+        return name, Path(name).read_text(encoding="utf-8-sig")
     except (OSError, ValueError) as error:
         raise InputError(f"cannot read {name}: {error}\n  hint: expected {what} in a file") from error
 

@@ -400,6 +400,8 @@ def test_the_installed_package_has_the_licenses_of_all_linked_libraries() -> Non
     assert {"LICENSE-MIT", "LICENSE-APACHE"} <= set(files)
     for crate in ("nalgebra", "pyo3", "rayon", "serde", "tiny-skia"):
         assert f"\n{crate} " in texts, crate
+    for part in ("standard library of Rust", "DejaVu Sans, embedded"):
+        assert part in texts, part
 
 
 def test_the_program_of_a_deck_is_recognized() -> None:

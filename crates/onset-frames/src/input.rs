@@ -34,20 +34,49 @@ pub fn bounded(from: impl Read, most: u64) -> io::Result<Vec<u8>> {
     }
 }
 
-/// Decodes UTF-8 with or without a byte order mark.
+/// Byte order mark of UTF-8.
+pub(crate) const MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// Name of an encoding other than UTF-8, from the first bytes of a text: its byte order mark, or zeros between the letters.
+pub fn other_encoding(start: &[u8]) -> Option<&'static str> {
+    match start {
+        [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] => Some("UTF-32"),
+        [1..=255, 0, 0, 0, 1..=255, 0, 0, 0, ..] | [0, 0, 0, 1..=255, 0, 0, 0, 1..=255, ..] => {
+            Some("UTF-32")
+        }
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Some("UTF-16"),
+        [1..=255, 0, 1..=255, 0, 1..=255, 0, ..] | [0, 1..=255, 0, 1..=255, 0, 1..=255, ..] => {
+            Some("UTF-16")
+        }
+        _ => None,
+    }
+}
+
+/// Decodes UTF-8 with or without a byte order mark. Carriage returns that end all lines are replaced by line feeds.
 ///
 /// # Errors
-/// [`io::Error`] with the line of the first byte that is not UTF-8, or with the name of another encoding.
+/// [`io::Error`] with the line of the first byte that is not UTF-8 text, or with the name of another encoding.
 pub fn decoded(mut bytes: Vec<u8>) -> io::Result<String> {
-    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
-        return Err(invalid("it is UTF-16; save it as UTF-8".to_owned()));
+    if let Some(encoding) = other_encoding(&bytes) {
+        return Err(invalid(format!("it is {encoding}; save it as UTF-8")));
     }
-    if bytes.starts_with(b"\xef\xbb\xbf") {
-        bytes.drain(..3);
+    if bytes.starts_with(MARK) {
+        bytes.drain(..MARK.len());
+    }
+    let line_of = |before: &[u8]| 1 + before.iter().filter(|byte| **byte == b'\n').count();
+    if let Some(at) = bytes.iter().position(|byte| *byte == 0) {
+        let line = line_of(&bytes[..at]);
+        return Err(invalid(format!(
+            "line {line} has a zero byte, which is no text"
+        )));
+    }
+    if bytes.contains(&b'\r') && !bytes.contains(&b'\n') {
+        for byte in bytes.iter_mut().filter(|byte| **byte == b'\r') {
+            *byte = b'\n';
+        }
     }
     String::from_utf8(bytes).map_err(|error| {
-        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-        let line = 1 + valid.iter().filter(|byte| **byte == b'\n').count();
+        let line = line_of(&error.as_bytes()[..error.utf8_error().valid_up_to()]);
         invalid(format!("line {line} is not UTF-8 text"))
     })
 }
@@ -68,6 +97,22 @@ mod tests {
         assert_eq!(
             read(b"\xff\xfex\0"),
             Err("it is UTF-16; save it as UTF-8".to_owned())
+        );
+        for (bytes, encoding) in [
+            (&b"\xff\xfex\0\0\0"[..], "UTF-16"),
+            (b"x\0,\0y\0\n\0", "UTF-16"),
+            (b"\0x\0,\0y\0\n", "UTF-16"),
+            (b"\xff\xfe\0\0x\0\0\0", "UTF-32"),
+            (b"\0\0\xfe\xff\0\0\0x", "UTF-32"),
+            (b"x\0\0\0,\0\0\0", "UTF-32"),
+        ] {
+            let told = format!("it is {encoding}; save it as UTF-8");
+            assert_eq!(read(bytes), Err(told), "{bytes:?}");
+        }
+        assert_eq!(read(b"x,y\r1,2\r"), Ok("x,y\n1,2\n".to_owned()));
+        assert_eq!(
+            read(b"one\ntwo\n\0\0"),
+            Err("line 3 has a zero byte, which is no text".to_owned())
         );
         assert_eq!(
             read(b"one\ntwo\xff"),

@@ -4,6 +4,7 @@ use crate::columns::{ColumnUse, Plan};
 use crate::error::{FrameError, brief};
 use crate::formats::{Source, Stamp, hdf5, lammps, numpy, table, vtk, xyz};
 use crate::frame::Frame;
+use crate::input::{MARK, other_encoding};
 use crate::reading::{Quantity, Reading};
 use crate::text::head;
 use std::cmp::Ordering;
@@ -43,19 +44,26 @@ impl Format {
     /// Recognizes the format of a file.
     fn of(path: &Path) -> Result<Self, FrameError> {
         let start = head(path, 512)?;
-        let text = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&start);
+        let text = start.strip_prefix(MARK).unwrap_or(&start);
         let text = text.trim_ascii_start();
         let refused = |what: &str, hint: &str| {
             let place = crate::error::Place::file(path);
             Err(FrameError::refused(place, what, hint))
         };
+        let no_text = "save it as UTF-8";
         match text {
+            _ if other_encoding(&start) == Some("UTF-16") => refused("it is UTF-16", no_text),
+            _ if other_encoding(&start) == Some("UTF-32") => refused("it is UTF-32", no_text),
             [] => refused("the file is empty", "give an output file of a simulation"),
             _ if text.starts_with(b"\x93NUMPY") || text.starts_with(b"PK\x03\x04") => {
                 Ok(Self::Numpy)
             }
-            _ if text.starts_with(b"ITEM:") => Ok(Self::Lammps),
             _ if text.starts_with(b"<") => Ok(Self::Vtk),
+            _ if text.contains(&b'\r') && !text.contains(&b'\n') && !text.contains(&0) => refused(
+                "the lines end with carriage returns",
+                "save the file with line feeds",
+            ),
+            _ if text.starts_with(b"ITEM:") => Ok(Self::Lammps),
             _ if text.starts_with(b"# vtk DataFile") => refused(
                 "the file has the legacy format of VTK",
                 "convert it to .vtu, for example with meshio or ParaView",

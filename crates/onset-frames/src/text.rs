@@ -1,7 +1,7 @@
 //! Lines of text files, plain or compressed.
 
 use crate::error::{FrameError, Place};
-use crate::input::regular;
+use crate::input::{MARK, regular};
 use crate::reading::Limits;
 use flate2::bufread::MultiGzDecoder;
 use std::fs::File;
@@ -141,6 +141,9 @@ impl Lines {
         self.count(outcome)?;
         let bytes = line.len();
         self.is_whole = line.last() == Some(&b'\n');
+        if self.mark.offset == 0 && line.starts_with(MARK) {
+            line.drain(..MARK.len());
+        }
         self.line = line;
         self.advance(bytes as u64, u64::from(bytes > 0))?;
         if bytes > MAX_LINE {

@@ -478,3 +478,30 @@ fn hdf5_files_of_pysph_are_read_as_frames_of_one_body() {
     let series = Series::open(&[data("square_5.hdf5")], &wall).expect("a series");
     assert_eq!(all(series)[0].len(), 3);
 }
+
+#[test]
+fn a_byte_order_mark_is_skipped_and_other_encodings_are_refused_by_name() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let dump = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS ff ff pp\n0 9\n0 9\n0 1\nITEM: ATOMS id x y z\n1 2 3 0\n";
+    let texts = [
+        ("a.dump", dump),
+        ("a.csv", "time,id,x,y\n0,1,2,3\n"),
+        ("a.xyz", "1\nProperties=id:I:1:pos:R:3 Time=0\n1 2 3 0\n"),
+    ];
+    for (name, text) in texts {
+        let path = written(&folder, name, format!("\u{feff}{text}"));
+        let frames = all(Series::open(&[path], &Reading::default()).expect("a series"));
+        assert_eq!(frames[0].position, [[2.0, 3.0, 0.0]], "{name}");
+        let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        let of_four: Vec<u8> = text.chars().flat_map(|c| (c as u32).to_le_bytes()).collect();
+        for (bytes, told) in [
+            ([b"\xff\xfe", &wide[..]].concat(), "it is UTF-16"),
+            (wide, "it is UTF-16"),
+            ([b"\xff\xfe\0\0", &of_four[..]].concat(), "it is UTF-32"),
+            (text.replace('\n', "\r").into_bytes(), "carriage returns"),
+        ] {
+            let error = refused(written(&folder, name, bytes), &Reading::default());
+            assert!(error.contains(told), "{name}: {error}");
+        }
+    }
+}

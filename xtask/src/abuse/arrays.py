@@ -16,6 +16,9 @@ RANDOM = random.Random(int(sys.argv[1]))
 PLAIN = np.array([[1.1, 0.9], [1.0, 1.0], [0.8, 1.3], [1.2, 1.2]])
 SPH = onset.Method("updated-sph", lattice="square")
 LAW = onset.Material("neo-hooke", mu=1.0, lambda_=2.0)
+TOTAL = onset.Method("total-lagrangian-sph", lattice="square", support=2.0)
+GRID = np.stack(np.meshgrid(np.arange(8.0), np.arange(8.0)), -1).reshape(-1, 2)
+X = np.stack([GRID * (1 + 0.01 * frame) for frame in range(3)])
 
 
 def array() -> object:
@@ -60,6 +63,22 @@ CALLS = [
     lambda: LAW.tangent(stretch=array()),
     lambda: LAW.energy(F=array()),
     lambda: onset.state(LAW, SPH, stretch=array()),
+    lambda: onset.waves(LAW, SPH, wave_vector=array(), stretch=(1.1, 1)),
+    lambda: onset.screen(X, array(), None, LAW, TOTAL),
+    lambda: onset.screen(X, None, array(), LAW, TOTAL),
+    lambda: onset.screen(array(), None, None, LAW, TOTAL),
+    lambda: onset.screen(X, None, None, LAW, TOTAL, held=array()),
+    lambda: onset.screen(X, None, None, LAW, TOTAL, velocity=array()),
+    lambda: onset.screen(X, None, None, LAW, TOTAL, F=array()),
+    lambda: onset.screen(X, None, None, LAW, TOTAL, stress=array()),
+    lambda: onset.screen(X, None, None, LAW, TOTAL, volumes=array()),
+    lambda: onset.screen(X, None, None, LAW, TOTAL, elements=array()),
+    lambda: onset.fit({"uniaxial": (array(), array())}, "yeoh", starts=1),
+    lambda: onset.audit(LAW, stretch=array()),
+    lambda: onset.limit(LAW, SPH, vary="material.mu", time_step=1e-2, stretch=array()),
+    lambda: onset.path(LAW, SPH, from_=array(), to=array()),
+    lambda: onset.simulate(LAW, SPH, stretch=array(), steps=3),
+    lambda: onset.Material("neo-hooke", mu=array(), lambda_=2.0),
 ]
 
 

@@ -23,6 +23,9 @@ const COMMANDS: &[&str] = &[
     "recommend",
     "plot",
     "simulate",
+    "fit",
+    "screen",
+    "zoo",
     "verify deck",
     "verify read",
     "schema",
@@ -51,6 +54,14 @@ const OPTIONS: &[&str] = &[
     "--integrator",
     "--certify",
     "--fail-on",
+    "--law",
+    "--uniaxial",
+    "--unit",
+    "--columns",
+    "--frames",
+    "--held",
+    "--model",
+    "--material",
     "--",
 ];
 const WORDS: &[&str] = &[
@@ -86,6 +97,11 @@ const WORDS: &[&str] = &[
     ".",
     "out",
     "study.toml",
+    "tests.csv",
+    "run.csv",
+    "yeoh",
+    "MPa",
+    "x=a,b",
     "- ",
     "99999999999999999999",
     "0x10",
@@ -102,6 +118,8 @@ pub(super) fn command_line(
     random: &mut Random,
 ) -> Result<(), Fault> {
     place.write("study.toml", STUDY)?;
+    place.write("tests.csv", super::files::TESTS)?;
+    place.write("run.csv", super::files::run_as_table())?;
     let mut command = programs.onset();
     command.args(random.of(COMMANDS).split(' '));
     for _ in 0..random.below(8) {

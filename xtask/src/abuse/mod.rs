@@ -34,43 +34,60 @@ impl Programs {
 struct Kind {
     name: &'static str,
     case: fn(&Programs, &Place, &mut Random) -> Result<(), Fault>,
+    /// Number of counted cases in a run.
+    count: u64,
 }
 
 const KINDS: &[Kind] = &[
     Kind {
         name: "command lines",
         case: lines::command_line,
+        count: 1,
     },
     Kind {
         name: "formulas",
         case: lines::formula,
+        count: 1,
     },
     Kind {
         name: "terminals",
         case: lines::terminal,
+        count: 1,
     },
     Kind {
         name: "interrupts",
         case: stores::interrupted,
+        count: 1,
     },
     Kind {
         name: "kills",
         case: stores::killed,
+        count: 1,
     },
     Kind {
         name: "damaged files",
         case: files::damaged,
+        count: 1,
     },
     Kind {
         name: "half requests",
         case: talk::half_requests,
+        count: 1,
     },
 ];
 
-const PYTHON: Kind = Kind {
-    name: "arrays and forks",
-    case: talk::arrays,
-};
+const PYTHON: &[Kind] = &[
+    Kind {
+        name: "arrays and forks",
+        case: talk::arrays,
+        count: 1,
+    },
+    Kind {
+        name: "formulas in one process",
+        case: talk::formulas,
+        count: talk::FORMULAS,
+    },
+];
 
 /// Results of one kind of abuse.
 #[derive(Default)]
@@ -88,7 +105,7 @@ pub fn run(arguments: &[String]) -> Result<(), String> {
     let usage = || {
         let names: Vec<&str> = KINDS
             .iter()
-            .chain([&PYTHON])
+            .chain(PYTHON)
             .map(|kind| kind.name)
             .collect();
         format!(
@@ -105,7 +122,7 @@ pub fn run(arguments: &[String]) -> Result<(), String> {
             }
             ("--seed", Ok(number)) => seed = number as u64,
             ("--kind", _) => {
-                let mut kinds = KINDS.iter().chain([&PYTHON]);
+                let mut kinds = KINDS.iter().chain(PYTHON);
                 only.push(kinds.find(|kind| kind.name == value).ok_or_else(usage)?);
             }
             _ => return Err(usage()),
@@ -134,11 +151,11 @@ fn abused(time: Duration, seed: u64, only: &[&Kind]) -> Result<(), String> {
         python: interpreter.filter(has_package),
     };
     let mut kinds: Vec<&Kind> = match only {
-        [] => KINDS.iter().chain([&PYTHON]).collect(),
+        [] => KINDS.iter().chain(PYTHON).collect(),
         only => only.to_vec(),
     };
     if programs.python.is_none() {
-        kinds.retain(|kind| kind.name != PYTHON.name);
+        kinds.retain(|kind| PYTHON.iter().all(|own| own.name != kind.name));
         eprintln!(
             "== NOT TESTED: arrays and forks in Python. The package has not been built: cargo xtask python"
         );
@@ -153,7 +170,9 @@ fn abused(time: Duration, seed: u64, only: &[&Kind]) -> Result<(), String> {
             let mut random = Random::new(seed, number);
             let outcome = Place::new(number)
                 .and_then(|folder| (kinds[place].case)(&programs, &folder, &mut random));
-            tallies[place].cases.fetch_add(1, Ordering::Relaxed);
+            tallies[place]
+                .cases
+                .fetch_add(kinds[place].count, Ordering::Relaxed);
             if let Err(fault) = outcome {
                 eprintln!("== {}, case {number}: {fault}", kinds[place].name);
                 let mut faults = tallies[place]
@@ -166,8 +185,8 @@ fn abused(time: Duration, seed: u64, only: &[&Kind]) -> Result<(), String> {
     };
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(work))));
-    println!("{:<18} cases  hangs  aborts  torn files", "");
-    let mut all = [0; 4];
+    println!("{:<24} cases  hangs  aborts  torn files  messages", "");
+    let mut all = [0; 5];
     for (kind, tally) in kinds.iter().zip(&tallies) {
         let faults = tally.faults.lock().unwrap_or_else(|held| held.into_inner());
         let of =
@@ -177,6 +196,7 @@ fn abused(time: Duration, seed: u64, only: &[&Kind]) -> Result<(), String> {
             of(|fault| matches!(fault, Fault::Hang(_))),
             of(|fault| matches!(fault, Fault::Abort(_))),
             of(|fault| matches!(fault, Fault::Torn(_))),
+            of(|fault| matches!(fault, Fault::Told(_))),
         ];
         row(kind.name, counts);
         for (sum, count) in all.iter_mut().zip(counts) {
@@ -192,8 +212,8 @@ fn abused(time: Duration, seed: u64, only: &[&Kind]) -> Result<(), String> {
     }
 }
 
-fn row(name: &str, [cases, hangs, aborts, torn]: [u64; 4]) {
-    println!("{name:<18} {cases:>5}  {hangs:>5}  {aborts:>6}  {torn:>10}");
+fn row(name: &str, [cases, hangs, aborts, torn, told]: [u64; 5]) {
+    println!("{name:<24} {cases:>5}  {hangs:>5}  {aborts:>6}  {torn:>10}  {told:>8}");
 }
 
 /// Random numbers of a case: SplitMix64.

@@ -32,7 +32,12 @@ pub(crate) enum Fault {
     Abort(String),
     /// A file is neither the old nor the new one.
     Torn(String),
+    /// A message is too long, or repeats contents of a file.
+    Told(String),
 }
+
+/// Largest number of characters of a message with its line feed.
+const LONGEST_MESSAGE: usize = 2001;
 
 impl fmt::Display for Fault {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -40,6 +45,7 @@ impl fmt::Display for Fault {
             Self::Hang(why) => ("hangs", why),
             Self::Abort(why) => ("aborts", why),
             Self::Torn(why) => ("torn file", why),
+            Self::Told(why) => ("message", why),
         };
         write!(formatter, "{what}: {why}")
     }
@@ -174,6 +180,11 @@ impl Running {
         {
             let told: String = stderr.chars().take(600).collect();
             return Err(Fault::Abort(format!("{status}: {}\n{told}", self.line)));
+        }
+        let message = stderr.find("error: ").map_or("", |at| &stderr[at..]);
+        if message.chars().count() > LONGEST_MESSAGE {
+            let told: String = message.chars().take(600).collect();
+            return Err(Fault::Told(format!("{}\n{told}", self.line)));
         }
         Ok(Ended {
             code,

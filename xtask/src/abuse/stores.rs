@@ -25,6 +25,14 @@ const SLOW_COMMANDS: &[&str] = &[
     "simulate body.toml --steps 50 --out out",
     "simulate --stretch 1.1,1 --set discretization.method=updated-sph --cells 60,60 --steps 2000 --out out",
     "explore --no-browser",
+    "fit tests.csv --starts 10000 --out out",
+    "screen run.csv study.toml --out out",
+    "path --mode uniaxial --to 3 --set discretization.method=updated-sph --set discretization.cells=6 --set discretization.perturbation=0.1 --out out",
+    "limit --time-step 1e-3 --vary material.c1 --set discretization.method=updated-sph --set discretization.cells=6 --set discretization.perturbation=0.1 --stretch 1.1,1",
+    "recommend --stretches 0.3,3",
+    "audit --set material.model=ogden",
+    "localize --model gurson",
+    "zoo",
 ];
 
 /// Checks that a signal at any time ends a command soon, without incomplete files.
@@ -35,6 +43,8 @@ pub(super) fn interrupted(
 ) -> Result<(), Fault> {
     place.write("study.toml", STUDY)?;
     place.write("irregular.toml", IRREGULAR)?;
+    place.write("tests.csv", super::files::TESTS)?;
+    place.write("run.csv", super::files::run_as_table())?;
     place.write(
         "body.toml",
         "[discretization]\nmethod = \"total-lagrangian-sph\"\nlattice = \"square\"\n[body]\nshape = \"bar\"\nsize = [300, 300]\n",

@@ -86,16 +86,48 @@ fn asked(address: SocketAddr) -> std::io::Result<String> {
     Ok(String::from_utf8_lossy(&bytes[..count]).into_owned())
 }
 
+/// Number of formulas that one process evaluates.
+pub(super) const FORMULAS: u64 = 500;
+
+/// Checks that energies of random tokens are evaluated or refused, many in one process.
+pub(super) fn formulas(
+    programs: &Programs,
+    place: &Place,
+    random: &mut Random,
+) -> Result<(), Fault> {
+    in_python(
+        programs,
+        place,
+        ("formulas.py", include_str!("formulas.py")),
+        &[random.word().to_string(), FORMULAS.to_string()],
+    )
+}
+
 /// Checks that calls with any arrays, also in forked processes, return or raise an exception.
 pub(super) fn arrays(programs: &Programs, place: &Place, random: &mut Random) -> Result<(), Fault> {
+    // A forked process that hangs is found before the script counts as hanging, and prints where it is.
+    let longest = 0.8 * longest().as_secs_f64();
+    in_python(
+        programs,
+        place,
+        ("arrays.py", include_str!("arrays.py")),
+        &[random.word().to_string(), longest.to_string()],
+    )
+}
+
+/// Runs a script that prints `done` at its end.
+fn in_python(
+    programs: &Programs,
+    place: &Place,
+    (name, text): (&str, &str),
+    arguments: &[String],
+) -> Result<(), Fault> {
     let Some(python) = &programs.python else {
         return Ok(());
     };
-    let script = place.write("arrays.py", include_str!("arrays.py"))?;
+    let script = place.write(name, text)?;
     let mut command = Command::new(python);
-    command.arg(script).arg(random.word().to_string());
-    // A forked process that hangs is found before the script counts as hanging, and prints where it is.
-    command.arg((0.8 * longest().as_secs_f64()).to_string());
+    command.arg(script).args(arguments);
     command.env("ONSET_UMAT_HOST", &programs.onset);
     let ended = place.started(command)?.ended()?;
     match (ended.code, ended.stdout.trim_end().lines().next_back()) {

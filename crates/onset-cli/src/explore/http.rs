@@ -90,6 +90,8 @@ pub struct Connection {
     stream: TcpStream,
     /// Bytes received but not processed yet.
     rest: Vec<u8>,
+    /// Longest wait for the next request: short until the first request, so that silent connections end like half-sent heads.
+    idle: Duration,
 }
 
 /// Reason why no request was read.
@@ -121,14 +123,16 @@ impl Connection {
         Ok(Self {
             stream,
             rest: Vec::new(),
+            idle: HEAD_TIME,
         })
     }
 
     /// Reads the next request.
     pub fn request(&mut self) -> Result<Request, Instead> {
         if self.rest.is_empty() {
-            self.more(Instant::now() + MAX_IDLE_TIME)?;
+            self.more(Instant::now() + self.idle)?;
         }
+        self.idle = MAX_IDLE_TIME;
         let end = Instant::now() + HEAD_TIME;
         let (mut request, start, length) = loop {
             if let Some(found) = head(&self.rest)? {

@@ -705,3 +705,13 @@ fn a_request_that_arrives_too_slowly_is_ended() {
         assert!(begun.elapsed() < Duration::from_secs(30), "still open");
     }
 }
+
+#[test]
+fn a_connection_that_sends_nothing_is_ended() {
+    let page = Page::serve(&[]);
+    let mut stream = TcpStream::connect(&page.host).expect("a connection");
+    stream
+        .set_read_timeout(Some(Duration::from_secs(20)))
+        .expect("set");
+    assert!(matches!(stream.read(&mut [0; 64]), Ok(0)), "still open");
+}

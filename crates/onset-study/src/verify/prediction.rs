@@ -97,7 +97,6 @@ pub(super) fn mode(
     number: usize,
     critical: f64,
 ) -> Result<Mode, VerifyError> {
-    let matrix = matrix(problem, f, k)?;
     let values = problem.analysis.waves(f)?.omega_squared(k);
     let Some(value) = number.checked_sub(1).and_then(|n| values.get(n)) else {
         return Err(VerifyError::Wave {
@@ -124,7 +123,8 @@ pub(super) fn mode(
             MATRIX_TOLERANCE * largest,
         )?);
     }
-    Ok(Mode::of(&matrix, value.re))
+    // A matrix that is zero to rounding is neither real nor complex.
+    Ok(Mode::of(&matrix(problem, f, k)?, value.re))
 }
 
 /// Returns the reason why a wave has `omega^2 = 0` to rounding.

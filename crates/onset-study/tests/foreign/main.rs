@@ -464,6 +464,21 @@ fn incomplete_python_models_are_refused_with_their_position() {
             "stress at F = 1",
         ),
         (Program::Hyperelastic, "Ogden(mu=[1])", "has no `alpha`"),
+        (
+            Program::Felupe,
+            "x = fem.NeoHooke(mu=((((((1",
+            "the brackets after NeoHooke are not closed",
+        ),
+        (
+            Program::Felupe,
+            "x = fem.NeoHooke(mu=7.5, bulk=",
+            "bulk has no value",
+        ),
+        (
+            Program::Felupe,
+            "x = fem.Hyperelastic(fem.ogden, mu=[1.0], alpha=[2.0]",
+            "are not closed",
+        ),
     ] {
         let error = law_from(program, "a script", text, &[])
             .expect_err(text)
@@ -1001,4 +1016,15 @@ fn messages_quote_at_most_the_beginning_of_one_word_of_a_deck() {
         let count = told.to_ascii_uppercase().matches("SECRET").count();
         assert!(count <= 4 && told.len() < 1000, "{program:?}: {told}");
     }
+}
+
+#[test]
+fn the_first_of_two_laws_of_a_material_is_read_and_the_other_is_named() {
+    let deck = "*MATERIAL, NAME=a\n*HYPERELASTIC, NEO HOOKE\n0.5, 0.02\n*HYPERELASTIC, NEO HOOKE\n0.7, 0.02\n";
+    let reading = law_from(Program::Abaqus, "a deck", deck, &[]).expect("a law");
+    let notes = reading.notes.join("\n");
+    assert!(
+        notes.contains("not read: another *HYPERELASTIC, because line 2 is read (line 4)"),
+        "{notes}"
+    );
 }

@@ -157,7 +157,10 @@ fn unread(blocks: &[Block<'_>]) -> Result<Unread, Trouble> {
             continue;
         }
         if block.line != line {
-            let part = title(block);
+            let part = match is_law(block) {
+                true => format!("another {}, because line {line} is read", block.title),
+                false => title(block),
+            };
             if !unread.parts.iter().any(|(other, _)| *other == part) {
                 unread.parts.push((part, block.line));
             }

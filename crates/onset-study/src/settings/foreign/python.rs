@@ -149,6 +149,14 @@ pub(super) fn read(
         ));
     }
     let arguments = arguments(&text, place_of_model + name.len(), line)?;
+    let count = |letters: [char; 3]| own.text.matches(letters).count();
+    if count(['(', '[', '{']) > count([')', ']', '}']) {
+        return Err(Trouble::new(
+            line,
+            format!("the brackets after {name} are not closed"),
+            "the script is cut off, or lacks a bracket",
+        ));
+    }
     // A bulk modulus elsewhere in the script belongs to its only material.
     let bulk = match bulks(own.text, line)?[..] {
         [] if materials.len() == 1 => bulks(&text, line)?.first().copied(),
@@ -361,6 +369,13 @@ fn arguments(text: &str, end: usize, line: usize) -> Result<Vec<(String, Vec<f64
 fn numbers(value: &str, name: &str, line: usize) -> Result<Vec<f64>, Trouble> {
     if ["True", "False"].contains(&value.trim()) {
         return Ok(Vec::new());
+    }
+    if value.trim().is_empty() {
+        return Err(Trouble::new(
+            line,
+            format!("{} has no value", brief(name)),
+            "expected a number, or a list of numbers",
+        ));
     }
     // `np.array([...])` is a list with a name before it.
     let list = value
