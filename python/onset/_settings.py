@@ -464,7 +464,7 @@ class Method(_Settings):
     """Discretization: a family of methods with its choices.
 
     ``Method("updated-sph", lattice="square", kernel="cubic-spline", support=2.6)``. Keywords are the keys of ``[discretization]`` with underscores;
-    ``onset.keys("discretization")`` lists them; `integrator` is ``time.integrator``. ``spacing`` is a length, ``density`` is mass/length^3, and ``support`` is in particle spacings.
+    ``onset.keys("discretization")`` lists them. `integrator` is ``time.integrator``. ``spacing`` is a length, ``density`` is mass/length^3, and ``support`` is in particle spacings.
     Without arguments it is the default method of the command. The names and kinds of choices are checked here; whether they fit each other and the
     material, at the first use.
 

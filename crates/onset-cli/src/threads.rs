@@ -33,7 +33,7 @@ pub fn start() -> Result<(), Failure> {
     use rustix::process::{Resource, getrlimit};
     /// Address space per thread: its stack, and room for its data.
     const SPACE: u64 = 16 << 20;
-    /// Number of processes and threads of a user that is no limit in practice.
+    /// Number of processes and threads of a user that limits nothing in practice.
     const MANY: u64 = 2048;
     let space = getrlimit(Resource::As).current;
     let processes = getrlimit(Resource::Nproc).current;

@@ -67,7 +67,7 @@ pub fn decoded(mut bytes: Vec<u8>) -> io::Result<String> {
     if let Some(at) = bytes.iter().position(|byte| *byte == 0) {
         let line = line_of(&bytes[..at]);
         return Err(invalid(format!(
-            "line {line} has a zero byte, which is no text"
+            "line {line} has a zero byte, which is not text"
         )));
     }
     if bytes.contains(&b'\r') && !bytes.contains(&b'\n') {
@@ -112,7 +112,7 @@ mod tests {
         assert_eq!(read(b"x,y\r1,2\r"), Ok("x,y\n1,2\n".to_owned()));
         assert_eq!(
             read(b"one\ntwo\n\0\0"),
-            Err("line 3 has a zero byte, which is no text".to_owned())
+            Err("line 3 has a zero byte, which is not text".to_owned())
         );
         assert_eq!(
             read(b"one\ntwo\xff"),

@@ -137,3 +137,13 @@ fn series_without_meaning_are_refused() {
     let listed = onset(&["list", "materials"]).stdout;
     assert!(!listed.contains("prony"), "{listed}");
 }
+
+#[test]
+fn criteria_and_card_say_which_moduli_they_use() {
+    for command in ["criteria --mode uniaxial", "card"] {
+        let slow = onset_line(&format!("{command} {RUBBER}")).stdout;
+        assert!(slow.contains("long-term moduli"), "{slow}");
+        let fast = onset_line(&format!("{command} {RUBBER} --set material.loading=fast"));
+        assert!(!fast.stdout.contains("long-term moduli"), "{}", fast.stdout);
+    }
+}

@@ -180,7 +180,7 @@ fn a_hangup_stays_ignored_under_nohup_and_a_termination_ends_the_command() {
     assert_eq!(child.wait().expect("an end").code(), Some(130));
 }
 
-/// Body of many particles, a step of which takes longer than an interrupt may.
+/// Body of so many particles that a step takes longer than an interrupt may.
 const LARGE: &str = "[material]\nmodel = \"neo-hooke\"\nmu = 1.0\nlambda = 2.0\n\
      [discretization]\nmethod = \"total-lagrangian-sph\"\nlattice = \"square\"\n\
      [body]\nshape = \"bar\"\nsize = [200, 200]\n";
@@ -222,7 +222,7 @@ fn an_interrupt_abandons_a_long_step_of_a_run_with_checkpoints() {
 /// Under any limit of address space a command answers, or ends with a message; it does not panic. An allocation that fails ends it by SIGABRT.
 #[test]
 #[cfg(target_os = "linux")]
-fn a_limit_of_address_space_is_no_panic() {
+fn a_limit_of_address_space_causes_no_panic() {
     for limit in [30_000, 38_000, 45_000, 60_000, 150_000] {
         let line = format!(
             "ulimit -v {limit}; exec {} state",
