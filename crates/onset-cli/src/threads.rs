@@ -78,7 +78,10 @@ fn startable(count: usize) -> usize {
     let start = |_| {
         let gate = Arc::clone(&gate);
         let wait = move || drop(gate.lock());
-        std::thread::Builder::new().stack_size(STACK).spawn(wait).ok()
+        std::thread::Builder::new()
+            .stack_size(STACK)
+            .spawn(wait)
+            .ok()
     };
     let threads: Vec<_> = (0..count).map_while(start).collect();
     let started = threads.len();

@@ -24,10 +24,7 @@ pub fn bytes<'py>(py: Python<'py>, numbers: &[f64]) -> Bound<'py, PyBytes> {
 ///
 /// # Errors
 /// [`Failure`] with the number of the first invalid one.
-pub fn deformations(
-    components: &[f64],
-    first: usize,
-) -> Result<Vec<DeformationGradient>, Failure> {
+pub fn deformations(components: &[f64], first: usize) -> Result<Vec<DeformationGradient>, Failure> {
     let gradient = |(n, part): (usize, &[f64])| {
         let rows = [0, 3, 6].map(|row| [part[row], part[row + 1], part[row + 2]]);
         DeformationGradient::new(rows)

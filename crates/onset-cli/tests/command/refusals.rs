@@ -658,6 +658,9 @@ fn errors_of_long_arguments_have_at_most_2000_characters() {
         let told = answer.stderr;
         assert_eq!(answer.code, Some(2), "{told}");
         assert!(told.starts_with("error: "), "{told}");
-        assert!(told.chars().count() <= 2001 && !told.contains('\u{1b}'), "{told}");
+        assert!(
+            told.chars().count() <= 2001 && !told.contains('\u{1b}'),
+            "{told}"
+        );
     }
 }

@@ -144,7 +144,10 @@ fn ctrl_c_ends_a_command_under_nohup() {
     let (code, text) = terminal.ended();
     assert_eq!(code, Some(130), "{text}");
     let left = terminal.left();
-    assert!(left.iter().all(|one| one.ends_with("nohup.out")), "{left:?}");
+    assert!(
+        left.iter().all(|one| one.ends_with("nohup.out")),
+        "{left:?}"
+    );
 }
 
 #[test]
@@ -165,7 +168,9 @@ fn a_hangup_stays_ignored_under_nohup_and_a_termination_ends_the_command() {
         std::thread::sleep(Duration::from_millis(10));
     }
     let send = |signal: &str, to: u32| {
-        let sent = Command::new("kill").args([signal, &to.to_string()]).status();
+        let sent = Command::new("kill")
+            .args([signal, &to.to_string()])
+            .status();
         assert!(sent.expect("kill").success(), "{signal}");
     };
     send("-HUP", child.id());
@@ -185,7 +190,10 @@ fn an_interrupt_abandons_a_long_step_of_a_run_with_checkpoints() {
     let place = Scratch::new("steps");
     fs::write(place.join("study.toml"), LARGE).expect("written");
     let mut child = Command::new(env!("CARGO_BIN_EXE_onset"))
-        .args("simulate study.toml --amplitude 1e-6 --steps 1000000 --out run --checkpoint 1".split(' '))
+        .args(
+            "simulate study.toml --amplitude 1e-6 --steps 1000000 --out run --checkpoint 1"
+                .split(' '),
+        )
         .current_dir(place.join("."))
         .stdin(Stdio::null())
         .stdout(Stdio::null())
@@ -198,10 +206,16 @@ fn an_interrupt_abandons_a_long_step_of_a_run_with_checkpoints() {
         std::thread::sleep(Duration::from_millis(10));
     }
     let pressed = Instant::now();
-    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    let sent = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
     assert!(sent.expect("kill").success());
     assert_eq!(child.wait().expect("an end").code(), Some(130));
-    assert!(pressed.elapsed() < Duration::from_secs(2), "{:?}", pressed.elapsed());
+    assert!(
+        pressed.elapsed() < Duration::from_secs(2),
+        "{:?}",
+        pressed.elapsed()
+    );
     assert!(checkpoint.exists(), "the last checkpoint is lost");
 }
 
@@ -210,7 +224,10 @@ fn an_interrupt_abandons_a_long_step_of_a_run_with_checkpoints() {
 #[cfg(target_os = "linux")]
 fn a_limit_of_address_space_is_no_panic() {
     for limit in [30_000, 38_000, 45_000, 60_000, 150_000] {
-        let line = format!("ulimit -v {limit}; exec {} state", env!("CARGO_BIN_EXE_onset"));
+        let line = format!(
+            "ulimit -v {limit}; exec {} state",
+            env!("CARGO_BIN_EXE_onset")
+        );
         let answer = Command::new("sh")
             .args(["-c", &line])
             .env_remove("RUST_BACKTRACE")

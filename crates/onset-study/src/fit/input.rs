@@ -664,7 +664,10 @@ impl Table<'_> {
         let (Some(along), Some(stress)) = (along, stress) else {
             return Err(self.line(
                 at,
-                format!("the header has {}; {expected}", counted(names.len(), "column")),
+                format!(
+                    "the header has {}; {expected}",
+                    counted(names.len(), "column")
+                ),
                 "rename the columns",
             ));
         };
@@ -699,7 +702,10 @@ impl Table<'_> {
             if stress_unit(unit).is_some() {
                 return Err(self.line(
                     at,
-                    format!("the column `{}` has the unit of a stress", brief(&names[stress.1])),
+                    format!(
+                        "the column `{}` has the unit of a stress",
+                        brief(&names[stress.1])
+                    ),
                     "name it nominal_stress, or correct the unit",
                 ));
             }

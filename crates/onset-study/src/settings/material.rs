@@ -286,10 +286,17 @@ impl MaterialSettings {
     fn stray(&self, name: &str, origin: Origin) -> SettingError {
         let is_known = Model::all().any(|model| model.names().any(|known| known == name));
         if is_known {
-            let message = format!("{} has no parameter `{}`", self.model.name(), onset_frames::cut(name));
+            let message = format!(
+                "{} has no parameter `{}`",
+                self.model.name(),
+                onset_frames::cut(name)
+            );
             return SettingError::new(origin, message).hint(self.model.hint());
         }
-        let error = SettingError::new(origin, format!("unknown key `material.{}`", onset_frames::cut(name)));
+        let error = SettingError::new(
+            origin,
+            format!("unknown key `material.{}`", onset_frames::cut(name)),
+        );
         if let Some(told) = aliases::hint(name) {
             return error.hint(told);
         }

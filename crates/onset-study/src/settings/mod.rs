@@ -331,10 +331,11 @@ impl Settings {
     pub fn assign(&mut self, assignment: &str) -> Result<(), SettingError> {
         let origin = Origin::CommandLine(format!("--set {assignment}"));
         let Some((name, text)) = assignment.split_once('=') else {
-            return Err(
-                SettingError::new(origin, format!("`{}` is not an assignment", onset_frames::cut(assignment)))
-                    .hint("write --set key=value, for example --set discretization.support=1.6"),
-            );
+            return Err(SettingError::new(
+                origin,
+                format!("`{}` is not an assignment", onset_frames::cut(assignment)),
+            )
+            .hint("write --set key=value, for example --set discretization.support=1.6"));
         };
         let (name, text) = (name.trim(), text.trim());
         let kind = Key::named(name).map(|key| key.kind);
@@ -381,9 +382,12 @@ impl Settings {
                     format!("expected {} ({})", key.expects(), key.meaning),
                 ),
             };
-            SettingError::new(origin, format!("`{name}` cannot be {}{range}", typed.brief()))
-                .hint(hint)
-                .nearest_word(key.name, typed, key.words())
+            SettingError::new(
+                origin,
+                format!("`{name}` cannot be {}{range}", typed.brief()),
+            )
+            .hint(hint)
+            .nearest_word(key.name, typed, key.words())
         };
         let measured = units::converted(key, typed, &origin)?;
         let has_unit = measured.is_some();
@@ -716,7 +720,9 @@ pub(crate) fn unknown_key<'a>(
     origin: Origin,
 ) -> SettingError {
     let told = match name.split_once('.') {
-        Some((section, key)) => format!("{}.{}", onset_frames::cut(section), onset_frames::cut(key)),
+        Some((section, key)) => {
+            format!("{}.{}", onset_frames::cut(section), onset_frames::cut(key))
+        }
         None => onset_frames::cut(name),
     };
     let error = SettingError::new(origin, format!("unknown key `{told}`"));

@@ -233,7 +233,8 @@ fn unsupported_materials_are_refused_with_their_line() {
 
 #[test]
 fn the_time_to_read_a_file_is_linear_in_the_number_of_materials() {
-    let one = "<material id=\"1\" name=\"a\" type=\"neo-Hookean\">\n<E>1</E><v>0.3</v></material>\n";
+    let one =
+        "<material id=\"1\" name=\"a\" type=\"neo-Hookean\">\n<E>1</E><v>0.3</v></material>\n";
     let begin = std::time::Instant::now();
     let law = law_from(Febio, "a deck", &one.repeat(20_000), &[]).expect("a law");
     assert_eq!(law.assignments[0], "material.model=neo-hooke");

@@ -13,8 +13,8 @@ use super::marlow::{self, Test};
 use super::unread::{Chosen, Relaxation, Unread};
 use super::write::{self, Form, Refusal, Sheet, list, order, ordered};
 use super::{Program, Trouble, number};
-use onset_frames::{brief, cut};
 use onset::material::PronyTerm;
+use onset_frames::{brief, cut};
 
 /// Number of constants on a data line.
 const CONSTANTS_PER_LINE: usize = 8;
@@ -337,7 +337,10 @@ impl Block<'_> {
         number.ok_or_else(|| {
             Trouble::new(
                 self.line,
-                format!("{name} is `{}`; expected an integer from 1 to {most}", brief(value)),
+                format!(
+                    "{name} is `{}`; expected an integer from 1 to {most}",
+                    brief(value)
+                ),
                 "write it as N=2",
             )
         })

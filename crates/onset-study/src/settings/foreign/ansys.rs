@@ -7,8 +7,8 @@ use super::law::{Energy, ForeignLaw, LOGARITHM, SQUARE, Volume, extended_tube, p
 use super::unread::{Chosen, Relaxation, Unread};
 use super::write::{Block, Form, Refusal, Sheet, list, order, ordered};
 use super::{Program, Trouble, number};
-use onset_frames::brief;
 use onset::material::PronyTerm;
+use onset_frames::brief;
 
 /// Table of constants with its form.
 struct Table {
@@ -241,7 +241,9 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
                 ));
             }
             if is_open {
-                unread.parts.push((format!("TBTEMP,{}", brief(field(1))), line));
+                unread
+                    .parts
+                    .push((format!("TBTEMP,{}", brief(field(1))), line));
             }
             continue;
         } else if !field(0).is_empty() && field(0) != "TBDATA" && !field(0).starts_with(['/', '*'])

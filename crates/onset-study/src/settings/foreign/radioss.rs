@@ -15,8 +15,8 @@ use super::law::{ForeignLaw, LINEAR, LOGARITHM, SQUARE, Volume, bulk_modulus};
 use super::unread::{Chosen, Relaxation};
 use super::write::{self, Form, Refusal, Sheet, columns, order, ordered, ratio};
 use super::{Program, Trouble, number};
-use onset_frames::brief;
 use onset::material::PronyTerm;
+use onset_frames::brief;
 
 /// Laws by number and name, and what reads them.
 const LAWS: [(&str, &str, Reader); 7] = [

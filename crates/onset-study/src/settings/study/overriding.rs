@@ -106,9 +106,12 @@ impl Study {
     ) -> Result<(), SettingError> {
         let key = renamed::of_word(key, value);
         let wrong = |origin: Origin| {
-            SettingError::new(origin, format!("`{}` cannot be {}", key.name, value.brief()))
-                .hint(format!("expected {} ({})", key.expects(), key.meaning))
-                .nearest_word(key.name, value, key.words())
+            SettingError::new(
+                origin,
+                format!("`{}` cannot be {}", key.name, value.brief()),
+            )
+            .hint(format!("expected {} ({})", key.expects(), key.meaning))
+            .nearest_word(key.name, value, key.words())
         };
         let measured = units::converted(key, value, &origin)?;
         let meant = aliases::meant(key, value, &origin)?;
