@@ -493,7 +493,10 @@ fn a_byte_order_mark_is_skipped_and_other_encodings_are_refused_by_name() {
         let frames = all(Series::open(&[path], &Reading::default()).expect("a series"));
         assert_eq!(frames[0].position, [[2.0, 3.0, 0.0]], "{name}");
         let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
-        let of_four: Vec<u8> = text.chars().flat_map(|c| (c as u32).to_le_bytes()).collect();
+        let of_four: Vec<u8> = text
+            .chars()
+            .flat_map(|c| (c as u32).to_le_bytes())
+            .collect();
         for (bytes, told) in [
             ([b"\xff\xfe", &wide[..]].concat(), "it is UTF-16"),
             (wide, "it is UTF-16"),

@@ -103,11 +103,7 @@ struct Tally {
 pub fn run(arguments: &[String]) -> Result<(), String> {
     let (mut time, mut seed, mut only) = (Duration::from_secs(180), 1, Vec::new());
     let usage = || {
-        let names: Vec<&str> = KINDS
-            .iter()
-            .chain(PYTHON)
-            .map(|kind| kind.name)
-            .collect();
+        let names: Vec<&str> = KINDS.iter().chain(PYTHON).map(|kind| kind.name).collect();
         format!(
             "usage: cargo xtask abuse [--minutes N] [--seed N] [--kind NAME]...; kinds: {}",
             names.join(", ")
