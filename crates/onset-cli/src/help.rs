@@ -4,6 +4,7 @@ use crate::arguments::Arguments;
 use crate::commands::{Failure, wrote};
 use crate::complete;
 use crate::printing::{only_text, print, print_text};
+use clap::error::ErrorKind;
 use clap::{ColorChoice, Command, CommandFactory, FromArgMatches};
 use clap_complete::Shell;
 use onset_study::csv::of_files;
@@ -110,7 +111,8 @@ pub fn parse() -> Arguments {
 fn refuse(error: &clap::Error) -> ! {
     let whole = error.render().to_string();
     let told = message(&whole);
-    if !error.use_stderr() || told == whole {
+    let is_help = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
+    if is_help || !error.use_stderr() || told == whole {
         error.exit();
     }
     let _ = writeln!(std::io::stderr(), "{}", told.trim_end());

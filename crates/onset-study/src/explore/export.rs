@@ -22,7 +22,7 @@ pub(super) fn export(question: &Question, trust: &Trust, maps: &Maps) -> Result<
         "svg" => {
             let domain = maps.domain(question, trust, LEVELS)?;
             let study = question.study(trust, map::CURVE_STATES)?;
-            let traced = in_time(|| Boundaries::of(&study, Tracing::default(), &()));
+            let traced = in_time(move || Boundaries::of(&study, Tracing::default(), &()));
             let boundaries = traced.and_then(Result::ok);
             checkpoint();
             Ok(figure_of(&domain, boundaries.as_ref()).to_svg())

@@ -35,13 +35,17 @@ use crate::map::MapError;
 use crate::settings::{SettingError, Trust};
 use known::{Known, States};
 use map::Maps;
-use onset::cancel::unless;
+use onset::cancel::{Scope, checkpoint, unless};
 use serde::Serialize;
 use std::fmt::Display;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::thread;
 use std::time::{Duration, Instant};
 
 /// Time limit for the boundaries of a window.
 const PATIENCE: Duration = Duration::from_secs(20);
+/// Interval between checks of the time and of the connection.
+const CHECK_INTERVAL: Duration = Duration::from_millis(50);
 /// Longest piece of work between two checkpoints: eigenvectors of a cell of about a hundred particles.
 const LAST_PIECE: Duration = Duration::from_secs(2);
 
@@ -92,10 +96,27 @@ impl From<MapError> for Refusal {
     }
 }
 
-/// Runs a computation with the time limit [`PATIENCE`]; returns `None` after it.
-fn in_time<T>(work: impl FnOnce() -> T) -> Option<T> {
-    let end = Instant::now() + PATIENCE - LAST_PIECE;
-    unless(move || Instant::now() >= end, work)
+/// Runs a computation in a separate thread with the time limit [`PATIENCE`]; returns `None` after it. A computation that is late ends at its next
+/// checkpoint.
+fn in_time<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Option<T> {
+    let start = Instant::now();
+    let is_over = move || start.elapsed() >= PATIENCE - LAST_PIECE;
+    let scope = Scope::current();
+    let (done, answer) = channel();
+    let computing = move || {
+        // The receiver of a late answer is gone.
+        let _ = done.send(scope.run(|| unless(is_over, work)));
+    };
+    thread::Builder::new().spawn(computing).ok()?;
+    loop {
+        let outcome = answer.recv_timeout(CHECK_INTERVAL);
+        checkpoint();
+        match outcome {
+            Ok(answer) => return answer,
+            Err(RecvTimeoutError::Timeout) if start.elapsed() < PATIENCE => {}
+            Err(_) => return None,
+        }
+    }
 }
 
 /// Server of the interactive page: answers questions, and keeps recent states and maps.
@@ -171,7 +192,7 @@ impl Explorer {
             "map" => document(&self.maps.shown(question, &self.trust)?),
             "boundary" => {
                 let study = question.study(&self.trust, map::CURVE_STATES)?;
-                let traced = in_time(|| Boundaries::of(&study, Tracing::default(), &()));
+                let traced = in_time(move || Boundaries::of(&study, Tracing::default(), &()));
                 let boundaries = traced.ok_or(Refusal::GivenUp)??;
                 document(&boundary::geojson(&boundaries))
             }

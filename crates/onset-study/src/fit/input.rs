@@ -627,7 +627,7 @@ impl Table<'_> {
             if own.is_some() && same {
                 return Err(self.line(
                     at,
-                    format!("two columns mean `{}`", names[n]),
+                    format!("two columns mean `{}`", brief(&names[n])),
                     "keep one of them",
                 ));
             }
@@ -690,8 +690,8 @@ impl Table<'_> {
                     at,
                     format!(
                         "the column `{}` has the unit {}",
-                        names[*place],
-                        unit.as_deref().unwrap_or_default()
+                        brief(&names[*place]),
+                        brief(unit.as_deref().unwrap_or_default())
                     ),
                     "stretches have no unit; strains have no unit, or %",
                 ));
@@ -773,7 +773,7 @@ impl Table<'_> {
                 notes.push(format!(
                     "{}: the stresses are read from the column `{}`",
                     self.path.display(),
-                    names[used.1]
+                    brief(&names[used.1])
                 ));
                 break;
             }
@@ -838,7 +838,8 @@ impl Table<'_> {
                         line,
                         format!(
                             "the columns `{}` and `{}` contradict each other",
-                            names[along.1], names[twin.1]
+                            brief(&names[along.1]),
+                            brief(&names[twin.1])
                         ),
                         "keep one of them",
                     ));

@@ -221,7 +221,7 @@ impl Case {
         if case.format != FORMAT {
             return Err(wrong(format!(
                 "the format is {}; expected {FORMAT}",
-                case.format
+                onset_frames::cut(&case.format)
             )));
         }
         let unmarked = text.replacen(&format!("\"{}\"", case.id), "\"\"", 1);
