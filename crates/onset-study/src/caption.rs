@@ -47,11 +47,16 @@ pub(crate) fn state(f: &[[f64; 3]; 3], dimension: usize) -> String {
             let stretches: Vec<f64> = (0..count).map(|i| f[i][i]).collect();
             match stretches[..] {
                 [only] => format!("stretch {}", told(only)),
-                _ => format!("stretches {}", vector(&stretches)),
+                _ => format!("stretches {}", together(&stretches)),
             }
         }
-        false => format!("F = [{}]", f.map(|row| vector(&row)).join(", ")),
+        false => format!("F = [{}]", f.map(|row| together(&row)).join(", ")),
     }
+}
+
+/// Formats a vector that is not divided between lines.
+fn together(components: &[f64]) -> String {
+    vector(components).replace(", ", ",\u{a0}")
 }
 
 /// Label of an axis: a quantity with its unit, or alone if the numbers have no units.
@@ -99,11 +104,11 @@ mod tests {
     #[test]
     fn states_are_told_as_stretches_or_as_a_matrix() {
         let mut f = [[1.2, 0.0, 0.0], [0.0, 0.9, 0.0], [0.0, 0.0, 1.0]];
-        assert_eq!(state(&f, 2), "stretches (1.2, 0.9)");
+        assert_eq!(state(&f, 2), "stretches (1.2,\u{a0}0.9)");
         f[2][2] = 0.8;
-        assert_eq!(state(&f, 2), "stretches (1.2, 0.9, 0.8)");
+        assert_eq!(state(&f, 2), "stretches (1.2,\u{a0}0.9,\u{a0}0.8)");
         f[0][1] = 0.5;
-        assert!(state(&f, 2).starts_with("F = [(1.2, 0.5, 0)"));
+        assert!(state(&f, 2).starts_with("F = [(1.2,\u{a0}0.5,\u{a0}0)"));
     }
 
     #[test]

@@ -94,7 +94,8 @@ pub(super) fn wrap(text: &str, size: f64, available: f64) -> Vec<String> {
     let mut lines = Vec::new();
     for paragraph in text.lines().filter(|line| !line.trim().is_empty()) {
         let mut line = String::new();
-        for word in paragraph.split_whitespace() {
+        let is_gap = |c: char| c.is_whitespace() && c != '\u{a0}';
+        for word in paragraph.split(is_gap).filter(|word| !word.is_empty()) {
             if line.is_empty() {
                 line = word.to_string();
             } else if width(&line, size) + width(" ", size) + width(word, size) <= available {

@@ -32,13 +32,14 @@ const PRINTED: f64 = 8.0 / 9.0;
 /// Smallest width of panels in one row of a printed picture, and of panels that share their named rows. Narrower panels are arranged in fewer
 /// columns.
 const NARROWEST: f64 = 150.0;
-const NARROWEST_OF_ROWS: f64 = 120.0;
+const NARROWEST_OF_ROWS: f64 = 80.0;
 /// Smallest width of a panel, and smallest usual height for which the label of the vertical axis has few lines.
 const SMALLEST_PANEL: f64 = 40.0;
 const LOWEST: f64 = 120.0;
-/// Height in millimeters above which the panels of a printed picture are lowered, and largest height of a printed picture: a page of a journal. The
-/// last panels are omitted if the lowest ones do not fit.
+/// Height in millimeters, and relative to the width, above which the panels of a printed picture are lowered; and largest height of a printed
+/// picture: a page of a journal. The last panels are omitted if the lowest ones do not fit.
 const HIGH: f64 = 180.0;
+const HIGH_FOR_ITS_WIDTH: f64 = 1.6;
 const HIGHEST: f64 = 230.0;
 /// Heights of panels in a printed picture that is too high, relative to their usual height. Markers of a row touch in lower rows.
 const LOWERED: [f64; 4] = [1.0, 0.85, 0.7, 0.55];
@@ -130,7 +131,10 @@ fn printed(figure: &mut Figure, available: f64) -> Scene {
         false => (figure.columns, NARROWEST),
     };
     figure.columns = columns.clamp(1, count.max(1));
-    while widest_panel(figure, available) < narrowest && figure.columns > 1 {
+    // A narrow panel next to a wide one, such as a density of states, does not need a row of its own.
+    let widest = figure.panels.iter().filter(|panel| !panel.equal_aspect);
+    let widest = widest.map(|panel| panel.width).fold(1.0, f64::max);
+    while widest_panel(figure, available) * widest < narrowest && figure.columns > 1 {
         figure.columns -= 1;
     }
     // Rows have equal numbers of panels, if possible.
@@ -139,7 +143,9 @@ fn printed(figure: &mut Figure, available: f64) -> Scene {
     let panel = widest_panel(figure, available);
     let mut scene = drawn(figure, Some(panel), LOWERED[0], available);
     for lowered in &LOWERED[1..] {
-        if height_in_print(&scene, available * PRINTED) <= HIGH {
+        let width = available * PRINTED;
+        let high = HIGH.min(HIGH_FOR_ITS_WIDTH * width / MILLIMETER);
+        if height_in_print(&scene, width) <= high {
             break;
         }
         scene = drawn(figure, Some(panel), *lowered, available);
@@ -235,7 +241,10 @@ fn drawn(figure: &Figure, usual: Option<f64>, lowered: f64, least: f64) -> Scene
         let members = panels.iter().skip(index * columns).take(columns);
         members.map(size).fold(0.0, f64::max)
     };
-    let entries = figure.legend_entries();
+    let mut entries = figure.legend_entries();
+    if least > 0.0 {
+        entries = legend::wrapped(entries, least - 2.0 * PADDING);
+    }
     let widest = entries
         .iter()
         .map(legend::entry_width)
@@ -662,6 +671,7 @@ impl<'a> Bar<'a> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Line;
     use super::*;
 
     #[test]
@@ -728,7 +738,8 @@ mod tests {
         let rows = (0..4).map(|n| panel(n).lines(30.0));
         let curve = |n: i32| {
             let y = Axis::linear("a long quantity (unit)", (-0.9, 0.9));
-            Panel::new(format!("panel {n}"), Axis::log("x (m)", (0.3, 20.0)), y)
+            let line = Line::new(Vec::new()).named("a long name ".repeat(6));
+            Panel::new(format!("panel {n}"), Axis::log("x (m)", (0.3, 20.0)), y).with(line)
         };
         for (panels, least) in [
             (rows.collect::<Vec<_>>(), 1),

@@ -10,6 +10,8 @@ use tiny_skia::PathBuilder;
 const SYMBOL_GAP: f64 = 7.0;
 const ENTRY_GAP: f64 = 24.0;
 const LEGEND_ROW: f64 = 21.0;
+/// Distance between the lines of a long name.
+const LINE: f64 = 15.0;
 
 /// Symbol with its meaning.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -144,7 +146,19 @@ fn symbol_width(symbol: Symbol) -> f64 {
 }
 
 pub(super) fn entry_width(entry: &LegendEntry) -> f64 {
-    symbol_width(entry.symbol) + SYMBOL_GAP + font::width(&entry.name, NUMBERS)
+    let lines = entry.name.lines().map(|line| font::width(line, NUMBERS));
+    symbol_width(entry.symbol) + SYMBOL_GAP + lines.fold(0.0, f64::max)
+}
+
+/// Divides names that are wider than `available` into lines.
+pub(super) fn wrapped(mut entries: Vec<LegendEntry>, available: f64) -> Vec<LegendEntry> {
+    for entry in &mut entries {
+        if entry_width(entry) > available {
+            let room = available - symbol_width(entry.symbol) - SYMBOL_GAP;
+            entry.name = font::wrap(&entry.name, NUMBERS, room).join("\n");
+        }
+    }
+    entries
 }
 
 /// Distributes entries over rows no wider than `available`; returns them with the width of each row.
@@ -183,18 +197,20 @@ pub(super) fn draw(
     }
     let mut y = top;
     for (used, row) in rows {
+        let lines = row.iter().map(|entry| entry.name.lines().count());
+        let more = lines.max().unwrap_or(1).saturating_sub(1);
         let mut x = (left + right - used) / 2.0;
         let middle = (y + LEGEND_ROW / 2.0).round() + 0.5;
         for entry in row {
             draw_symbol(pen, entry.symbol, x, middle);
-            let place = (
-                x + symbol_width(entry.symbol) + SYMBOL_GAP,
-                middle + 0.5 * CAPITAL * NUMBERS,
-            );
-            pen.words(entry.name.clone(), place, Anchor::Start, NUMBERS);
+            let start = x + symbol_width(entry.symbol) + SYMBOL_GAP;
+            for (n, line) in entry.name.lines().enumerate() {
+                let base = middle + 0.5 * CAPITAL * NUMBERS + n as f64 * LINE;
+                pen.words(line.to_owned(), (start, base), Anchor::Start, NUMBERS);
+            }
             x += entry_width(entry) + ENTRY_GAP;
         }
-        y += LEGEND_ROW;
+        y += LEGEND_ROW + more as f64 * LINE;
     }
     y
 }

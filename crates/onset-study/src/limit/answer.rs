@@ -8,6 +8,7 @@ use crate::answers::{
     reach_of,
 };
 use crate::brief::{Brief, Short, WIDTH, cut};
+use crate::caption;
 use crate::csv::Table;
 use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
 use crate::number::told;
@@ -352,7 +353,7 @@ impl LimitAnswer {
             .collect();
         let (x, shown) = varied.axis(&points);
         let steps = shown.iter().map(|point| point.1).chain([self.needed()]);
-        let label = self.units().label("critical time step", "time");
+        let label = caption::label(self.units(), "critical time step", "time");
         let y = Axis::log(label, (1e-4, 1.0)).covering(steps);
         let line = Line::new(points).color(palette::BLUE);
         let needed = Rule::horizontal(self.needed()).dashed();
@@ -361,7 +362,7 @@ impl LimitAnswer {
             .with(needed.named("required critical step"));
         Figure::new(format!("Critical time step over {}", varied.title()))
             .with(varied.marked(panel, step))
-            .caption(self.settings.caption())
+            .caption(caption::settings(&self.settings))
     }
 
     fn units(&self) -> Units {

@@ -280,7 +280,11 @@ impl KeepsAnswer {
         let panel = Panel::new("", x, y).with(line);
         Figure::new(format!("Stable states over {}", varied.title()))
             .with(varied.marked(panel, stable))
-            .caption(format!("{} {}", self.sentence(), self.settings.caption()))
+            .caption(format!(
+                "{} {}",
+                self.sentence(),
+                crate::caption::settings(&self.settings)
+            ))
     }
 
     /// The answer as `limit.csv` and the figure `limit`.

@@ -101,15 +101,17 @@ impl<'a, T: Trial> Varied<'a, T> {
     pub(super) fn rows_near_limits(&self, most: usize) -> Vec<&'a T> {
         let rows: Vec<&T> = self.rows().collect();
         let limits = self.all_ends().filter(|end| end.kind != EndKind::Range);
-        let places = limits.map(|end| end.value);
-        let places: Vec<f64> = places.chain(self.present.map(T::value)).collect();
-        // Numbers of rows between a row and the nearest place.
+        let limits: Vec<f64> = limits.map(|end| end.value).collect();
+        // Number of rows between a row and a place.
+        let apart = |n: usize, place: f64| {
+            let below = rows.iter().filter(|row| row.value() < place).count();
+            n.abs_diff(below.min(rows.len().saturating_sub(1)))
+        };
+        // The neighbors of a limit go before those of the present value.
         let distance = |n: usize| {
-            let to = |place: &f64| {
-                let below = rows.iter().filter(|row| row.value() < *place).count();
-                n.abs_diff(below.min(rows.len().saturating_sub(1)))
-            };
-            places.iter().map(to).min().unwrap_or(n)
+            let to_limits = limits.iter().map(|place| 2 * apart(n, *place));
+            let to_present = self.present.map(|own| 2 * apart(n, own.value()) + 1);
+            to_limits.chain(to_present).min().unwrap_or(n)
         };
         let mut order: Vec<usize> = (0..rows.len()).collect();
         order.sort_by_key(|n| distance(*n));
@@ -135,7 +137,9 @@ impl<'a, T: Trial> Varied<'a, T> {
             .iter()
             .filter(|point| (low..=high).contains(&point.0));
         let shown: Vec<(f64, f64)> = shown.copied().collect();
-        let label = Key::named(self.key).map_or_else(String::new, |key| key.label(self.units));
+        let label = Key::named(self.key).map_or_else(String::new, |key| {
+            crate::caption::label(self.units, key.title(), key.unit().unwrap_or("1"))
+        });
         let axis = match self.ends()[0] > 0.0 {
             true => Axis::log(label, (1e-4, 1.0)),
             false => Axis::linear(label, (0.0, 1.0)),

@@ -36,20 +36,20 @@ impl ModesAnswer {
                 (panel.x.range, panel.y.range) = (x, y);
             }
         }
-        let mut caption = String::new();
+        let mut words = String::new();
         if !self.modes.is_empty() {
-            caption.push_str("Wave vectors in units of the reciprocal vectors.");
+            words.push_str("Wave vectors in units of the reciprocal vectors.");
             if self.dimension > 1 {
-                caption.push_str(" Arrows: twice the displacements.");
+                words.push_str(" Arrows: twice the displacements.");
             }
         }
         match self.modes.len().saturating_sub(MAX_MODES) {
             0 => {}
-            1 => caption.push_str(" One more mode is listed, but not drawn."),
-            rest => caption.push_str(&format!(" {rest} more modes are listed, but not drawn.")),
+            1 => words.push_str(" One more mode is listed, but not drawn."),
+            rest => words.push_str(&format!(" {rest} more modes are listed, but not drawn.")),
         }
-        caption.push_str(&format!(" {}", self.settings.caption()));
-        figure.caption(caption.trim_start())
+        words.push_str(&format!(" {}", caption::settings(&self.settings)));
+        figure.caption(words.trim_start())
     }
 
     /// Indices of the drawn particles: all of them, in 3D only the middle of the patch.

@@ -270,7 +270,9 @@ impl TuneAnswer {
             .collect();
         let key = Key::named(self.key);
         let units = self.settings.units();
-        let label = key.map_or_else(String::new, |key| key.label(units));
+        let label = key.map_or_else(String::new, |key| {
+            crate::caption::label(units, key.title(), key.unit().unwrap_or("1"))
+        });
         let axis = || Axis::log(label.clone(), (1e-4, 1.0)).covering(positive.clone());
         let line = |number: &dyn Fn(&Measured) -> f64| {
             let points = self
@@ -333,7 +335,7 @@ impl TuneAnswer {
                 Panel::new("Critical time step", axis(), steps)
                     .with(line(&|m| m.courant).color(palette::GREEN)),
             ))
-            .caption(self.settings.caption())
+            .caption(crate::caption::settings(&self.settings))
     }
 
     /// Smallest Courant number of the body of the study, as text.
