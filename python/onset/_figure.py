@@ -68,7 +68,7 @@ def _names(panel: Mapping[str, Any]) -> set[str]:
 
 
 def _legend_below(fig: FigureBase, handles: list[Artist], most: int) -> None:
-    """Puts a legend below the panels, in as many columns as fit and with long names in several lines."""
+    """Puts a legend below the panels, in columns, with long names in several lines."""
     room = 0.98 * cast(Any, fig).bbox.width
     for columns in range(min(len(handles), most), 0, -1):
         legend = fig.legend(handles=handles, loc="outside lower center", ncols=columns)

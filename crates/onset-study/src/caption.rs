@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn states_are_told_as_stretches_or_as_a_matrix() {
+    fn states_are_written_as_stretches_or_as_a_matrix() {
         let mut f = [[1.2, 0.0, 0.0], [0.0, 0.9, 0.0], [0.0, 0.0, 1.0]];
         assert_eq!(state(&f, 2), "stretches (1.2,\u{a0}0.9)");
         f[2][2] = 0.8;
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn axes_without_units_have_none() {
+    fn labels_of_axes_name_no_unit_without_units() {
         assert_eq!(label(Units::Own, "amplitude", "length"), "amplitude");
         assert_eq!(label(Units::Si, "amplitude", "length"), "amplitude (m)");
         assert_eq!(label(Units::Own, "stretch", "1"), "stretch (−)");

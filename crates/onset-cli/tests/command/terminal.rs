@@ -180,7 +180,7 @@ fn a_hangup_stays_ignored_under_nohup_and_a_termination_ends_the_command() {
     assert_eq!(child.wait().expect("an end").code(), Some(130));
 }
 
-/// Body of so many particles that a step takes longer than an interrupt may.
+/// Body whose step takes longer than an interrupt may, because it has many particles.
 const LARGE: &str = "[material]\nmodel = \"neo-hooke\"\nmu = 1.0\nlambda = 2.0\n\
      [discretization]\nmethod = \"total-lagrangian-sph\"\nlattice = \"square\"\n\
      [body]\nshape = \"bar\"\nsize = [200, 200]\n";

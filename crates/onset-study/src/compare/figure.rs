@@ -190,7 +190,7 @@ impl Table {
             let onsets = if look.filled { onsets } else { onsets.open() };
             is_any_beyond |= !beyond.is_empty();
             is_any_undefined |= !undefined.is_empty();
-            // A loading of which no onset is in the range is known by the color of its arrows.
+            // The color of the arrows identifies a loading without an onset in the range.
             let has_name = onsets.points.is_empty() && !beyond.is_empty();
             let mut arrows = Arrows::new(beyond, tips).color(look.color);
             if has_name {

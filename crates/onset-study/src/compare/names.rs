@@ -5,7 +5,7 @@ use crate::brief::cut;
 /// Name of the method of a study that is compared with the built-in methods.
 pub(crate) const OWN_METHOD: &str = "the study's own method";
 
-/// Smallest number of characters to which a part of a name is shortened.
+/// Smallest length of a shortened part of a name; characters.
 const SHORTEST: usize = 3;
 
 /// Short names of methods.

@@ -39,7 +39,7 @@ impl Brief for Table {
             column.head.clone()
         });
         let of_material = line(MATERIAL, "", &|column| column.material.clone());
-        // The own method of a study is the first row, so that it is shown whatever its place is.
+        // The study's method is the first row and is therefore always shown.
         let is_own = |ranked: &&Ranked| ranked.name == OWN_METHOD;
         let shown = ranking.iter().filter(is_own);
         let shown = shown.chain(ranking.iter().filter(|ranked| !is_own(ranked)));

@@ -132,7 +132,7 @@ impl Axis {
         fraction.is_finite().then_some(fraction)
     }
 
-    /// Ticks as of [`Axis::marks`], of which at least two have labels.
+    /// Ticks of [`Axis::marks`], with labels of at least two.
     pub(super) fn labeled_marks(&self, target: usize) -> Vec<Tick> {
         let is_enough = |marks: &Vec<Tick>| marks.iter().filter(|own| !own.minor).count() > 1;
         (target..=target + 8)

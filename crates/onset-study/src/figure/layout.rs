@@ -36,8 +36,8 @@ const NARROWEST_OF_ROWS: f64 = 80.0;
 /// Smallest width of a panel, and smallest usual height for which the label of the vertical axis has few lines.
 const SMALLEST_PANEL: f64 = 40.0;
 const LOWEST: f64 = 120.0;
-/// Height in millimeters, and relative to the width, above which the panels of a printed picture are lowered; and largest height of a printed
-/// picture: a page of a journal. The last panels are omitted if the lowest ones do not fit.
+/// Heights in millimeters, and relative to the width, for printed pictures: above the first the panels are lowered, and the second is the largest
+/// height, a page of a journal. The last panels are omitted if the lowest ones do not fit.
 const HIGH: f64 = 180.0;
 const HIGH_FOR_ITS_WIDTH: f64 = 1.6;
 const HIGHEST: f64 = 230.0;
@@ -92,7 +92,7 @@ fn height_in_print(scene: &Scene, width: f64) -> f64 {
     scene.height * width / scene.width / MILLIMETER
 }
 
-/// Shortens the names of the ticks of vertical axes that are wider than `widest`, as far as they remain distinct.
+/// Shortens the names of the ticks of vertical axes that are wider than `widest`, but keeps them distinct.
 fn shorten_names(figure: &mut Figure, widest: f64) {
     let short = |name: &str| -> String {
         let mut kept: Vec<char> = name.chars().collect();
@@ -120,7 +120,7 @@ fn shorten_names(figure: &mut Figure, widest: f64) {
     }
 }
 
-/// Draws a figure in a width, with its panels in as many columns as fit and lowered if they are too high.
+/// Draws a figure in a width, with its panels in columns, lowered if they are too high.
 fn printed(figure: &mut Figure, available: f64) -> Scene {
     let count = figure.panels.len();
     // Panels with equal rows need the names of the rows only once if they are in one row.
@@ -131,7 +131,7 @@ fn printed(figure: &mut Figure, available: f64) -> Scene {
         false => (figure.columns, NARROWEST),
     };
     figure.columns = columns.clamp(1, count.max(1));
-    // A narrow panel next to a wide one, such as a density of states, does not need a row of its own.
+    // A narrow panel next to a wide one, such as a density of states, does not need a separate row.
     let widest = figure.panels.iter().filter(|panel| !panel.equal_aspect);
     let widest = widest.map(|panel| panel.width).fold(1.0, f64::max);
     while widest_panel(figure, available) * widest < narrowest && figure.columns > 1 {
@@ -586,7 +586,7 @@ fn spaced_marks(axis: &Axis, width: f64) -> Vec<Tick> {
     marks
 }
 
-/// Ticks of which only the first and the last have labels.
+/// Ticks with labels of the first and the last alone.
 fn ends_of(marks: &[Tick]) -> Vec<Tick> {
     let mut marks = marks.to_vec();
     let labeled = |mark: &Tick| !mark.label.is_empty();
@@ -724,7 +724,7 @@ mod tests {
     }
 
     #[test]
-    fn a_printed_picture_is_not_higher_than_a_page_and_names_what_it_omits() {
+    fn a_printed_picture_is_not_higher_than_a_page_and_names_omitted_panels() {
         let rows =
             || (0..15).map(|n| (f64::from(n), format!("a method with a name of its own {n}")));
         let rows = || Axis::linear("", (-0.5, 14.5)).ticks(rows());

@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn the_words_beside_a_bare_picture_are_one_paragraph_for_latex() {
+    fn the_caption_of_a_bare_picture_is_one_paragraph_for_latex() {
         let figure =
             Figure::new("Waves at λ₁ = 1.2").caption("omega^2 below 0 grows;\n\n50 % of k³ a_b");
         let sheet = Sheet {

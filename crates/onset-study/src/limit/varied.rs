@@ -107,7 +107,7 @@ impl<'a, T: Trial> Varied<'a, T> {
             let below = rows.iter().filter(|row| row.value() < place).count();
             n.abs_diff(below.min(rows.len().saturating_sub(1)))
         };
-        // The neighbors of a limit go before those of the present value.
+        // The neighbors of a limit go before the neighbors of the present value.
         let distance = |n: usize| {
             let to_limits = limits.iter().map(|place| 2 * apart(n, *place));
             let to_present = self.present.map(|own| 2 * apart(n, own.value()) + 1);
