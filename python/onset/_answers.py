@@ -350,7 +350,7 @@ class State(_Moving):
 
     @property
     def critical_time_step(self) -> float | None:
-        """Critical time step of the infinite lattice, ``2/omega_max`` unless the method has another `integrator`; time. ``None`` if no wave oscillates.
+        """Critical time step of the infinite lattice, ``2/omega_max`` by default; time. ``None`` if no wave oscillates, and for implicit integrators.
 
         For a transfer of material points it is the largest stable step of the transfer. Stiffer increments of the state, which unload it or are faster than
         its relaxation, limit the step too. Free faces and distorted cells need a smaller step.

@@ -533,7 +533,7 @@ def simulate(
     supercritical
         Allow a time step above the largest stable step.
     integrator
-        Integrator of the method, or ``kick-drift-kick``, if omitted. The others are ``central-differences``, ``predictor-corrector``, ``sixth-order`` or a Runge-Kutta method of
+        If omitted, the integrator of the method, which is ``kick-drift-kick`` by default. ``kick-drift-kick``, ``central-differences``, ``predictor-corrector``, ``sixth-order`` or a Runge-Kutta method of
         ``onset.limit``. A transfer of material points defines its step and accepts no integrator.
     tolerance
         Largest relative difference between rates that agree.
@@ -1209,7 +1209,7 @@ def limit(
     safety
         Safety factor, above 0 and at most 1.
     integrator
-        Integrator of the method (``Method(..., integrator="rk4")``), or ``kick-drift-kick``, if omitted. The others are
+        If omitted, the integrator of the method (``Method(..., integrator="rk4")``), which is ``kick-drift-kick`` by default.
         ``central-differences``, ``kick-drift-kick`` or ``predictor-corrector``, which differ only with damping; or a Runge-Kutta method:
         ``forward-euler``, ``heun``, ``rk3``, ``rk4``, ``carpenter-kennedy``, ``rdpk3-35`` or ``rdpk3-49``.
 

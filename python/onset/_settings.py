@@ -228,8 +228,8 @@ class Material(_Settings):
             raise TypeError(f"model is {type(model).__name__}; expected the name of a law, a formula, a function, or a material of FElupe")
         if model is not None and energy is not None and model != "formula":
             raise InputError("a material has one energy\n  hint: omit the model or `energy`")
-        if isinstance(model, str) and (_FILE.search(model) or _is_file(model)):
-            kind = "Study" if model.endswith(".toml") else "Material"
+        if isinstance(model, str) and model not in _onset.models() and (_FILE.search(model) or _is_file(model)):
+            kind = "Study" if model.lower().endswith(".toml") else "Material"
             raise InputError(f"{model!r} is a file, not a law\n  hint: onset.{kind}.read({model!r}) reads it")
         if isinstance(model, str) and (model in _onset.models() or _WORD.match(model) is not None):
             settings["model"] = model

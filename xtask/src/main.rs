@@ -89,6 +89,20 @@ const FIGURES: &[Step] = &[
         ],
     ),
     (
+        "table of methods",
+        &[
+            "run",
+            "--release",
+            "--",
+            "compare",
+            "comparisons/table-2d.toml",
+            "--size",
+            "174mm",
+            "--out",
+            "target/table",
+        ],
+    ),
+    (
         "kernels",
         &[
             "run",
@@ -345,11 +359,12 @@ fn copy_figures() -> bool {
     ];
     let reproduced = reproduced.map(|name| (format!("target/reproduction/{name}.svg"), name));
     let compared = ("target/comparison/compare.svg".to_owned(), "methods-2d");
+    let table = ("target/table/compare.svg".to_owned(), "table-2d");
     let kernels = ("target/kernels.svg".to_owned(), "kernels");
     let mapped = ("target/foam.svg".to_owned(), "foam-material-points");
     reproduced
         .into_iter()
-        .chain([compared, mapped, kernels])
+        .chain([compared, table, mapped, kernels])
         .all(|(from, name)| {
             let to = format!("book/src/figures/{name}.svg");
             std::fs::create_dir_all("book/src/figures")

@@ -11,6 +11,7 @@ use onset_study::audit::Convention;
 use onset_study::catalog;
 use onset_study::criteria::{Criterion, Lateral, Mode};
 use onset_study::figure::{ColorMap, Theme};
+use onset_study::limit::Integrator;
 use onset_study::localization::PARAMETERS;
 use onset_study::map;
 use onset_study::screen::Cause;
@@ -108,14 +109,7 @@ fn words(command: &str, argument: &str) -> Option<Words> {
         },
         ("deck", "code") => |_| plain(CODES.map(|code| code.name())),
         (_, "stepping") => |_| plain(Stepping::ALL.map(Stepping::name)),
-        ("limit", "integrator") => |_| {
-            plain(
-                Key::named("time.integrator")
-                    .map_or(&[][..], Key::words)
-                    .iter()
-                    .copied(),
-            )
-        },
+        ("limit", "integrator") => |_| plain(Integrator::NAMES),
         ("simulate", "integrator") => |_| plain(Stepper::names()),
         ("audit", "convention") => |_| plain(Convention::ALL.map(Convention::name)),
         ("plot", "field") => |_| {

@@ -49,7 +49,7 @@ pub fn start() -> Result<(), Failure> {
     let threads = match startable(wanted) {
         all if all == wanted => all,
         // Room for other data.
-        some => some / 2,
+        some => (some / 2).max(some.min(1)),
     };
     let refused = || {
         Failure::input(

@@ -471,7 +471,7 @@ impl<'a> Columns<'a> {
         let missing = |name: &str| FrameError::NoColumn {
             place: Box::new(place.clone()),
             quantity,
-            name: crate::error::brief(name),
+            name: crate::error::cut(name),
             available: names_of(self.available),
         };
         let wrong = |count: usize| {
@@ -687,7 +687,7 @@ impl Plan {
                 return Err(format!(
                     "{count} values with {} components in `{}`",
                     own.components,
-                    crate::error::brief(&own.name)
+                    crate::error::cut(&own.name)
                 ));
             }
         }

@@ -208,9 +208,10 @@ fn listed(names: &[String], is_near: impl Fn(&str) -> bool) -> String {
         1 => "1 column".to_owned(),
         count => format!("{count} columns"),
     };
-    match near.is_empty() {
-        true => count,
-        false => format!("{count}, among them {}", near.join(", ")),
+    match (near.is_empty(), names.len()) {
+        (true, _) => count,
+        (false, 1) => format!("{count}, {}", near.join(", ")),
+        (false, _) => format!("{count}, among them {}", near.join(", ")),
     }
 }
 

@@ -77,7 +77,7 @@ impl Short {
     pub fn text(&self, has_settings: bool) -> String {
         let mut lines = wrapped(&self.sentence, 0);
         lines.push(String::new());
-        let notes = self.shown_notes();
+        let notes = self.shown_notes(NOTE_LINES.min(LINES.saturating_sub(lines.len() + 1)));
         // The last line names the options for longer answers.
         let mut left = LINES.saturating_sub(lines.len() + notes.len() + 1);
         let rows: Vec<Vec<String>> = self.rows.iter().map(Row::lines).collect();
@@ -125,10 +125,10 @@ impl Short {
         lines.join("\n")
     }
 
-    /// Notes that fit into [`NOTE_LINES`] lines without being cut, and the number of notes omitted.
+    /// Notes that fit into a number of lines without being cut, and the number of notes omitted.
     ///
     /// A command in a note stays on one line, so that it can be copied.
-    fn shown_notes(&self) -> Vec<String> {
+    fn shown_notes(&self, room: usize) -> Vec<String> {
         let mut lines: Vec<String> = Vec::new();
         for (n, note) in self.notes.iter().enumerate() {
             let own = match note.contains("--set ") {
@@ -136,7 +136,7 @@ impl Short {
                 false => wrapped(&format!("note: {note}"), "note: ".len()),
             };
             let left = self.notes.len() - n;
-            if lines.len() + own.len() + usize::from(left > 1) > NOTE_LINES {
+            if lines.len() + own.len() + usize::from(left > 1) > room {
                 lines.push(format!("note: {left} more: --all"));
                 break;
             }

@@ -186,6 +186,11 @@ fn body_question(
                 .is_some_and(|own| own.name() != "central-differences"),
         ),
     ];
+    if let Some(name) = problem.settings.integrator_of_other_steps() {
+        return Err(Failure::input(format!(
+            "time.integrator = {name} has no effect on a body, which moves by central differences\n  hint: omit time.integrator, or remove [body] from the study"
+        )));
+    }
     if let Some((option, _)) = idle.iter().find(|(_, is_given)| *is_given) {
         return Err(Failure::input(format!(
             "{option} has no effect on a body, which moves by central differences and is not compared with waves\n  hint: omit {option}, or remove [body] from the study"

@@ -468,7 +468,7 @@ fn the_figure_shows_the_neighborhood_of_the_limit_with_a_named_axis() {
 fn a_short_answer_has_the_values_next_to_the_limit() {
     let line = format!("limit --vary material.mu --time-step 0.01 {LAW} {BARS}");
     let short = onset_line(&line).stdout;
-    assert!(short.lines().count() <= 18, "{short}");
+    assert!(short.lines().count() <= 12, "{short}");
     assert!(
         short.lines().all(|line| line.chars().count() <= 100),
         "{short}"

@@ -302,7 +302,7 @@ fn points_at_knots_and_transfers_with_other_frequencies_are_noted() {
     let one = "set grid-functions=quadratic-spline set points-per-side=1";
     assert!(notes(one).contains("knots"));
     let fmpm = "set grid-functions=quadratic-spline set unknowns=particles set transfer=fmpm";
-    assert!(notes(fmpm).contains("frequencies are those of lumped masses"));
+    assert!(notes(fmpm).contains("frequencies belong to lumped masses"));
 }
 
 #[test]

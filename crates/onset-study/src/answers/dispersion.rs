@@ -149,7 +149,7 @@ impl std::fmt::Display for Waves {
             let told = complex(rate, largest);
             writeln!(
                 formatter,
-                "rate with damping      {}",
+                "rate                   {}",
                 units.of(told, "1/s")
             )?;
         }

@@ -39,17 +39,13 @@ pub struct Accuracy {
 
 /// Steps per period for which the accuracy is given.
 const STEPS_PER_PERIOD: f64 = 20.0;
-/// Phase of a step in which oscillations count as infinitely fast.
-const FAST_PHASE: f64 = 1e8;
 
 impl Accuracy {
     fn of(integrator: ImplicitIntegrator) -> Self {
         let phase = std::f64::consts::TAU / STEPS_PER_PERIOD;
         let radius = integrator.spectral_radius(phase);
         Self {
-            // Beyond seven digits the ratio of the terms of a step is rounding.
-            spectral_radius_at_infinity: (integrator.spectral_radius(FAST_PHASE) * 1e6).round()
-                * 1e-6,
+            spectral_radius_at_infinity: integrator.spectral_radius_at_infinity(),
             period_error: integrator.period_error(phase),
             // A smaller loss is rounding.
             amplitude_loss: Some(1.0 - radius.powf(STEPS_PER_PERIOD))

@@ -285,10 +285,11 @@ fn note_on_knots(settings: &Settings) -> Option<String> {
         GridFunctions::QuadraticSpline => &[0.5],
         GridFunctions::Linear | GridFunctions::CubicSpline => &[],
     };
-    // Several Gauss points lie at no knots.
+    // Of several Gauss points only the middle one can lie at a knot.
     let sides = match method.layout {
-        PointLayout::Gauss if sides > 1 => return None,
-        _ => sides,
+        PointLayout::Gauss if sides % 2 == 0 => return None,
+        PointLayout::Gauss => 1,
+        PointLayout::Uniform => sides,
     };
     let places = (0..sides).map(|n| (f64::from(n) + 0.5) / f64::from(sides));
     let is_at = |x: f64| {

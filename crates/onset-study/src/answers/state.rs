@@ -876,7 +876,12 @@ impl std::fmt::Display for StateAnswer {
                 match step {
                     0.0 => "is unstable for every time step".to_owned(),
                     step => format!(
-                        "needs a time step below {} ({LATTICE_NOTE})",
+                        "{} a time step below {} ({LATTICE_NOTE})",
+                        if d.integrator_words().ends_with('s') {
+                            "need"
+                        } else {
+                            "needs"
+                        },
                         units.of(told(step), "s")
                     ),
                 }

@@ -1,6 +1,7 @@
 //! Names of methods that fit into a column and stay distinct.
 
 use crate::brief::cut;
+use crate::settings::Key;
 
 /// Name of the method of a study that is compared with the built-in methods.
 pub(crate) const OWN_METHOD: &str = "the study's own method";
@@ -39,7 +40,13 @@ impl Labels {
                 continue;
             }
             let key_of = |own: &Vec<&str>| own[n].split_once(' ').map(|(key, _)| key.to_owned());
-            let key = key_of(&parts[0]).filter(|key| {
+            // Words of names that the user writes are not keys.
+            let is_key = |key: &String| {
+                let sections = ["discretization", "time"].into_iter();
+                let mut full = sections.map(|section| format!("{section}.{key}"));
+                key.contains('.') || full.any(|name| Key::named(&name).is_some())
+            };
+            let key = key_of(&parts[0]).filter(is_key).filter(|key| {
                 let mut others = parts.iter();
                 others.all(|own| key_of(own).as_ref() == Some(key))
             });

@@ -118,15 +118,14 @@ impl Measured {
         let rest = DeformationGradient::identity();
         let stiffer = problem.stiffer_at(&rest)?;
         let fastest = stiffer.as_ref().unwrap_or(&problem);
-        let step = fastest
-            .analysis
-            .critical_time_step(&rest, settings.explicit_integrator()?)?;
+        let integrator = settings.explicit_integrator()?;
+        let step = fastest.analysis.critical_time_step(&rest, integrator)?;
         let passage = analysis.speed_squared()?.sqrt() / analysis.spacing();
         let body = match BodyStepAnswer::new(fastest, &rest) {
             Err(ProblemError::Body {
                 source: BodyError::NoBodies,
             }) => None,
-            found => found?,
+            found => found?.map(|own| own.with_integrator(integrator)),
         };
         Ok(Self {
             zero_modes,

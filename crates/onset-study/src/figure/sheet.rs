@@ -156,7 +156,7 @@ impl Sheet {
 /// Sentence on panels that are omitted at the width of a picture.
 pub(super) fn told_omitted(titles: &[String]) -> Option<String> {
     let shown: Vec<&str> = titles.iter().map(String::as_str).collect();
-    (!shown.is_empty()).then(|| format!("Not shown in this width: {}.", shown.join(", ")))
+    (!shown.is_empty()).then(|| format!("Not shown at this width: {}.", shown.join(", ")))
 }
 
 /// Text with a full stop at its end.
@@ -231,47 +231,85 @@ const ESCAPED: &[(char, &str)] = &[
 
 /// Text as LaTeX reads it, in one line: mathematical letters, and powers such as `omega^2`, are formulas.
 fn latex(text: &str) -> String {
-    let words: Vec<String> = text.split_whitespace().map(latex_word).collect();
-    words.join(" ")
+    let words = text.split(|letter: char| letter.is_whitespace() && letter != '\u{a0}');
+    let words = words.filter(|word| !word.is_empty()).map(latex_word);
+    words.collect::<Vec<_>>().join(" ")
+}
+
+/// Text with formulas between dollar signs. Formulas that follow each other are one formula.
+#[derive(Default)]
+struct Latex {
+    text: String,
+    is_formula: bool,
+}
+
+impl Latex {
+    fn push(&mut self, is_formula: bool, text: &str) {
+        if self.is_formula != is_formula {
+            self.text.push('$');
+            self.is_formula = is_formula;
+        }
+        self.text += text;
+    }
+
+    fn done(mut self) -> String {
+        self.push(false, "");
+        self.text
+    }
 }
 
 fn latex_word(word: &str) -> String {
     let digit_in = |row: &str, letter: char| row.chars().position(|own| own == letter);
-    let mut out = String::new();
+    let raised = |letter: char| match letter {
+        '⁻' => Some("-".to_owned()),
+        letter => digit_in(RAISED, letter).map(|digit| digit.to_string()),
+    };
+    let lowered = |letter: char| digit_in(LOWERED, letter).map(|digit| digit.to_string());
+    let mut out = Latex::default();
     let mut letters = word.chars().peekable();
     while let Some(letter) = letters.next() {
         let known = LATEX.iter().find(|(own, _)| *own == letter);
+        // A run of raised or lowered letters is one exponent or index.
+        let run = |first: String,
+                   of: &dyn Fn(char) -> Option<String>,
+                   letters: &mut std::iter::Peekable<std::str::Chars<'_>>| {
+            let mut all = first;
+            while let Some(next) = letters.peek().and_then(|next| of(*next)) {
+                all += &next;
+                letters.next();
+            }
+            all
+        };
         if let Some((_, command)) = known {
-            out += &format!("${command}$");
-        } else if let Some(digit) = digit_in(RAISED, letter) {
-            out += &format!("$^{digit}$");
-        } else if letter == '⁻' {
-            out += "$^-$";
-        } else if let Some(digit) = digit_in(LOWERED, letter) {
-            out += &format!("$_{digit}$");
+            out.push(true, command);
+        } else if let Some(first) = raised(letter) {
+            let all = run(first, &raised, &mut letters);
+            out.push(true, &format!("^{{{all}}}"));
+        } else if let Some(first) = lowered(letter) {
+            let all = run(first, &lowered, &mut letters);
+            out.push(true, &format!("_{{{all}}}"));
         } else if letter == '^' {
             let mut power = String::new();
             while let Some(next) = letters.next_if(|own| own.is_ascii_digit() || *own == '-') {
                 power.push(next);
             }
-            match power.is_empty() {
-                true => out += "\\textasciicircum{}",
-                false => {
-                    // The base is a formula too, if it is the name of a letter.
-                    if let Some(before) = out.strip_suffix("omega") {
-                        out = format!("{before}$\\omega$");
-                    }
-                    out += &format!("$^{{{power}}}$");
-                }
+            if power.is_empty() {
+                out.push(false, "\\textasciicircum{}");
+                continue;
             }
+            // The base is a formula too, if it is the name of a letter.
+            if !out.is_formula && out.text.ends_with("omega") {
+                out.text.truncate(out.text.len() - "omega".len());
+                out.push(true, "\\omega");
+            }
+            out.push(true, &format!("^{{{power}}}"));
         } else if let Some((_, text)) = ESCAPED.iter().find(|(own, _)| *own == letter) {
-            out += text;
+            out.push(false, text);
         } else {
-            out.push(letter);
+            out.push(false, letter.encode_utf8(&mut [0; 4]));
         }
     }
-    // Formulas that follow each other are one formula.
-    out.replace("$$", "")
+    out.done()
 }
 
 #[cfg(test)]
@@ -308,9 +346,17 @@ mod tests {
         assert_eq!(
             words.as_deref(),
             Some(
-                "Waves at $\\lambda_1$ = 1.2. $\\omega^{2}$ below 0 grows; 50 \\% of k$^3$ a\\_b. Not shown in this width: Cost.\n"
+                "Waves at $\\lambda_{1}$ = 1.2. $\\omega^{2}$ below 0 grows; 50 \\% of k$^{3}$ a\\_b. Not shown at this width: Cost.\n"
             )
         );
+        for (text, expected) in [
+            ("10⁻³ F₁₂", "10$^{-3}$ F$_{12}$"),
+            ("λ⁻⁴", "$\\lambda^{-4}$"),
+            ("(1.2,\u{a0}0.9)", "(1.2,~0.9)"),
+            ("$ω", "\\$$\\omega$"),
+        ] {
+            assert_eq!(latex(text), expected);
+        }
     }
 
     #[test]

@@ -514,9 +514,15 @@ impl Brief for LimitAnswer {
     fn brief(&self) -> Short {
         let rows = self.varied().rows_near_limits(SHORT_ROWS);
         let rows = rows.into_iter().map(|one| cut(&self.row(one), WIDTH));
-        let mut short = Short::new(self.sentences())
+        let mut short = Short::new(self.sentence())
             .table([self.head()].into_iter().chain(rows))
             .row(1, "steps", self.critical_time_step_of.clone());
+        if let Some(present) = self.present_sentence() {
+            short = short.row(0, "present", present);
+        }
+        for sentence in self.varied().ends_of_domain().chain(self.verdicts()) {
+            short = short.row(3, "range", sentence);
+        }
         if let Some(finite) = self.of_finite_bodies() {
             short = short.row(2, "bodies", finite);
         }

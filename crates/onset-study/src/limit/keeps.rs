@@ -341,8 +341,14 @@ impl Brief for KeepsAnswer {
     fn brief(&self) -> Short {
         let rows = self.varied().rows_near_limits(SHORT_ROWS);
         let rows = rows.into_iter().map(|one| cut(&row(one), WIDTH));
-        Short::new(self.sentences())
-            .table([self.head()].into_iter().chain(rows))
+        let mut short = Short::new(self.sentence()).table([self.head()].into_iter().chain(rows));
+        if let Some(present) = self.present_sentence() {
+            short = short.row(0, "present", present);
+        }
+        for sentence in self.varied().ends_of_domain() {
+            short = short.row(3, "range", sentence);
+        }
+        short
             .notes(&self.notes)
             .settings("material", self.settings.law())
             .settings("method", self.settings.method())

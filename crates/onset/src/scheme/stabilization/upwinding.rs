@@ -15,7 +15,8 @@ use nalgebra::{SMatrix, SVector};
 /// The solver gives a pair the traction `(t_I + t_J)/2 + Z [v]/2`, with the impedance `Z = rho (c_p n (x) n + c_s (1 - n (x) n))` of pressure and shear
 /// waves. The second term acts over the area `|A_IJ|` of the pair, `A_IJ = V_I g_IJ - V_J g_JI` with the gradients `g` of the method, in the direction
 /// `n` of `F^-T A_IJ`. This is its linear form about a homogeneous state, with the direction `n` of the state and the wave speeds `c_p`, `c_s` of the
-/// reference state. It needs no coefficient.
+/// reference state. It needs no coefficient. Each particle contributes its end of the pair, with the area `V_I g_IJ`, its direction and the velocity
+/// gradient of this particle; in a Bravais lattice both ends are equal.
 ///
 /// Source: Lee, Gil, Ghavamian, Bonet, Comput. Methods Appl. Mech. Engrg. 344 (2019) 209.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
