@@ -826,7 +826,7 @@ def fit(
     law: str | Iterable[str] = "all",
     *,
     weights: str = "relative",
-    floor: float = 0.0,
+    floor: float | None = None,
     stable: str | None = "data",
     criterion: str = "both",
     margin: float = 1e-6,
@@ -858,9 +858,9 @@ def fit(
     law
         Names of laws, or ``all``.
     weights
-        ``relative`` (``s_i`` is the measured stress) or ``absolute``.
+        ``relative`` (``s_i`` is the measured stress), ``by-test`` (relative, with the same weight for each test) or ``absolute``.
     floor
-        Smallest scale of relative errors, as a fraction of the largest stress of the test, from 0 to 1.
+        Smallest scale of relative errors, as a fraction of the largest stress of the test, from 0 to 1; 0, and 0.02 with ``by-test``, if omitted.
     stable
         Range of the stability constraint: ``data`` (up to 1.25 times the largest stretch of the tests), ``data=FACTOR``, ``box=LOW,HIGH`` (all
         principal stretches), ``loadings=LOW,HIGH`` (uniaxial, equibiaxial and planar), or ``None``.
@@ -901,12 +901,12 @@ def fit(
     ('neo-hooke-isochoric', 0.5)
     """
     laws = [part.strip() for name in names(law, "law") for part in name.split(",")]
-    part = number(floor, "floor")
+    part = None if floor is None else number(floor, "floor")
     asked: dict[str, object] = dict(
         tests=_tests(tests),
         law=laws,
         weights=weights,
-        floor=part if part == 0.0 else share(part, "floor"),
+        floor=part if part is None or part == 0.0 else share(part, "floor"),
         stable=stable if stable is not None else "none",
         criterion=criterion,
         margin=share(margin, "margin"),
@@ -950,18 +950,41 @@ def _tests(tests: Any) -> list[tuple[str | None, str | None, list[list[float]]]]
             if not isinstance(mode, str):
                 raise TypeError(f"tests has the key {mode!r}; expected the name of a loading")
             is_path = isinstance(test, (str, os.PathLike))
-            found.append((mode, place(test, f"tests[{mode!r}]"), []) if is_path else (mode, None, _columns(test, f"tests[{mode!r}]")))
+            found.append((mode, place(test, f"tests[{mode!r}]"), []) if is_path else (mode, None, _columns(test, mode, f"tests[{mode!r}]")))
     if not found:
         raise InputError('tests is empty\n  hint: for example {"uniaxial": (stretch, stress)}')
     return found
 
 
-def _columns(test: Any, what: str) -> list[list[float]]:
+#: Other names of the columns of a table, as in files.
+OTHER_COLUMNS = {"stress": "nominal_stress", "engineering_stress": "nominal_stress", "gamma": "stretch", "shear_stress": "nominal_stress",
+                 "volume_ratio": "stretch", "pressure": "nominal_stress", "engineering_strain": "strain", "nominal_strain": "strain"}  # fmt: skip
+
+
+def _renamed(test: Any, mode: str, what: str) -> dict[str, Any]:
+    """Returns the columns of a table by their names in ``COLUMNS``. Strains, also in percent, become stretches, or amounts of shear."""
+    parts: dict[str, Any] = {}
+    for name in test if isinstance(test, Mapping) else test.columns:
+        plain, _, unit = str(name).replace("(", "[").partition("[")
+        plain = plain.strip().lower().replace(" ", "_")
+        plain = OTHER_COLUMNS.get(plain, plain)
+        values = test[name]
+        if plain in ("strain", "lateral_strain"):
+            part = 0.01 if unit.strip(" ])") == "%" else 1.0
+            values = numbers(values, f"{name} of {what}") * part + (0.0 if mode == "simple-shear" else 1.0)
+            plain = "stretch" if plain == "strain" else "lateral_stretch"
+        parts.setdefault(plain, values)
+    return parts
+
+
+def _columns(test: Any, mode: str, what: str) -> list[list[float]]:
     """Returns the arrays of a test."""
     if isinstance(test, Mapping) or hasattr(test, "columns"):
         named = [str(name) for name in (test if isinstance(test, Mapping) else test.columns)]
-        if not set(COLUMNS[:2]) <= set(named):
+        test = _renamed(test, mode, what)
+        if not set(COLUMNS[:2]) <= set(test):
             raise InputError(f"{what} has the columns {', '.join(named)}; expected {' and '.join(COLUMNS[:2])}")
+        named = list(test)
         parts = {name: test[name] for name in COLUMNS if name in named}
     else:
         items = listed(test, what)

@@ -776,7 +776,7 @@ pub struct FitArguments {
     #[arg(long, value_name = "UNIT", help_heading = "Tests")]
     pub unit: Option<String>,
     /// Area of the undeformed cross-section, which turns forces into nominal stresses.
-    #[arg(long, value_name = "A", value_parser = positive, help_heading = "Tests")]
+    #[arg(long, value_name = "A", value_parser = positive, allow_negative_numbers = true, help_heading = "Tests")]
     pub area: Option<f64>,
     /// Use only points with stretches between two limits.
     #[arg(long, value_name = "LOW,HIGH", value_parser = onset_study::fit::stretches_between, help_heading = "Tests")]
@@ -790,10 +790,10 @@ pub struct FitArguments {
         help_heading = "Fit"
     )]
     pub law: Vec<String>,
-    /// Weights of the points: relative (errors divided by the measured stress) or absolute.
-    #[arg(long, value_name = "KIND", value_parser = ["relative", "absolute"], default_value = "relative", help_heading = "Fit")]
+    /// Weights of the points: relative (errors divided by the measured stress), by-test (relative, with the same weight for each test) or absolute.
+    #[arg(long, value_name = "KIND", value_parser = ["relative", "by-test", "absolute"], default_value = "relative", help_heading = "Fit")]
     pub weights: String,
-    /// Smallest stress in the denominator of relative errors, as a fraction of the largest stress of the test.
+    /// Smallest stress in the denominator of relative errors, as a fraction of the largest stress of the test [default: 0, and 0.02 with by-test].
     #[arg(long, value_name = "PART", value_parser = share, allow_negative_numbers = true, help_heading = "Fit")]
     pub floor: Option<f64>,
     /// Fix a constant, for example alpha1=2 (may be given several times).
@@ -803,7 +803,7 @@ pub struct FitArguments {
     #[arg(long, value_name = "NAME=LOW,HIGH", value_parser = bound, allow_hyphen_values = true, help_heading = "Fit")]
     pub bound: Vec<(String, [f64; 2])>,
     /// Bulk modulus of the fitted law [default: from a volumetric test, or 1000 shear moduli].
-    #[arg(long, value_name = "KAPPA", value_parser = positive, help_heading = "Fit")]
+    #[arg(long, value_name = "KAPPA", value_parser = positive, allow_negative_numbers = true, help_heading = "Fit")]
     pub bulk: Option<f64>,
     /// Number of initial guesses for constants in which a law is nonlinear.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=10_000), default_value_t = 64, help_heading = "Fit")]

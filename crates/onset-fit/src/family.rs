@@ -419,9 +419,47 @@ impl Family {
         self.is_compressible
     }
 
-    /// Returns true if the family contains neo-Hooke's law, which is stable at all states.
-    pub(crate) fn has_neo_hooke(&self) -> bool {
-        self.terms.iter().any(|own| own.part == Part::Powers(1, 0))
+    /// Law of the same form with one term less, whose constants are the first ones; `None` for laws of one term and for polynomials.
+    pub(crate) fn smaller(&self) -> Option<Self> {
+        let terms = self.terms.len() - 1;
+        match self.terms.first()?.part {
+            Part::Ogden if terms > 0 => Some(Self::ogden(terms)),
+            Part::Foam if terms > 0 => Some(Self::foam(terms)),
+            _ => None,
+        }
+    }
+
+    /// Bounds of the constants for which each term is convex, so that an incompressible law is stable at all states: one set for each choice of
+    /// the signs of the exponents. Empty if no bounds are known.
+    pub(crate) fn convex_bounds(&self) -> Vec<Vec<[f64; 2]>> {
+        let own: Vec<[f64; 2]> = self.constants.iter().map(|own| own.bounds).collect();
+        let patterns = match self.terms.first().map(|own| own.part) {
+            Some(Part::Ogden | Part::Foam) => 0..=self.terms.len(),
+            Some(Part::Hencky | Part::ExponentiatedHencky) => return Vec::new(),
+            _ => 0..=0,
+        };
+        let of_pattern = |negative: usize| {
+            let mut bounds = own.clone();
+            for (n, term) in self.terms.iter().enumerate() {
+                let is_negative = n + negative >= self.terms.len();
+                let shape = term.shapes.first().copied();
+                let modulus = match term.part {
+                    Part::Powers(i, j) if i.min(j) > 0 => [0.0; 2],
+                    Part::Ogden if is_negative => [f64::NEG_INFINITY, 0.0],
+                    _ => [0.0, f64::INFINITY],
+                };
+                bounds[term.modulus] = modulus;
+                if let (Part::Ogden | Part::Foam, Some(shape)) = (term.part, shape) {
+                    let [low, high] = own[shape];
+                    bounds[shape] = match is_negative {
+                        true => [low, -1.0],
+                        false => [1.0, high],
+                    };
+                }
+            }
+            bounds
+        };
+        patterns.map(of_pattern).collect()
     }
 
     pub(crate) fn terms(&self) -> &[Term] {

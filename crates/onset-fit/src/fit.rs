@@ -4,9 +4,10 @@ use crate::family::Family;
 use crate::moduli::Criterion;
 use crate::proof::{Proof, prove};
 use crate::range::{
-    Limit, Mode, Numbers, Patch, Range, Worst, fence, limits, locked, low_states, worst_states,
+    Limit, Mode, Numbers, Patch, Range, Sampling, Worst, fence, limits, locked, low_states,
+    low_states_of, worst_states,
 };
-use crate::solve::{Cut, Problem, Solution};
+use crate::solve::{Cut, Limits, Problem, Solution, is_empty};
 use crate::tests_of_specimens::{Equations, Misfit, Test};
 use crate::uncertainty::Uncertainty;
 use nalgebra::DVector;
@@ -21,6 +22,8 @@ use thiserror::Error;
 pub enum Weights {
     /// Errors relative to the measured stress, or to this fraction of the largest stress of the test if that is larger.
     Relative(f64),
+    /// Relative errors in the same way, divided by the number of points of the test, so that all tests have the same weight.
+    ByTest(f64),
     /// Errors in units of stress.
     Absolute,
 }
@@ -116,11 +119,21 @@ pub enum FitError {
         /// Name of the law.
         law: String,
     },
-    /// No constants satisfy the stability constraint.
+    /// No constants satisfy the stability constraint: the constraints at a few states contradict each other.
     #[error("no constants of {law} are stable at all states of the range")]
     NotStable {
         /// Name of the law.
         law: String,
+    },
+    /// No search from a number of first guesses ended at constants that satisfy the stability constraint.
+    #[error(
+        "no stable constants of {law} were found from {starts} first guesses; this does not prove that none exist"
+    )]
+    NotFound {
+        /// Name of the law.
+        law: String,
+        /// Number of first guesses.
+        starts: usize,
     },
 }
 
@@ -145,6 +158,8 @@ pub struct Fitted {
     pub uncertainty: Uncertainty,
     /// Names of the free constants that are at their bounds.
     pub at_bounds: Vec<String>,
+    /// Names of the free constants whose deviation exceeds their magnitude.
+    pub undetermined: Vec<String>,
     /// Loading and smallest stretch of the range at which the chains of the law are fully extended; `None` if this does not occur in the range.
     pub locked: Option<(Mode, f64)>,
 }
@@ -163,10 +178,18 @@ pub struct Fit {
     pub proof: Option<Proof>,
     /// Number of different measured conditions beyond the number of free constants.
     pub spare: usize,
+    /// Number of different measured conditions.
+    pub conditions: usize,
+    /// Norm of the weighted measured values.
+    pub norm: f64,
     /// Other constants whose sum of squares is within 5 % of the best, as values and sum.
     pub others: Vec<(Vec<f64>, f64)>,
     /// Limits of the principal stretches of the range; `None` without a range.
     pub stretches: Option<[f64; 2]>,
+    /// Lower bound of the sum of squares of all stable constants, if the search of a law that is linear in its constants ended before the optimum.
+    pub bound: Option<f64>,
+    /// Number of first guesses of the search for stable constants, and the number of those whose search was given up.
+    pub searched: [usize; 2],
 }
 
 impl Fit {
@@ -175,14 +198,58 @@ impl Fit {
         self.stable.as_ref().unwrap_or(&self.free)
     }
 
-    /// Returns true if the optimum is global, because the energy is linear in all constants.
+    /// Akaike's information criterion with the correction for few points (AICc, Hurvich and Tsai, Biometrika 76 (1989) 297) of the result:
+    /// `n ln(S/n) + 2 k + 2 k (k + 1)/(n - k - 1)` with `n` measured conditions, the sum of squares `S`, and `k - 1` free constants. Infinite without
+    /// enough points.
+    pub fn criterion(&self) -> f64 {
+        let conditions = self.conditions as f64;
+        let unknown = (self.conditions - self.spare + 1) as f64;
+        let left = conditions - unknown - 1.0;
+        if left <= 0.0 {
+            return f64::INFINITY;
+        }
+        // Smaller sums of squares are due to rounding.
+        let least = (EXACT * self.norm).powi(2);
+        let loss = self.result().loss.max(least).max(f64::MIN_POSITIVE);
+        conditions * (loss / conditions).ln()
+            + 2.0 * unknown
+            + 2.0 * unknown * (unknown + 1.0) / left
+    }
+
+    /// Returns true if the optimum is global, because the energy is linear in all constants and the search reached the optimum.
     pub fn is_global(&self) -> bool {
-        self.family.is_linear()
+        self.family.is_linear() && self.bound.is_none()
     }
 }
 
-/// Largest number of rounds in which states are added.
-const ROUNDS: usize = 80;
+/// Largest number of rounds in which states are added: for laws that are linear in their constants, and for each first guess of other laws.
+const ROUNDS: usize = 60;
+const ROUNDS_OF_START: usize = 15;
+/// Largest number of steps of one solve with the stability constraint.
+const STEPS: usize = 40;
+/// Steps of all solves with the stability constraint after which first guesses that were not searched are given up.
+const ALL_STEPS: usize = 1000;
+/// First guesses are improved by this number of steps, until a step lowers the sum of squares by less than the fraction; only the best are improved
+/// further.
+const FIRST: Limits = Limits {
+    steps: 40,
+    gain: 1e-9,
+};
+const IMPROVED: usize = 12;
+/// Largest number of points of each test at which first guesses are improved.
+const COARSE: usize = 40;
+/// Largest number of optima at some of the points that are improved at all points.
+const POLISHED: usize = 3;
+/// First guesses in each set of bounds with convex terms.
+const CONVEX_STARTS: usize = 4;
+/// Exponents of a term that is added to a law with one term less.
+const ADDED_EXPONENTS: [f64; 2] = [2.0, -2.0];
+/// Rounds after which constraints are also added on the segment from a stable point to the solution.
+const PLAIN_ROUNDS: usize = 12;
+/// Bisections of this segment.
+const BISECTIONS: usize = 8;
+/// Relative difference of sums of squares that counts as equal.
+const OPTIMUM_TOLERANCE: f64 = 1e-4;
 /// Largest number of states missed by the samples and found by the proof.
 const MISSED: usize = 6;
 /// States added in one round.
@@ -191,12 +258,16 @@ const ADDED: usize = 6;
 const LEAST_MARGIN_SHARE: f64 = 0.5;
 /// Optima within this fraction of the best are listed.
 const SIMILAR: f64 = 0.05;
+/// Errors below this fraction of the measured values are rounding errors.
+const EXACT: f64 = 1e-10;
 /// Constants this close to a bound, relative to it, are at the bound.
 const BOUND_TOLERANCE: f64 = 1e-6;
 /// Optima whose constants differ by less than this fraction count as one.
 const CONSTANT_TOLERANCE: f64 = 1e-3;
 /// Number of free optima that are starting points of a fit with the stability constraint.
-const STARTS_WITH_DEMANDS: usize = 6;
+const STARTS_WITH_DEMANDS: usize = 4;
+/// Number of first guesses of a law with one term less.
+const FEW_STARTS: usize = 24;
 
 /// Fits a law to tests.
 ///
@@ -288,9 +359,25 @@ struct Search<'a> {
     patches: Vec<Patch>,
 }
 
+/// Stable constants, the best first, with what the search did not reach.
+struct Found {
+    optima: Vec<Solution>,
+    bound: Option<f64>,
+    searched: [usize; 2],
+}
+
+/// End of a search for stable constants from one first guess.
+enum End {
+    Stable(Solution),
+    /// The sum of squares exceeds that of known stable constants.
+    Worse,
+    /// The search was given up.
+    Open,
+}
+
 impl Search<'_> {
     fn run(&self) -> Result<Fit, FitError> {
-        let free = self.optima(&self.guesses(), &|problem, start| problem.solve(start));
+        let free = self.free();
         let Some(best) = free.first() else {
             let is_shear = |mode| matches!(mode, Mode::Planar | Mode::SimpleShear);
             return Err(FitError::Undetermined {
@@ -309,14 +396,18 @@ impl Search<'_> {
             stable: None,
             proof: None,
             spare: self.equations.len() - self.is_free.iter().filter(|own| **own).count(),
+            conditions: self.equations.len(),
+            norm: self.equations.norm(),
             others: self.others(&free),
             stretches: None,
+            bound: None,
+            searched: [0; 2],
         };
         let Some(range) = self.options.range else {
             return Ok(result);
         };
         result.stretches = Some(range.stretches(self.tests, self.family.is_compressible()));
-        let is_enough = |worst: &Worst| worst.value >= LEAST_MARGIN_SHARE * self.options.margin;
+        let is_enough = |worst: &Worst| worst.value >= self.least();
         if result.free.worst.as_ref().is_none_or(is_enough) {
             match prove(&self.numbers(&best.constants), &self.patches) {
                 Proof::Refuted { .. } => {}
@@ -326,35 +417,381 @@ impl Search<'_> {
                 }
             }
         }
-        let mut starts: Vec<Vec<f64>> = free.iter().map(|own| own.constants.clone()).collect();
-        starts.truncate(STARTS_WITH_DEMANDS);
-        if !self.family.is_linear() {
-            starts.extend(self.guesses().into_iter().take(STARTS_WITH_DEMANDS));
-        }
-        let found = self.optima(&starts, &|problem, start| {
-            self.demanded(problem, start, Vec::new())
-        });
-        let law = self.family.name().to_owned();
-        let none = || match self.family.has_neo_hooke() {
-            true => FitError::NotConverged { law: law.clone() },
-            false => FitError::NotStable { law: law.clone() },
+        let found = match self.family.is_linear() {
+            true => self.convex(&result.free)?,
+            false => self.several(&free)?,
         };
-        let mut best = found.first().cloned().ok_or_else(none)?;
-        result.others = self.others(&found);
-        // A state that the samples missed is added, too.
+        result.bound = found.bound;
+        result.searched = found.searched;
+        // The best optimum without an unstable state.
+        for n in 0..found.optima.len() {
+            if let Some((best, proof)) = self.proved(found.optima[n].clone()) {
+                result.others = self.others(&found.optima[n..]);
+                result.proof = Some(proof);
+                result.stable = Some(self.fitted(&best));
+                return Ok(result);
+            }
+        }
+        Err(FitError::NotConverged {
+            law: self.family.name().to_owned(),
+        })
+    }
+
+    /// Smallest value of a criterion at the worst state.
+    fn least(&self) -> f64 {
+        LEAST_MARGIN_SHARE * self.options.margin
+    }
+
+    /// Optima without the stability constraint. First guesses are improved at some of the points, and the best at all points.
+    fn free(&self) -> Vec<Solution> {
+        let guesses = self.guesses(self.bounds, self.options.starts.max(1));
+        let problem = self.problem();
+        if self.family.is_linear() {
+            return self.optima(&guesses[..1], &problem);
+        }
+        let coarse = self.equations.coarse(COARSE);
+        let first = Problem {
+            equations: match coarse.len() >= self.is_free.iter().filter(|own| **own).count() {
+                true => &coarse,
+                false => self.equations,
+            },
+            limits: FIRST,
+            ..problem
+        };
+        let starts = self.optima(&guesses, &first);
+        let best = starts.into_iter().take(IMPROVED);
+        let best: Vec<Vec<f64>> = best.map(|own| own.constants).collect();
+        self.optima(&best, &problem)
+    }
+
+    /// Proof of stable constants. A state that the samples missed is added as a constraint; `None` if the law stays unstable.
+    fn proved(&self, mut best: Solution) -> Option<(Solution, Proof)> {
         let mut missed = Vec::new();
-        let proof = loop {
+        loop {
             match prove(&self.numbers(&best.constants), &self.patches) {
                 Proof::Refuted { worst } if missed.len() < MISSED => missed.push(Cut::from(worst)),
-                Proof::Refuted { .. } => return Err(FitError::NotConverged { law: law.clone() }),
-                proof => break proof,
+                Proof::Refuted { .. } => return None,
+                proof => return Some((best, proof)),
             }
-            let again = self.demanded(&self.problem(), &best.constants, missed.clone());
-            best = again.ok_or_else(none)?;
+            if self.family.is_linear() {
+                best = self.cutting(missed.clone()).ok()?.0;
+                continue;
+            }
+            let mut cuts = missed.clone();
+            let mut steps = 0;
+            let start = &best.constants;
+            match self.demanded(start, &mut cuts, f64::INFINITY, &mut steps) {
+                End::Stable(found) => best = found,
+                End::Worse | End::Open => return None,
+            }
+        }
+    }
+
+    /// Optimum of a law that is linear in its constants, which is a convex problem.
+    fn convex(&self, free: &Fitted) -> Result<Found, FitError> {
+        let (best, bound) = self.cutting(Vec::new())?;
+        let bound = bound.map(|own| own.max(free.loss));
+        Ok(Found {
+            optima: vec![best],
+            bound,
+            searched: [1, 0],
+        })
+    }
+
+    /// Gradient of the shear modulus of a linear law with respect to the constants.
+    fn shear_gradient(&self) -> DVector<f64> {
+        let mut gradient = DVector::zeros(self.bounds.len());
+        let unit = vec![1.0; self.bounds.len()];
+        for term in self.family.terms() {
+            let own = Family::moduli_of(term, &unit, [0.0; 3]).shear_modulus();
+            gradient[term.modulus] += own.value;
+        }
+        gradient
+    }
+
+    /// Best constants of a linear law that are stable at all states, by cutting planes, and a lower bound of the sum of squares if the search ended
+    /// before the optimum.
+    fn cutting(&self, mut cuts: Vec<Cut>) -> Result<(Solution, Option<f64>), FitError> {
+        let law = self.family.name().to_owned();
+        let equations = self.equations.reduced(self.family);
+        let problem = Problem {
+            equations: &equations,
+            ..self.problem()
         };
-        result.proof = Some(proof);
-        result.stable = Some(self.fitted(&best));
-        Ok(result)
+        // Constraints at a coarse grid keep the first constants close to the stable optimum.
+        let compressible = self.family.is_compressible();
+        cuts.extend(fence(&self.patches, &self.options.criteria, compressible));
+        let mut gradients = self.gradients(&cuts);
+        let stable = self.convex_terms(&equations);
+        let start = vec![0.0; self.bounds.len()];
+        let mut last: Option<Solution> = None;
+        let mut inside: Option<Solution> = None;
+        for round in 0..ROUNDS {
+            checkpoint();
+            let solved = Problem {
+                cuts: &cuts,
+                gradients: &gradients,
+                ..problem
+            }
+            .solve(&start);
+            if (round == 0 || solved.is_none()) && is_empty(&self.shear_gradient(), &gradients) {
+                return Err(FitError::NotStable { law });
+            }
+            let Some(found) = solved else { break };
+            let numbers = self.numbers(&found.constants);
+            // Constraints are cheap: many are added in each round, so that fewer rounds are needed.
+            let mut added = low_states(&numbers, &self.patches, self.least());
+            if added.iter().all(|own| own.value >= self.least()) {
+                return Ok((found, None));
+            }
+            if let (Some(stable), true) = (&stable, round >= PLAIN_ROUNDS) {
+                // Constraints where the segment from stable constants leaves the stable set cut deeper.
+                let from = inside.as_ref().unwrap_or(stable);
+                let (own, beyond) = self.last_stable(&equations, from, &found);
+                added.extend(beyond);
+                let is_better = |other: &Solution| own.loss < other.loss;
+                if inside.as_ref().is_none_or(is_better) {
+                    inside = Some(own);
+                }
+                let gap = |own: &Solution| own.loss <= found.loss * (1.0 + OPTIMUM_TOLERANCE);
+                if let Some(own) = inside.take_if(|own| gap(own)) {
+                    return Ok((self.active(own, &cuts, &gradients), None));
+                }
+            }
+            let more: Vec<Cut> = added.into_iter().map(Cut::from).collect();
+            gradients.extend(self.gradients(&more));
+            cuts.extend(more);
+            last = Some(found);
+        }
+        let bound = last.as_ref().map(|own| own.loss);
+        if inside.is_none()
+            && let (Some(last), Some(stable)) = (&last, &stable)
+        {
+            inside = Some(self.last_stable(&equations, stable, last).0);
+        }
+        match inside.or(stable) {
+            Some(own) => Ok((self.active(own, &cuts, &gradients), bound.or(Some(0.0)))),
+            None => Err(FitError::NotFound { law, starts: 1 }),
+        }
+    }
+
+    fn gradients(&self, cuts: &[Cut]) -> Vec<DVector<f64>> {
+        Problem {
+            cuts,
+            ..self.problem()
+        }
+        .gradients()
+    }
+
+    /// Solution with its active constraints.
+    fn active(&self, mut own: Solution, cuts: &[Cut], gradients: &[DVector<f64>]) -> Solution {
+        own.active = Problem {
+            cuts,
+            gradients,
+            ..self.problem()
+        }
+        .active(&own.constants);
+        own
+    }
+
+    /// Best constants of a linear law with convex terms only; `None` if they are not stable or not admissible.
+    fn convex_terms(&self, equations: &Equations) -> Option<Solution> {
+        let bounds = self.within(self.family.convex_bounds().first()?)?;
+        let found = Problem {
+            equations,
+            bounds: &bounds,
+            ..self.problem()
+        }
+        .solve(&vec![0.0; bounds.len()])?;
+        self.is_stable(&found.constants).then_some(found)
+    }
+
+    fn is_stable(&self, constants: &[f64]) -> bool {
+        let law = self.numbers(constants);
+        let worst = worst_states(&law, &self.patches);
+        law.shear_modulus() > 0.0 && worst.iter().all(|own| own.value >= self.least())
+    }
+
+    /// Last stable point of the segment from stable to unstable constants of a linear law, and the states that limit it.
+    fn last_stable(
+        &self,
+        equations: &Equations,
+        stable: &Solution,
+        unstable: &Solution,
+    ) -> (Solution, Vec<Worst>) {
+        let at = |t: f64| -> Vec<f64> {
+            let pairs = stable.constants.iter().zip(&unstable.constants);
+            pairs.map(|(a, b)| a + t * (b - a)).collect()
+        };
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..BISECTIONS {
+            checkpoint();
+            let middle = 0.5 * (low + high);
+            match self.is_stable(&at(middle)) {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        let beyond = at(high);
+        let mut states = worst_states(&self.numbers(&beyond), &self.patches);
+        states.truncate(ADDED);
+        let constants = at(low);
+        let own = Solution {
+            loss: equations.errors(self.family, &constants).0.norm_squared(),
+            constants,
+            active: Vec::new(),
+            steps: 0,
+        };
+        (own, states)
+    }
+
+    /// Bounds within the bounds of the user; `None` if no values satisfy both.
+    fn within(&self, bounds: &[[f64; 2]]) -> Option<Vec<[f64; 2]>> {
+        let pairs = bounds.iter().zip(self.bounds);
+        let both = pairs.map(|([a, b], [low, high])| [a.max(*low), b.min(*high)]);
+        let both: Vec<[f64; 2]> = both.collect();
+        both.iter().all(|[low, high]| low <= high).then_some(both)
+    }
+
+    /// Stable constants of laws that are not linear in their constants. Of many points, some are used for the search, and all for the best optima.
+    fn several(&self, free: &[Solution]) -> Result<Found, FitError> {
+        let coarse = self.equations.coarse(COARSE);
+        let unknown = self.is_free.iter().filter(|own| **own).count();
+        let part = coarse.len();
+        if part == self.equations.len() || part <= unknown {
+            return self.searched(free);
+        }
+        let mut found = Search {
+            equations: &coarse,
+            patches: self.patches.clone(),
+            ..*self
+        }
+        .searched(free)?;
+        let mut polished = Vec::new();
+        for own in found.optima.iter().take(POLISHED) {
+            let mut steps = 0;
+            let mut cuts = Vec::new();
+            let end = self.demanded(&own.constants, &mut cuts, f64::INFINITY, &mut steps);
+            if let End::Stable(own) = end {
+                polished.push(own);
+            }
+        }
+        found.optima = self.distinct(polished);
+        match found.optima.is_empty() {
+            true => self.searched(free),
+            false => Ok(found),
+        }
+    }
+
+    /// Stable constants from several first guesses.
+    fn searched(&self, free: &[Solution]) -> Result<Found, FitError> {
+        let mut steps = 0;
+        let mut cuts: Vec<Cut> = Vec::new();
+        let mut found: Vec<Solution> = Vec::new();
+        let mut given_up = 0;
+        let starts = self.starts_with_constraint(free);
+        // Stable first guesses are results if no search improves them.
+        let stable = starts.iter().filter(|own| self.is_stable(own));
+        found.extend(stable.filter_map(|start| {
+            let problem = self.problem();
+            let loss = self.equations.errors(self.family, start).0.norm_squared();
+            let is_admissible = problem
+                .bounds
+                .iter()
+                .zip(start)
+                .all(|([low, high], own)| (low..=high).contains(&own));
+            (is_admissible && loss.is_finite()).then(|| Solution {
+                constants: start.clone(),
+                loss,
+                active: Vec::new(),
+                steps: 0,
+            })
+        }));
+        for start in &starts {
+            let least = found.iter().map(|own| own.loss);
+            let limit = (1.0 + SIMILAR) * least.fold(f64::INFINITY, f64::min);
+            let mut own = cuts.clone();
+            match self.demanded(start, &mut own, limit, &mut steps) {
+                End::Stable(solution) => {
+                    // Constraints that are active at an optimum are likely to be active at others.
+                    let law = self.numbers(&solution.constants);
+                    cuts.extend(
+                        worst_states(&law, &self.patches)
+                            .into_iter()
+                            .take(ADDED)
+                            .map(Cut::from),
+                    );
+                    found.push(solution);
+                }
+                End::Worse => {}
+                End::Open => given_up += 1,
+            }
+        }
+        let optima = self.distinct(found);
+        if optima.is_empty() {
+            return Err(FitError::NotFound {
+                law: self.family.name().to_owned(),
+                starts: starts.len(),
+            });
+        }
+        Ok(Found {
+            optima,
+            bound: None,
+            searched: [starts.len(), given_up],
+        })
+    }
+
+    /// First guesses of the search for stable constants: optima with convex terms only, stable constants of the law with one term less, free optima and
+    /// general first guesses.
+    fn starts_with_constraint(&self, free: &[Solution]) -> Vec<Vec<f64>> {
+        let mut starts = Vec::new();
+        for bounds in self.family.convex_bounds() {
+            let Some(bounds) = self.within(&bounds) else {
+                continue;
+            };
+            let problem = Problem {
+                bounds: &bounds,
+                ..self.problem()
+            };
+            let own = self.optima(&self.guesses(&bounds, CONVEX_STARTS), &problem);
+            starts.extend(own.into_iter().take(1));
+        }
+        starts.sort_by(|a, b| a.loss.total_cmp(&b.loss));
+        let mut starts: Vec<Vec<f64>> = starts.into_iter().map(|own| own.constants).collect();
+        if let Some(smaller) = self.family.smaller() {
+            let has = |name: &str| smaller.constants().iter().any(|own| own.name == name);
+            let mut options = self.options.clone();
+            options.fixed.retain(|(name, _)| has(name));
+            options.bounds.retain(|(name, _)| has(name));
+            options.starts = options.starts.min(FEW_STARTS);
+            if let Ok(own) = fit(self.tests, &smaller, &options) {
+                let known = &own.result().constants;
+                let rest = self.bounds.len() - known.len();
+                for exponent in ADDED_EXPONENTS {
+                    let mut start = known.clone();
+                    let added = [0.0, exponent, 0.5];
+                    start.extend(added.into_iter().take(rest));
+                    starts.push(start);
+                }
+            }
+        }
+        let optima = free.iter().take(STARTS_WITH_DEMANDS);
+        starts.extend(optima.map(|own| own.constants.clone()));
+        // The search is cheap for few constants, and at exponents near 1 and -1 strong ellipticity is often just satisfied.
+        let count = STARTS_WITH_DEMANDS.max(FEW_STARTS / self.bounds.len());
+        starts.extend(self.guesses(self.bounds, count));
+        for sign in [1.0, -1.0] {
+            let mut own = starts[starts.len() - 1].clone();
+            let mut sign = sign;
+            for term in self.family.terms() {
+                if let Some(n) = term.shapes.first().filter(|n| self.family.is_exponent(**n)) {
+                    own[*n] = sign;
+                    sign = -1.0 - sign * 0.1;
+                }
+            }
+            starts.push(own);
+        }
+        starts
     }
 
     fn problem(&self) -> Problem<'_> {
@@ -364,6 +801,8 @@ impl Search<'_> {
             cuts: &[],
             margin: self.options.margin,
             bounds: self.bounds,
+            gradients: &[],
+            limits: Limits::default(),
         }
     }
 
@@ -375,13 +814,9 @@ impl Search<'_> {
         }
     }
 
-    /// First guesses: points of Halton's sequence in the ranges of guesses, within the bounds.
-    fn guesses(&self) -> Vec<Vec<f64>> {
+    /// First guesses: points of Halton's sequence in the ranges of guesses, within bounds.
+    fn guesses(&self, bounds: &[[f64; 2]], count: usize) -> Vec<Vec<f64>> {
         const BASES: [usize; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
-        let count = match self.family.is_linear() {
-            true => 1,
-            false => self.options.starts.max(1),
-        };
         let part = |mut n: usize, base: usize| {
             let (mut sum, mut unit) = (0.0, 1.0);
             while n > 0 {
@@ -392,7 +827,7 @@ impl Search<'_> {
             sum
         };
         let guess = |n: usize| {
-            let constants = self.family.constants().iter().zip(self.bounds).enumerate();
+            let constants = self.family.constants().iter().zip(bounds).enumerate();
             constants
                 .map(|(c, (own, bounds))| {
                     let [low, high] = own.guesses.map(|end| end.clamp(bounds[0], bounds[1]));
@@ -409,19 +844,18 @@ impl Search<'_> {
         (0..count).map(guess).collect()
     }
 
-    /// Distinct optima from several starts, the best first.
-    fn optima(
-        &self,
-        starts: &[Vec<f64>],
-        solve: &(dyn Fn(&Problem<'_>, &[f64]) -> Option<Solution> + Sync),
-    ) -> Vec<Solution> {
-        let problem = self.problem();
+    /// Distinct optima of a problem from several starts, the best first.
+    fn optima(&self, starts: &[Vec<f64>], problem: &Problem<'_>) -> Vec<Solution> {
         let scope = Scope::current();
-        let mut all: Vec<Solution> = starts
+        let all = starts
             .par_iter()
-            .filter_map(|start| scope.run(|| solve(&problem, start)))
-            .filter(|own| own.loss.is_finite())
-            .collect();
+            .filter_map(|start| scope.run(|| problem.solve(start)));
+        self.distinct(all.collect())
+    }
+
+    /// Distinct solutions, the best first.
+    fn distinct(&self, mut all: Vec<Solution>) -> Vec<Solution> {
+        all.retain(|own| own.loss.is_finite());
         all.sort_by(|a, b| a.loss.total_cmp(&b.loss));
         let mut distinct: Vec<Solution> = Vec::new();
         for mut own in all {
@@ -465,44 +899,48 @@ impl Search<'_> {
         }
     }
 
-    /// Solution that satisfies the stability constraint in the whole range: states are added until it holds everywhere.
-    fn demanded(
-        &self,
-        problem: &Problem<'_>,
-        start: &[f64],
-        mut cuts: Vec<Cut>,
-    ) -> Option<Solution> {
+    /// Search for constants that satisfy the stability constraint in the whole range: states are added until it holds everywhere. Ends if the sum of
+    /// squares exceeds a limit; `steps` counts the steps of all searches.
+    fn demanded(&self, start: &[f64], cuts: &mut Vec<Cut>, limit: f64, steps: &mut usize) -> End {
         let mut constants = start.to_vec();
-        if self.family.is_linear() {
-            // Constraints at a coarse grid keep the first constants close to the stable optimum.
-            let compressible = self.family.is_compressible();
-            cuts.extend(fence(&self.patches, &self.options.criteria, compressible));
-        }
-        for _ in 0..ROUNDS {
+        for _ in 0..ROUNDS_OF_START {
             checkpoint();
-            let found = Problem {
-                cuts: &cuts,
-                ..*problem
+            if *steps > ALL_STEPS {
+                return End::Open;
             }
-            .solve(&constants)?;
-            let law = self.numbers(&found.constants);
-            let least = LEAST_MARGIN_SHARE * self.options.margin;
-            // For a linear law constraints are cheap: many are added in each iteration, so that fewer iterations are needed.
-            let mut worst = match self.family.is_linear() {
-                true => low_states(&law, &self.patches, least),
-                false => worst_states(&law, &self.patches),
+            let problem = Problem {
+                cuts,
+                limits: Limits {
+                    steps: STEPS,
+                    ..Limits::default()
+                },
+                ..self.problem()
             };
-            if worst.iter().all(|own| own.value >= least) {
-                return Some(found);
+            let Some(found) = problem.solve(&constants) else {
+                return End::Open;
+            };
+            *steps += found.steps;
+            if found.loss > limit {
+                return End::Worse;
             }
-            if !self.family.is_linear() {
-                worst.retain(|own| own.value < least);
-                worst.truncate(ADDED);
+            let law = self.numbers(&found.constants);
+            let lowest = |sampling| {
+                let mut worst = low_states_of(&law, &self.patches, f64::NEG_INFINITY, sampling);
+                worst.retain(|own| own.value < self.least());
+                worst
+            };
+            let mut worst = lowest(Sampling::COARSE);
+            if worst.is_empty() {
+                worst = lowest(Sampling::FINE);
             }
+            if worst.is_empty() {
+                return End::Stable(found);
+            }
+            worst.truncate(ADDED);
             cuts.extend(worst.into_iter().map(Cut::from));
             constants = found.constants;
         }
-        None
+        End::Open
     }
 
     fn others(&self, optima: &[Solution]) -> Vec<(Vec<f64>, f64)> {
@@ -534,7 +972,25 @@ impl Search<'_> {
         let varies: Vec<bool> = constants
             .map(|(own, is_free)| *is_free && !at_bounds.contains(&own.name))
             .collect();
+        let uncertainty = Uncertainty::new(
+            self.family,
+            self.equations,
+            &solution.constants,
+            &varies,
+            &solution.active,
+        );
+        let is_exact = solution.loss.sqrt() <= EXACT * self.equations.norm();
+        let is_open = |n: &usize| {
+            let deviation = uncertainty.deviations[*n];
+            let magnitude = solution.constants[*n].abs();
+            varies[*n] && !is_exact && (deviation.is_nan() || deviation > magnitude)
+        };
+        let has_spare = self.equations.len() > varies.iter().filter(|own| **own).count();
+        let open = (0..varies.len()).filter(|n| has_spare && is_open(n));
+        let name = |n: usize| self.family.constants()[n].name.clone();
+        let undetermined = open.map(name).collect();
         Fitted {
+            undetermined,
             constants: solution.constants.clone(),
             shear_modulus: law.shear_modulus(),
             loss: solution.loss,
@@ -545,13 +1001,7 @@ impl Search<'_> {
                 false => limits(self.family, &solution.constants, &self.options.criteria),
             },
             worst: worst_states(&law, &self.patches).into_iter().next(),
-            uncertainty: Uncertainty::new(
-                self.family,
-                self.equations,
-                &solution.constants,
-                &varies,
-                &solution.active,
-            ),
+            uncertainty,
             at_bounds,
             locked: locked(self.family, &solution.constants, &self.patches),
         }

@@ -11,6 +11,7 @@ use onset::cancel::checkpoint;
 use onset::real::{Dual, Interval, Real};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::sync::LazyLock;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// Outcome of the proof that a law is stable at all states of a range.
@@ -37,7 +38,7 @@ const CELLS: usize = 20_000;
 type Slope = Dual<2, Interval>;
 /// Largest number of subdivisions of the triangle of directions, for one form and for all cells together.
 const MOST_PARTS: usize = 5_000;
-const ALL_PARTS: usize = 800_000;
+const ALL_PARTS: usize = 300_000;
 /// Rounding error of the coefficients of a part, relative to the largest coefficient.
 const ROUNDING_FRACTION: f64 = 1e-14;
 /// Proves that the criteria are positive on all patches.
@@ -246,25 +247,51 @@ fn quadratic_halves(form: &[f64; 6], edge: usize) -> [[f64; 6]; 2] {
     })
 }
 
-fn cubic_halves(form: &[f64; 10], edge: usize) -> [[f64; 10]; 2] {
-    let (p, q) = ends_of(edge);
-    [q, p].map(|moved| {
-        let mut part = [0.0; 10];
-        for a in 0..3 {
-            for b in a..3 {
-                for c in b..3 {
-                    let places =
-                        [a, b, c].map(|own| if own == moved { [p, q] } else { [own, own] });
-                    let sum: f64 = (0..8)
-                        .map(|n| {
-                            let at = |i: usize| places[i][n >> i & 1];
-                            form[cubic(at(0), at(1), at(2))]
-                        })
-                        .sum();
-                    part[cubic(a, b, c)] = sum / 8.0;
+/// Indices of the coefficients whose mean is one coefficient on a half of a triangle, with their number.
+type Means = [(usize, [usize; 8]); 10];
+
+/// Means for all halvings of a triangle: by the edge that is cut, and by the half.
+static CUBIC_MEANS: LazyLock<[[Means; 2]; 3]> = LazyLock::new(|| {
+    std::array::from_fn(|edge| {
+        let (p, q) = ends_of(edge);
+        [q, p].map(|moved| {
+            let mut means: Means = [(0, [0; 8]); 10];
+            for a in 0..3 {
+                for b in a..3 {
+                    for c in b..3 {
+                        let (count, places) = &mut means[cubic(a, b, c)];
+                        // A corner that is moved stands for both ends of the edge.
+                        let ends = |own: usize| match own == moved {
+                            true => vec![p, q],
+                            false => vec![own],
+                        };
+                        for a in ends(a) {
+                            for b in ends(b) {
+                                for c in ends(c) {
+                                    places[*count] = cubic(a, b, c);
+                                    *count += 1;
+                                }
+                            }
+                        }
+                    }
                 }
             }
-        }
-        part
+            means
+        })
     })
+});
+
+fn cubic_halves(form: &[f64; 10], edge: usize) -> [[f64; 10]; 2] {
+    let means = &CUBIC_MEANS[edge];
+    let mut halves = [[0.0; 10]; 2];
+    for (half, means) in halves.iter_mut().zip(means) {
+        for (part, (count, places)) in half.iter_mut().zip(means) {
+            let mut sum = 0.0;
+            for place in &places[..*count] {
+                sum += form[*place];
+            }
+            *part = sum / *count as f64;
+        }
+    }
+    halves
 }

@@ -360,11 +360,47 @@ pub(crate) fn worst_states(law: &Numbers<'_>, patches: &[Patch]) -> Vec<Worst> {
 
 /// Local minima of the criteria over parts of a range, the lowest first, with the grid points and the states around minima that are below a value.
 pub(crate) fn low_states(law: &Numbers<'_>, patches: &[Patch], below: f64) -> Vec<Worst> {
+    low_states_of(law, patches, below, Sampling::FINE)
+}
+
+/// Density of the samples of a range.
+#[derive(Clone, Copy)]
+pub(crate) struct Sampling {
+    /// Every n-th grid point is used.
+    part: usize,
+    /// Number of local minima of the grid that are refined.
+    improved: usize,
+    /// Smallest step of the refinement, as a fraction of the grid spacing.
+    smallest: f64,
+}
+
+impl Sampling {
+    /// All grid points.
+    pub const FINE: Self = Self {
+        part: 1,
+        improved: IMPROVED,
+        smallest: 1e-4,
+    };
+    /// A quarter of the grid points, enough to find large unstable regions.
+    pub const COARSE: Self = Self {
+        part: 2,
+        improved: 3,
+        smallest: 0.02,
+    };
+}
+
+/// Like [`low_states`], for a given density of the samples.
+pub(crate) fn low_states_of(
+    law: &Numbers<'_>,
+    patches: &[Patch],
+    below: f64,
+    sampling: Sampling,
+) -> Vec<Worst> {
     let shear = law.shear_modulus();
     let mut found: Vec<Worst> = Vec::new();
     for patch in patches {
         let dimension = patch.axes.len();
-        let count = POINTS[dimension - 1];
+        let count = (POINTS[dimension - 1] - 1) / sampling.part + 1;
         let place = |n: usize| patch.place(n, count);
         let total = count.pow(dimension as u32);
         let values: Vec<Option<Worst>> = (0..total)
@@ -392,14 +428,15 @@ pub(crate) fn low_states(law: &Numbers<'_>, patches: &[Patch], below: f64) -> Ve
             .filter(|n| values[*n].is_some() && is_low(*n))
             .collect();
         lows.sort_by(|a, b| value(*a).total_cmp(&value(*b)));
-        for n in lows.into_iter().take(IMPROVED) {
+        for n in lows.into_iter().take(sampling.improved) {
             let steps: Vec<f64> = (0..dimension)
                 .map(|a| 0.5 * (patch.high[a] - patch.low[a]) / (count - 1) as f64)
                 .collect();
             let Some(start) = values[n].clone() else {
                 continue;
             };
-            let (worst, middle) = improved(law, patch, shear, place(n), steps.clone(), start);
+            let (worst, middle) =
+                improved(law, patch, shear, place(n), steps.clone(), start, sampling);
             if worst.value < below {
                 for (a, part) in (0..dimension).flat_map(|a| AROUND.map(|part| (a, part))) {
                     for sign in [1.0, -1.0] {
@@ -427,9 +464,10 @@ fn improved(
     mut place: Vec<f64>,
     mut steps: Vec<f64>,
     mut best: Worst,
+    sampling: Sampling,
 ) -> (Worst, Vec<f64>) {
     let dimension = place.len();
-    let smallest = steps.iter().fold(0.0_f64, |a, b| a.max(*b)) * 1e-4;
+    let smallest = steps.iter().fold(0.0_f64, |a, b| a.max(*b)) * sampling.smallest;
     while steps.iter().any(|step| *step > smallest) {
         let mut moved = false;
         for n in 1..3_usize.pow(dimension as u32) {

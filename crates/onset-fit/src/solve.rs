@@ -11,6 +11,7 @@ use crate::tests_of_specimens::Equations;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 use nalgebra::{DMatrix, DVector};
+use onset::cancel::checkpoint;
 use onset::real::Dual;
 use rayon::prelude::*;
 
@@ -40,6 +41,28 @@ pub(crate) struct Problem<'a> {
     pub margin: f64,
     /// Bounds of the constants. Fixed constants have equal bounds.
     pub bounds: &'a [[f64; 2]],
+    /// Gradients of the constraints of a linear law ([`Problem::gradients`]), which do not depend on the constants; empty for other laws.
+    pub gradients: &'a [DVector<f64>],
+    /// Limits of the iteration.
+    pub limits: Limits,
+}
+
+/// Limits of the iteration of one solve.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limits {
+    /// Largest number of steps.
+    pub steps: usize,
+    /// The iteration ends if the sum of squares decreases by less than this fraction.
+    pub gain: f64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            steps: MOST_STEPS,
+            gain: LEAST_GAIN,
+        }
+    }
 }
 
 /// Constants with the sum of squares.
@@ -49,6 +72,8 @@ pub(crate) struct Solution {
     pub loss: f64,
     /// Gradients, with respect to the constants, of the stability constraints that may hold with equality.
     pub active: Vec<DVector<f64>>,
+    /// Number of steps of the iteration.
+    pub steps: usize,
 }
 
 /// Largest number of steps of one solve.
@@ -67,10 +92,32 @@ const PENALTY: f64 = 10.0;
 impl Problem<'_> {
     /// Values of the constraints with their derivatives, scaled by the size of the gradient.
     fn demands(&self, constants: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
+        let rows: Vec<(f64, DVector<f64>)> = match self.gradients.is_empty() {
+            true => self.rows(constants),
+            false => {
+                let constants = DVector::from_column_slice(constants);
+                let gradients = self.gradients.iter();
+                gradients
+                    .map(|own| (own.dot(&constants), own.clone()))
+                    .collect()
+            }
+        };
+        let values = DVector::from_fn(rows.len(), |n, _| rows[n].0);
+        let slopes = DMatrix::from_fn(rows.len(), constants.len(), |n, c| rows[n].1[c]);
+        (values, slopes)
+    }
+
+    /// Gradients of the constraints of a linear law, of norm 1.
+    pub fn gradients(&self) -> Vec<DVector<f64>> {
+        let rows = self.rows(&vec![1.0; self.bounds.len()]);
+        rows.into_iter().map(|(_, gradient)| gradient).collect()
+    }
+
+    /// Value and gradient of each constraint, divided by the norm of the gradient.
+    fn rows(&self, constants: &[f64]) -> Vec<(f64, DVector<f64>)> {
         let terms = self.family.terms();
         let shear = |term| Family::moduli_of(term, constants, [0.0; 3]).shear_modulus();
         let shears: Vec<Dual<2>> = terms.iter().map(shear).collect();
-        // Value and derivatives of a constraint.
         let row = |cut: &Cut| {
             let mut value = 0.0;
             let mut slope = DVector::<f64>::zeros(constants.len());
@@ -89,10 +136,7 @@ impl Problem<'_> {
             (value / size, slope / size)
         };
         let all = self.cuts.par_iter().with_min_len(DEMANDS_OF_A_THREAD);
-        let rows: Vec<(f64, DVector<f64>)> = all.map(row).collect();
-        let values = DVector::from_fn(rows.len(), |n, _| rows[n].0);
-        let slopes = DMatrix::from_fn(rows.len(), constants.len(), |n, c| rows[n].1[c]);
-        (values, slopes)
+        all.map(row).collect()
     }
 
     /// Solution from a first guess; `None` if no constants satisfy the constraints, or the law is not defined at the guess.
@@ -105,7 +149,12 @@ impl Problem<'_> {
             found.active = self.active(&found.constants);
             return (self.violation(&found.constants) < MOST_VIOLATED).then_some(found);
         }
-        constants = self.of_moduli(&constants, &is_free)?.constants;
+        // If no moduli satisfy the constraints with these exponents, the exponents change from moduli that violate them.
+        let unconstrained = Problem { cuts: &[], ..*self };
+        constants = self
+            .of_moduli(&constants, &is_free)
+            .or_else(|| unconstrained.of_moduli(&constants, &is_free))?
+            .constants;
         let (mut errors, mut jacobian) = self.equations.errors(self.family, &constants);
         let mut violated = self.violation(&constants);
         let mut loss = errors.norm_squared();
@@ -113,7 +162,10 @@ impl Problem<'_> {
         let merit = |loss: f64, violated: f64| loss + PENALTY * unit * violated;
         let mut damping = 1e-3;
         let mut idle = 0;
-        for _ in 0..MOST_STEPS {
+        let mut steps = 0;
+        for _ in 0..self.limits.steps {
+            checkpoint();
+            steps += 1;
             let (values, slopes) = self.demands(&constants);
             let step = self.step(
                 &errors,
@@ -149,7 +201,7 @@ impl Problem<'_> {
                 (constants, errors, jacobian) = (trial, new_errors, new_jacobian);
                 (loss, violated) = (new_loss, new_violated);
                 damping = (damping * 0.2).max(1e-15);
-                idle = if part < LEAST_GAIN { idle + 1 } else { 0 };
+                idle = if part < self.limits.gain { idle + 1 } else { 0 };
             } else {
                 damping *= 8.0;
                 idle += usize::from(damping > 1e3);
@@ -162,11 +214,12 @@ impl Problem<'_> {
             active: self.active(&constants),
             constants,
             loss,
+            steps,
         })
     }
 
     /// Gradients of the constraints that may hold with equality.
-    fn active(&self, constants: &[f64]) -> Vec<DVector<f64>> {
+    pub fn active(&self, constants: &[f64]) -> Vec<DVector<f64>> {
         let (values, slopes) = self.demands(constants);
         let size = |n: &usize| {
             let terms = slopes.row(*n).into_iter().zip(constants);
@@ -226,6 +279,7 @@ impl Problem<'_> {
             loss: errors.norm_squared(),
             constants: found,
             active: Vec::new(),
+            steps: 1,
         })
     }
 
@@ -306,6 +360,23 @@ const MOST_PROGRAMS: usize = 100;
 const ADDED_CONDITIONS: usize = 12;
 const CONDITION_TOLERANCE: f64 = 1e-12;
 
+/// Returns true if no constants have positive values of all constraints, given by their gradients, and a positive shear modulus, given by its gradient.
+///
+/// The values are linear in the constants, so that the admissible constants form a cone. Its point nearest to the gradient of the shear modulus is the
+/// origin if and only if the shear modulus is nowhere positive in the cone.
+pub(crate) fn is_empty(shear: &DVector<f64>, gradients: &[DVector<f64>]) -> bool {
+    let Some(target) = shear.clone().try_normalize(0.0) else {
+        return false;
+    };
+    let conditions: Vec<(DVector<f64>, f64)> =
+        gradients.iter().map(|own| (own.clone(), 0.0)).collect();
+    let unit = DMatrix::identity(target.len(), target.len());
+    nearest(&unit, &target, &conditions).is_some_and(|own| own.norm() < EMPTY)
+}
+
+/// Largest norm of a point that is the origin except for rounding.
+const EMPTY: f64 = 1e-7;
+
 /// Point `y` nearest to `target` with `slope . R^-1 y >= bound`; `None` if it does not exist.
 fn nearest(
     upper: &DMatrix<f64>,
@@ -330,6 +401,9 @@ fn nearest(
     let unit = target.norm().max(needed).max(1e-300);
     let target = target / unit;
     bounds.iter_mut().for_each(|own| *own /= unit);
+    if let Some(point) = projected(&target, &rows, &bounds) {
+        return Some(point * unit);
+    }
     // Only a few of many conditions are active. Violated conditions are added until all hold.
     let mut active: Vec<usize> = Vec::new();
     let mut point = target.clone();
@@ -346,6 +420,132 @@ fn nearest(
         point = nearest_of(&target, &rows, &bounds, &active)?;
     }
     Some(point * unit)
+}
+
+/// Point nearest to `target` with `row . y <= bound`; `None` if it does not exist or the method fails.
+///
+/// The least distance program of Lawson and Hanson (Solving Least Squares Problems, 1974, chapter 23): its dual is a problem of nonnegative least
+/// squares. The active constraints are then imposed as equations, so that the point is exact except for rounding.
+fn projected(target: &DVector<f64>, rows: &[DVector<f64>], bounds: &[f64]) -> Option<DVector<f64>> {
+    let count = target.len();
+    let gaps: Vec<f64> = rows
+        .iter()
+        .zip(bounds)
+        .map(|(row, bound)| row.dot(target) - bound)
+        .collect();
+    let most = gaps.iter().fold(0.0_f64, |most, own| most.max(*own));
+    if most <= 0.0 {
+        return Some(target.clone());
+    }
+    let columns = rows.iter().zip(&gaps).map(|(row, gap)| {
+        DVector::from_fn(count + 1, |i, _| match i < count {
+            true => -row[i],
+            false => gap / most,
+        })
+    });
+    let columns: Vec<DVector<f64>> = columns.collect();
+    let mut right = DVector::zeros(count + 1);
+    right[count] = 1.0;
+    let (active, rest) = nonnegative(&columns, &right)?;
+    // The dual has no error if the constraints contradict each other.
+    if rest.norm() < 1e-12 {
+        return None;
+    }
+    // y = target - N (N^T N)^-1 (N^T target - b), with the normals of the active constraints as the columns of N = Q R.
+    let normals = DMatrix::from_fn(count, active.len(), |i, j| rows[active[j]][i]);
+    let qr = normals.qr();
+    let violated = DVector::from_fn(active.len(), |j, _| gaps[active[j]]);
+    let upper = qr.r();
+    let turned = upper.transpose().solve_lower_triangular(&violated)?;
+    let point = target - qr.q() * turned;
+    let scale = most.max(point.norm());
+    let holds = |(row, bound): (&DVector<f64>, &f64)| {
+        row.dot(&point) - bound <= PROJECTION_TOLERANCE * scale
+    };
+    rows.iter().zip(bounds).all(holds).then_some(point)
+}
+
+/// Violation of a constraint by a projected point, relative to its distance.
+const PROJECTION_TOLERANCE: f64 = 1e-10;
+/// Largest number of changes of the active set.
+const MOST_CHANGES: usize = 400;
+
+/// Indices of the positive components of `argmin |sum_n u_n column_n - right|` with `u_n >= 0`, and the negative of the error; `None` if the iteration
+/// does not end.
+fn nonnegative(
+    columns: &[DVector<f64>],
+    right: &DVector<f64>,
+) -> Option<(Vec<usize>, DVector<f64>)> {
+    let mut active: Vec<usize> = Vec::new();
+    let mut values: Vec<f64> = Vec::new();
+    let mut rest = right.clone();
+    let mut refused: Vec<usize> = Vec::new();
+    for _ in 0..MOST_CHANGES {
+        let gains = columns.iter().enumerate();
+        let gains = gains
+            .filter(|(n, _)| !active.contains(n) && !refused.contains(n))
+            .map(|(n, column)| (n, column.dot(&rest) / column.norm()));
+        let best = gains.max_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((next, _)) = best.filter(|(_, gain)| *gain > 1e-13) else {
+            return Some((active, rest));
+        };
+        active.push(next);
+        values.push(0.0);
+        loop {
+            let matrix = DMatrix::from_fn(right.len(), active.len(), |i, j| columns[active[j]][i]);
+            let own = match active.len() <= right.len() {
+                true => {
+                    let qr = matrix.qr();
+                    qr.r().solve_upper_triangular(&(qr.q().tr_mul(right)))
+                }
+                false => None,
+            };
+            let last = active.len() - 1;
+            let Some(own) = own.filter(|own| {
+                let is_new = active[last] == next && values[last] == 0.0;
+                own.iter().all(|value| value.is_finite()) && (!is_new || own[last] > 0.0)
+            }) else {
+                // The new column depends on the others.
+                refused.push(next);
+                let place = active.iter().position(|n| *n == next)?;
+                active.remove(place);
+                values.remove(place);
+                break;
+            };
+            if own.iter().all(|value| *value > 0.0) {
+                values = own.iter().copied().collect();
+                refused.clear();
+                break;
+            }
+            let steps = values.iter().zip(own.iter());
+            let part = steps
+                .filter(|(_, own)| **own <= 0.0)
+                .map(|(old, own)| old / (old - own))
+                .fold(1.0, f64::min);
+            for (old, own) in values.iter_mut().zip(own.iter()) {
+                *old += part * (own - *old);
+            }
+            let least = values.iter().fold(0.0_f64, |a, b| a.max(*b)) * 1e-15;
+            let kept: Vec<bool> = values.iter().map(|own| *own > least).collect();
+            let keep = |n: usize| kept[n];
+            active = (0..active.len())
+                .filter(|n| keep(*n))
+                .map(|n| active[n])
+                .collect();
+            values = (0..values.len())
+                .filter(|n| keep(*n))
+                .map(|n| values[n])
+                .collect();
+            if active.is_empty() {
+                break;
+            }
+        }
+        rest = right.clone();
+        for (n, value) in active.iter().zip(&values) {
+            rest -= &columns[*n] * *value;
+        }
+    }
+    None
 }
 
 /// Point nearest to `target` on one side of some planes; `None` if it does not exist.

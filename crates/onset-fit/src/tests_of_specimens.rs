@@ -62,18 +62,28 @@ struct Equation {
 #[derive(Clone, Debug)]
 pub(crate) struct Equations {
     all: Vec<Equation>,
+    /// For a law that is linear in its constants: upper triangular matrix `R` and vector `d` with the sum of squares `|R c - d|^2`, which replace the
+    /// conditions.
+    reduced: Option<(DMatrix<f64>, DVector<f64>)>,
 }
 
 impl Equations {
     /// Conditions of tests on a law. Points in the reference configuration carry no information and are skipped.
     pub fn new(tests: &[Test], compressible: bool, weights: Weights) -> Self {
         let mut all = Vec::new();
+        let used = tests.iter().filter(|test| test.mode != Mode::Volumetric);
+        let points: usize = used.clone().map(|test| test.points.len()).sum();
+        let mean = points as f64 / used.count().max(1) as f64;
         for (t, test) in tests.iter().enumerate() {
             let magnitudes = test.points.iter().map(|point| point.stress.abs());
             let largest = magnitudes.fold(0.0, f64::max);
             for (p, point) in test.points.iter().enumerate() {
                 let scale = match weights {
                     Weights::Relative(floor) => point.stress.abs().max(floor * largest).recip(),
+                    Weights::ByTest(floor) => {
+                        let part = (mean / test.points.len() as f64).sqrt();
+                        part / point.stress.abs().max(floor * largest)
+                    }
                     Weights::Absolute => 1.0,
                 } * test.weight.sqrt();
                 let at = |logs: [f64; 3], factors: [f64; 3], measured| Equation {
@@ -112,7 +122,50 @@ impl Equations {
                 }
             }
         }
-        Self { all }
+        Self { all, reduced: None }
+    }
+
+    /// Conditions with the same sum of squares for a law that is linear in its constants: at most one more than the constants.
+    pub fn reduced(&self, family: &Family) -> Self {
+        let count = family.constants().len();
+        if !family.is_linear() || self.all.len() <= count + 1 {
+            return self.clone();
+        }
+        let (errors, jacobian) = self.errors(family, &vec![0.0; count]);
+        let rows = errors.len();
+        // The last column of the triangle contains the errors at zero.
+        let matrix = DMatrix::from_fn(rows, count + 1, |i, j| match j < count {
+            true => jacobian[(i, j)],
+            false => -errors[i],
+        });
+        let upper = matrix.qr().r();
+        Self {
+            all: Vec::new(),
+            reduced: Some((
+                upper.columns(0, count).into_owned(),
+                upper.column(count).into_owned(),
+            )),
+        }
+    }
+
+    /// Conditions at `count` points of each test at most, evenly distributed, whose sum of squares approximates the sum of all conditions.
+    pub fn coarse(&self, count: usize) -> Self {
+        let tests = self.all.iter().map(|own| own.place.0 + 1).max();
+        let mut points = vec![0; tests.unwrap_or(0)];
+        for own in &self.all {
+            points[own.place.0] = points[own.place.0].max(own.place.1 + 1);
+        }
+        let kept = self.all.iter().filter_map(|own| {
+            let part = points[own.place.0].div_ceil(count);
+            (own.place.1 % part == part / 2).then(|| Equation {
+                scale: own.scale * (part as f64).sqrt(),
+                ..*own
+            })
+        });
+        Self {
+            all: kept.collect(),
+            reduced: None,
+        }
     }
 
     /// Number of distinct conditions of all tests; several points of one state count once.
@@ -139,6 +192,10 @@ impl Equations {
 
     /// Scaled errors of a law, and their derivatives with respect to its constants.
     pub fn errors(&self, family: &Family, constants: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
+        if let Some((upper, right)) = &self.reduced {
+            let errors = upper * DVector::from_column_slice(constants) - right;
+            return (errors, upper.clone());
+        }
         let mut errors = DVector::zeros(self.all.len());
         let mut jacobian = DMatrix::zeros(self.all.len(), constants.len());
         for (row, own) in self.all.iter().enumerate() {

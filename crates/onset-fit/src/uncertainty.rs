@@ -69,8 +69,12 @@ impl Uncertainty {
         });
         let gradient = inverse.tr_mul(&slope);
         if gradient.norm() > STATIONARY * errors.norm() {
-            while (&kept * &gradient).norm() > UNEXPLAINED * gradient.norm() {
+            // Each constraint removes one direction.
+            for _ in 0..free.len() {
                 let rest = &kept * &gradient;
+                if rest.norm() <= UNEXPLAINED * gradient.norm() {
+                    break;
+                }
                 let parts = normals.iter().filter_map(|normal| {
                     let part = (&kept * normal).try_normalize(DETERMINED)?;
                     Some((part.dot(&rest).abs(), part))

@@ -661,3 +661,95 @@ fn deviations_respect_the_active_stability_constraints() -> Outcome {
     }
     Ok(())
 }
+
+/// Uniaxial test with the given stretches and stresses.
+fn uniaxial(points: &[[f64; 2]]) -> Test {
+    let point = |[stretch, stress]: &[f64; 2]| Point {
+        stretch: *stretch,
+        lateral: None,
+        stress: *stress,
+    };
+    Test {
+        name: "uniaxial".to_owned(),
+        mode: Mode::Uniaxial,
+        points: points.iter().map(point).collect(),
+        weight: 1.0,
+    }
+}
+
+#[test]
+fn a_law_with_one_term_more_fits_no_worse_under_the_stability_constraint() -> Outcome {
+    // Stresses that stay constant at large strains: the free fits are unstable.
+    let tests = [uniaxial(&[
+        [1.02, 0.0235325],
+        [1.1, 0.109421],
+        [1.2, 0.202222],
+        [1.3, 0.283314],
+        [1.5, 0.422222],
+        [1.8, 0.5],
+        [2.0, 0.5],
+        [2.4, 0.5],
+        [2.8, 0.5],
+        [3.0, 0.5],
+    ])];
+    let of_law =
+        |name: &str| fit(&tests, &of(name)?, &Options::default()).map_err(Box::<dyn Error>::from);
+    let single = of_law("ogden-1")?;
+    let double = of_law("ogden-2")?;
+    assert!(double.result().loss <= single.result().loss * (1.0 + 1e-9));
+    assert!(double.proof.is_some() && double.stable.is_some());
+    Ok(())
+}
+
+#[test]
+fn an_ill_conditioned_convex_problem_reaches_its_optimum() -> Outcome {
+    // A foam, whose constants in `polynomial-3` one test hardly determines: 9 constants of 20 points.
+    let tests = [uniaxial(&[
+        [0.3, -1.85144685185185],
+        [0.359090909090909, -1.29153279751379],
+        [0.418181818181818, -0.950924633929339],
+        [0.477272727272727, -0.727542995766663],
+        [0.536363636363636, -0.571936910980623],
+        [0.595454545454545, -0.457581604633487],
+        [0.654545454545455, -0.368993629444069],
+        [0.713636363636364, -0.296412948490081],
+        [0.772727272727273, -0.233205732457198],
+        [0.831818181818182, -0.17450221311799],
+        [0.890909090909091, -0.116438002449502],
+        [0.95, -0.0557087172495384],
+        [1.05, 0.0615420140069918],
+        [1.11428571428571, 0.152074869097792],
+        [1.17857142857143, 0.259002716135889],
+        [1.24285714285714, 0.386363014300591],
+        [1.30714285714286, 0.538465643600245],
+        [1.37142857142857, 0.719950579174738],
+        [1.43571428571429, 0.935834632868203],
+        [1.5, 1.19155092592593],
+    ])];
+    let found = fit(&tests, &of("polynomial-3")?, &Options::default())?;
+    assert!(found.is_global(), "{:?}", found.bound);
+    // A law with fewer constants is contained in the polynomial.
+    let smaller = fit(&tests, &of("polynomial-2")?, &Options::default())?;
+    assert!(found.result().loss < smaller.result().loss);
+    Ok(())
+}
+
+#[test]
+fn tests_have_equal_weights_independently_of_their_numbers_of_points() -> Outcome {
+    let tests = data("treloar")?;
+    let options = Options {
+        weights: Weights::ByTest(0.02),
+        range: None,
+        ..Options::default()
+    };
+    let family = of("yeoh")?;
+    let once = fit(&tests, &family, &options)?;
+    let mut twice = tests;
+    let copy = twice[0].points.clone();
+    twice[0].points.extend(copy);
+    let twice = fit(&twice, &family, &options)?;
+    for (a, b) in once.free.constants.iter().zip(&twice.free.constants) {
+        assert!((a - b).abs() < 1e-12 * a.abs(), "{a} {b}");
+    }
+    Ok(())
+}

@@ -21,7 +21,7 @@ pub struct Asked {
     tests: Vec<Given>,
     law: Vec<String>,
     weights: String,
-    floor: f64,
+    floor: Option<f64>,
     stable: String,
     criterion: String,
     margin: f64,
@@ -77,7 +77,7 @@ pub fn fit(py: Python<'_>, asked: Asked) -> PyResult<Answer> {
         let families = families(&asked.law)?;
         let range = stable_range(&asked.stable);
         let options = Options {
-            weights: weights(&asked.weights, Some(asked.floor))?,
+            weights: weights(&asked.weights, asked.floor)?,
             range: range.map_err(|error| {
                 Failure::input(format!("stable is {:?}; {error}", asked.stable))
             })?,

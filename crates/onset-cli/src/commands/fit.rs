@@ -4,12 +4,17 @@ use super::{Failure, wrote};
 use crate::arguments::FitArguments;
 use crate::fail_on;
 use crate::patience::{self, bar};
-use crate::printing::{print, tell};
+use crate::printing::{is_quiet, print, tell};
 use onset_study::fit::{
     FitAnswer, FittingError, Mode, Options, Reading, Source, Tests, criteria, families, fitted,
     weights,
 };
+use std::io::IsTerminal;
 use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+/// Time after which captured output names each law before its fit.
+const QUIET_TIME: Duration = Duration::from_secs(2);
 
 impl From<FittingError> for Failure {
     fn from(error: FittingError) -> Self {
@@ -56,6 +61,14 @@ pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
             "--fail-on unstable needs a range, but --stable is none\n  hint: give a range, for example --stable data",
         ));
     }
+    for (n, (name, value)) in arguments.fix.iter().enumerate() {
+        let mut before = arguments.fix[..n].iter();
+        if let Some((_, other)) = before.find(|own| own.0 == *name && own.1 != *value) {
+            return Err(Failure::input(format!(
+                "--fix gives {name} two values: {other} and {value}\n  hint: give one value for each constant"
+            )));
+        }
+    }
     let families = families(&arguments.law)?;
     let tests = Tests::read(&files, &reading).map_err(FittingError::Table)?;
     let place = arguments.out.as_deref();
@@ -73,7 +86,17 @@ pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
     };
     patience::end();
     let progress = bar(families.len() as u64, "{bar:32} law {pos} of {len}: {msg}");
+    let begin = Instant::now();
+    let mut count = 0;
+    let is_captured = !std::io::stderr().is_terminal() && !is_quiet();
     let answer = fitted(tests, &families, &options, arguments.bulk, &mut |law| {
+        count += 1;
+        if is_captured && begin.elapsed() > QUIET_TIME {
+            tell(format_args!(
+                "law {count} of {}: {law} (Ctrl-C ends the fit)",
+                families.len()
+            ));
+        }
         progress.inc(1);
         progress.set_message(law.to_owned());
     });

@@ -806,3 +806,178 @@ fn a_volumetric_test_gives_the_bulk_modulus_with_an_error() {
     assert_close(pressures[2], 64.0, 0.03);
     assert!(number(&answer, "/laws/0/tests/1/relative") > 1e-4);
 }
+
+/// Nominal stress of neo-Hooke's law with the modulus 0.4 at a strain in percent.
+fn stress_at(percent: f64) -> f64 {
+    let stretch = 1.0 + 0.01 * percent;
+    0.4 * (stretch - stretch.powi(-2))
+}
+
+#[test]
+fn percentages_given_as_strains_are_refused() {
+    let table = |strains: &[f64], factor: f64, header: &str| {
+        let row = |strain: &f64| format!("{},{}", strain * factor, stress_at(*strain));
+        let rows: Vec<String> = strains.iter().map(row).collect();
+        format!("{header}\n{}\n", rows.join("\n"))
+    };
+    let strain = "strain,nominal_stress";
+    for strains in [
+        &[0.5, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 12.0, 15.0][..],
+        &[0.1, 0.2, 0.3, 0.5, 0.8, 1.0, 1.2, 1.5][..],
+    ] {
+        let last = format!("line {}", strains.len() + 1);
+        let facts = [
+            last.as_str(),
+            "neo-Hooke's law fits them",
+            "name the column strain [%]",
+        ];
+        assert_refused("uniaxial.csv", table(strains, 1.0, strain), "", &facts);
+        // The same strains as fractions, or with their unit, are accepted.
+        for text in [
+            table(strains, 0.01, strain),
+            table(strains, 1.0, "strain [%],nominal_stress"),
+        ] {
+            let (answer, _) = fit_of("uniaxial.csv", text, "");
+            assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+        }
+    }
+    let fractions = table(
+        &[
+            2.0, 10.0, 20.0, 30.0, 50.0, 80.0, 100.0, 140.0, 180.0, 200.0,
+        ],
+        0.01,
+        "strain [%],nominal_stress",
+    );
+    let facts = ["line 11", "the strain is 2 %", "remove [%]"];
+    assert_refused("uniaxial.csv", fractions, "", &facts);
+    let shear = rows("gamma,shear_stress", &["0.5,.2", "2,.8", "7,2.8"]);
+    let facts = ["line 4", "amount of shear is 7", "gamma [%]"];
+    assert_refused("simple-shear.csv", shear, "", &facts);
+}
+
+#[test]
+fn tables_that_contradict_their_options_are_refused() {
+    let text = format!("# mode: planar\n{}", table(HEADER, |own| own));
+    let file = Written::new("test.csv", text);
+    let answer = onset(&["fit", "--uniaxial", &file, "--law", "yeoh"]);
+    assert_eq!(answer.code, Some(2), "{}", answer.stdout);
+    assert!(
+        unwrapped(&answer.stderr)
+            .contains("the comment gives the loading planar, the option uniaxial")
+    );
+    let volume = rows("volume_ratio,pressure", &["0.01,5", "0.02,10", "0.03,15"]);
+    let facts = ["line 2", "the volume ratio is 0.01", "replace them by J"];
+    assert_refused("volumetric.csv", volume, "", &facts);
+    let file = Written::new("uniaxial.csv", table(HEADER, |own| own));
+    let answer = onset(&[
+        "fit", &file, "--law", "yeoh", "--fix", "c10=1", "--fix", "c10=2",
+    ]);
+    assert_eq!(answer.code, Some(2), "{}", answer.stdout);
+    assert!(
+        answer
+            .stderr
+            .contains("--fix gives c10 two values: 1 and 2"),
+        "{}",
+        answer.stderr
+    );
+    let answer = onset(&["fit", &file, "--area", "-25"]);
+    assert!(answer.stderr.contains("--area"), "{}", answer.stderr);
+    assert!(
+        !answer.stderr.contains("unexpected argument"),
+        "{}",
+        answer.stderr
+    );
+}
+
+#[test]
+fn quoted_numbers_and_kilogram_forces_are_read() {
+    let quoted = |[stretch, stress]: [f64; 2]| format!("\"{stretch}\",\"{stress}\"");
+    let text = POINTS.map(quoted).join("\n");
+    let (answer, _) = fit_of(
+        "uniaxial.csv",
+        format!("\"stretch\",\"stress [kgf/cm^2]\"\n{text}\n"),
+        "",
+    );
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    assert!(answer.stdout.contains("kgf/cm^2"), "{}", answer.stdout);
+}
+
+#[test]
+fn suspicious_points_are_noted() {
+    let stretches = [1.02, 1.1, 1.2, 1.3, 1.5, 1.8, 2.0, 2.4, 2.8, 3.0];
+    let noted = |change: &dyn Fn(usize, f64) -> f64| {
+        let row = |(n, stretch): (usize, &f64)| {
+            format!(
+                "{stretch},{}",
+                change(n, stress_at(100.0 * (stretch - 1.0)))
+            )
+        };
+        let text: Vec<String> = stretches.iter().enumerate().map(row).collect();
+        let text = format!("{HEADER}\n{}\n", text.join("\n"));
+        let file = Written::new("uniaxial.csv", text);
+        let answer = onset(&["fit", &file, "--law", "neo-hooke", "--all"]);
+        assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+        unwrapped(&answer.stdout)
+    };
+    assert!(noted(&|_, stress| stress + 0.3).contains("check the zero point"));
+    assert!(
+        noted(&|n, stress| if n == 6 { 10.0 * stress } else { stress })
+            .contains("the point at 2 with")
+    );
+    let plain = noted(&|_, stress| stress);
+    for word in ["zero point", "the point at", "decreases"] {
+        assert!(!plain.contains(word), "{word}: {plain}");
+    }
+}
+
+#[test]
+fn the_full_answer_has_deviations_and_correlations_of_all_laws() {
+    let text = fitted(&ALL, "--law ogden-2,yeoh --stable none --all", 0);
+    assert!(text.matches(" ± ").count() >= 4 + 3, "{text}");
+    assert!(text.contains("correlated: "), "{text}");
+    assert_eq!(text.matches("by test: ").count(), 2, "{text}");
+    let short = fitted(&ALL, "--law ogden-2,yeoh --stable none", 0);
+    assert!(
+        short.contains("constants   ") && short.contains(" ± "),
+        "{short}"
+    );
+    let fixed = fitted(&ALL, "--law ogden-1 --fix alpha1=2 --stable none", 0);
+    assert!(fixed.contains("alpha1 2 (fixed)"), "{fixed}");
+    let bounded = fitted(&ALL, "--law ogden-1 --bound alpha1=1,1.5 --stable none", 0);
+    assert!(bounded.contains("(at its bound)"), "{bounded}");
+}
+
+/// Strongly correlated moduli nearly cancel, so that few digits give other stresses.
+#[test]
+fn the_printed_constants_give_the_printed_error() {
+    let points = "1.02,0.0235325 1.1,0.109421 1.2,0.202222 1.3,0.283314 1.5,0.422222 1.8,0.5 2,0.5 2.4,0.5 2.8,0.5 3,0.5";
+    let lines: Vec<&str> = points.split(' ').collect();
+    let file = Written::new("uniaxial.csv", rows(HEADER, &lines));
+    let text = onset(&["fit", &file, "--law", "ogden-2", "--stable", "none"]).stdout;
+    let text = unwrapped(&text);
+    let value = |name: &str| -> f64 {
+        let (_, rest) = text.split_once(&format!("{name} ")).expect("the constant");
+        rest.split([' ', ','])
+            .next()
+            .and_then(|own| own.parse().ok())
+            .expect("a number")
+    };
+    let terms = [1, 2].map(|n| [value(&format!("mu{n}")), value(&format!("alpha{n}"))]);
+    let squares = lines.iter().map(|line| {
+        let (stretch, stress) = line.split_once(',').expect("two numbers");
+        let [stretch, stress] = [stretch, stress].map(|own| own.parse::<f64>().expect("a number"));
+        let fitted: f64 = terms
+            .iter()
+            .map(|[mu, alpha]| mu * (stretch.powf(alpha - 1.0) - stretch.powf(-0.5 * alpha - 1.0)))
+            .sum();
+        (fitted / stress - 1.0).powi(2)
+    });
+    let error = 100.0 * (squares.sum::<f64>() / lines.len() as f64).sqrt();
+    let (_, told) = text.split_once("fits the test within ").expect("the error");
+    let told: f64 = told
+        .split(' ')
+        .next()
+        .and_then(|own| own.parse().ok())
+        .expect("a number");
+    assert!((error / told - 1.0).abs() < 0.01, "{error} {told}");
+}

@@ -32,8 +32,12 @@ pub struct ConstantAnswer {
     pub name: String,
     /// Fitted value of the constant.
     pub value: f64,
-    /// Standard deviation; `None` if the tests do not determine it or the constant is fixed.
+    /// Standard deviation; `None` if the tests do not determine it, or the constant is fixed or at its bound.
     pub deviation: Option<f64>,
+    /// Whether the constant has a given value.
+    pub is_fixed: bool,
+    /// Whether the constant is at its bound.
+    pub is_at_bound: bool,
     /// Unit: `stress`, or `1`.
     pub unit: &'static str,
 }
@@ -99,6 +103,14 @@ pub struct LawAnswer {
     pub spare_points: usize,
     /// Names of the free constants at their bounds.
     pub at_bounds: Vec<String>,
+    /// Names of the free constants that the tests do not determine: their deviation exceeds their magnitude.
+    pub undetermined: Vec<String>,
+    /// Akaike's information criterion with the correction for few points (AICc), by which laws are ranked; `null` without enough points.
+    pub aicc: Option<f64>,
+    /// Lower bound of the sum of squares of all stable constants if the search ended before the optimum; else `null`.
+    pub bound: Option<f64>,
+    /// Number of first guesses of the search for stable constants, and the number of those whose search was given up.
+    pub searched: [usize; 2],
     /// First state in the range at which the chains of the law are fully extended; `null` if the range has no such state.
     pub locks: Option<LockAnswer>,
     /// Settings of the law.
@@ -122,7 +134,7 @@ pub struct FitAnswer {
     pub stretches: Option<[f64; 2]>,
     /// Criteria of the stability constraint.
     pub criteria: Vec<Criterion>,
-    /// Fitted laws, by increasing error.
+    /// Fitted laws, by increasing AICc; laws with undetermined constants follow all others.
     pub laws: Vec<LawAnswer>,
     /// Laws that could not be fitted, with the reasons.
     pub refused: Vec<(String, String)>,
@@ -203,11 +215,14 @@ impl FitAnswer {
             ));
         }
         let stretches = fits.first().and_then(|fit| fit.stretches);
+        let fixed: Vec<String> = options.fixed.iter().map(|(name, _)| name.clone()).collect();
         let laws = fits
             .into_iter()
-            .map(|fit| LawAnswer::new(fit, &tables.tests, &tests, bulk));
+            .map(|fit| LawAnswer::new(fit, &tables.tests, &tests, bulk, &fixed));
         let laws: Vec<LawAnswer> = laws.collect::<Result<_, _>>()?;
         notes.extend(remarks(&laws));
+        notes.extend(outliers(&laws[0], &tables.tests));
+        notes.extend(contradicted(&laws[0], &tables.tests, bulk)?);
         Ok(Self {
             unit: tables.unit,
             weights: options.weights,
@@ -273,16 +288,14 @@ impl FitAnswer {
         if let [_, others @ ..] = self.laws.as_slice()
             && let Some(simple) = others
                 .iter()
-                .filter(|own| {
-                    own.error < SIMILAR * best.error && own.constants.len() < best.constants.len()
-                })
-                .min_by_key(|own| own.constants.len())
+                .filter(|own| own.error < SIMILAR * best.error && own.unknown() < best.unknown())
+                .min_by_key(|own| own.unknown())
         {
             let _ = write!(
                 text,
                 " With {} instead of {}, {} fits within {}.",
-                counted(simple.constants.len(), "constant"),
-                best.constants.len(),
+                counted(simple.unknown(), "constant"),
+                best.unknown(),
                 simple.law,
                 percent(simple.error)
             );
@@ -321,32 +334,11 @@ impl FitAnswer {
             lines.push(format!(
                 "{:width$}  {:>9}  {:>6}  {worst:21}  {stable:12}  {free}",
                 own.law,
-                own.constants.len(),
+                own.unknown(),
                 percent(own.error),
             ));
         }
         lines
-    }
-
-    fn constants(&self) -> String {
-        let unit = self
-            .unit
-            .as_deref()
-            .map_or(String::new(), |unit| format!(" {unit}"));
-        let best = self.best();
-        let told = best.constants.iter().map(|own| {
-            let value = own.told();
-            let deviation = own
-                .deviation
-                .map_or(String::new(), |own| format!(" ± {}", told_with(own, 2)));
-            let unit = if own.unit == "stress" {
-                unit.as_str()
-            } else {
-                ""
-            };
-            format!("{} {value}{deviation}{unit}", own.name)
-        });
-        told.collect::<Vec<_>>().join(", ")
     }
 
     /// Command that evaluates the stability criteria of the best law.
@@ -358,12 +350,6 @@ impl FitAnswer {
             false => " --incompressible",
         };
         format!("onset criteria{response}{}", sets.collect::<String>())
-    }
-
-    fn correlated(&self) -> String {
-        let pairs = self.best().correlated.iter();
-        let pairs = pairs.map(|(a, b, own)| format!("{a} and {b} ({})", told_with(*own, 3)));
-        pairs.collect::<Vec<_>>().join(", ")
     }
 
     /// Measured and fitted stresses of all laws as a table.
@@ -459,6 +445,71 @@ impl FitAnswer {
     }
 }
 
+/// Errors of a point, relative to the median error of its test, above which it is an outlier, and the smallest such error.
+const OUTLIER: f64 = 8.0;
+const LEAST_OUTLIER: f64 = 0.1;
+
+/// Notes on points that the best law does not fit, though it fits the others.
+fn outliers(best: &LawAnswer, tests: &[Test]) -> Vec<String> {
+    let mut notes = Vec::new();
+    for (test, misfit) in tests.iter().zip(&best.tests) {
+        let pairs = test.points.iter().zip(&misfit.stresses);
+        let errors = pairs.filter(|(point, stress)| stress.is_finite() && point.stress != 0.0);
+        let errors = errors.map(|(point, stress)| {
+            // Relative to the larger stress, so that a measured stress that is too small counts as much as one that is too large.
+            let scale = point.stress.abs().max(stress.abs());
+            ((stress - point.stress).abs() / scale, point)
+        });
+        let mut errors: Vec<(f64, &onset_fit::Point)> = errors.collect();
+        errors.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((median, _)) = errors.get(errors.len() / 2).copied() else {
+            continue;
+        };
+        if let Some((error, point)) = errors.last()
+            && *error > LEAST_OUTLIER
+            && *error > OUTLIER * median
+        {
+            notes.push(format!(
+                "{}: the point at {} with the stress {} is {} % from {}, the median error of the test is {} %; check it",
+                test.name,
+                short(point.stretch),
+                short(point.stress),
+                told_with(100.0 * error, 2),
+                best.law,
+                told_with(100.0 * median, 2)
+            ));
+        }
+    }
+    notes
+}
+
+/// Largest ratio of a given bulk modulus to the bulk modulus of a volumetric test without a note.
+const BULK_DISAGREEMENT: f64 = 1.5;
+
+/// Note on a given bulk modulus that a volumetric test contradicts.
+fn contradicted(
+    best: &LawAnswer,
+    tests: &[Test],
+    bulk: Option<f64>,
+) -> Result<Option<String>, FittingError> {
+    let has_volume = tests.iter().any(|test| test.mode == Mode::Volumetric);
+    let Some(bulk) = bulk.filter(|_| has_volume) else {
+        return Ok(None);
+    };
+    let (_, measured) = assignments(&best.fit.family, best.fit.result(), tests, None)?;
+    let measured = measured.filter(|own| {
+        let ratio = own / bulk;
+        !(BULK_DISAGREEMENT.recip()..=BULK_DISAGREEMENT).contains(&ratio)
+    });
+    Ok(measured.map(|own| {
+        format!(
+            "the given bulk modulus is {}, the volumetric test gives {}",
+            short(bulk),
+            short(own)
+        )
+    }))
+}
+
 /// Remarks on laws whose constants or errors are less meaningful than they appear.
 fn remarks(laws: &[LawAnswer]) -> Vec<String> {
     let mut notes = Vec::new();
@@ -474,7 +525,30 @@ fn remarks(laws: &[LawAnswer]) -> Vec<String> {
             "{exact}: the number of points equals the number of constants, so that the error does not measure the fit; add points, or choose laws with fewer constants"
         ));
     }
+    if laws.len() > 1 {
+        notes.push("laws are ranked by AICc (Akaike's criterion: error and number of constants); laws with constants that the tests do not determine follow all others".to_owned());
+    }
+    let open = all(&|own| !own.undetermined.is_empty());
+    if !open.is_empty() {
+        notes.push(format!(
+            "{open}: the tests do not determine all constants (deviations larger than the constants); choose a law with fewer constants, or fix some"
+        ));
+    }
     for own in laws {
+        if let Some(bound) = own.bound {
+            notes.push(format!(
+                "{}: the search for the best stable constants ended before the optimum; no stable constants have a sum of squares below {} (found: {})",
+                own.law,
+                told(bound),
+                told(own.loss)
+            ));
+        }
+        if own.searched[1] > 0 {
+            notes.push(format!(
+                "{}: {} of {} searches for stable constants were given up",
+                own.law, own.searched[1], own.searched[0]
+            ));
+        }
         if let [name] = own.at_bounds.as_slice() {
             notes.push(format!("{}: {name} is at its bound", own.law));
         } else if !own.at_bounds.is_empty() {
@@ -500,31 +574,11 @@ fn remarks(laws: &[LawAnswer]) -> Vec<String> {
     notes
 }
 
-impl ConstantAnswer {
-    /// Value rounded to a hundredth of its deviation.
-    fn rounded(&self) -> f64 {
-        match self.deviation {
-            Some(deviation) if deviation > 0.0 => {
-                let digits = (self.value.abs() / deviation).log10().floor() + 3.0;
-                match digits {
-                    digits if digits <= 0.0 => 0.0,
-                    digits => {
-                        let digits = digits.min(17.0) as usize;
-                        format!("{:.*e}", digits - 1, self.value)
-                            .parse()
-                            .unwrap_or(self.value)
-                    }
-                }
-            }
-            _ => self.value,
-        }
-    }
-
-    /// Value as text, with at most six digits.
-    fn told(&self) -> String {
-        told(self.rounded())
-    }
-}
+/// Part of the error by which the stresses of printed constants may differ from those of the fitted constants, and the least admitted difference.
+const PRINTED_PART: f64 = 0.01;
+const PRINTED_LEAST: f64 = 1e-6;
+/// Digits of printed constants of compressible laws.
+const COMPRESSIBLE_DIGITS: usize = 8;
 
 /// Largest ratio of the errors of two laws that fit about as well.
 const SIMILAR: f64 = 1.25;
@@ -552,6 +606,7 @@ impl LawAnswer {
         data: &[Test],
         tests: &[TestAnswer],
         bulk: Option<f64>,
+        fixed: &[String],
     ) -> Result<Self, FittingError> {
         let result = fit.result().clone();
         let (settings, kappa) = assignments(&fit.family, &result, data, bulk)?;
@@ -607,6 +662,8 @@ impl LawAnswer {
                     value: *value,
                     deviation: deviation.is_finite().then_some(*deviation),
                     unit: if own.is_modulus { "stress" } else { "1" },
+                    is_fixed: fixed.contains(&own.name),
+                    is_at_bound: result.at_bounds.contains(&own.name),
                 })
                 .collect(),
             kappa,
@@ -625,12 +682,107 @@ impl LawAnswer {
             other_optima: fit.others.len(),
             spare_points: fit.spare,
             at_bounds: result.at_bounds.clone(),
+            undetermined: result.undetermined.clone(),
+            aicc: Some(fit.criterion()).filter(|own| own.is_finite()),
+            bound: fit.bound,
+            searched: fit.searched,
             locks: result
                 .locked
                 .map(|(mode, stretch)| LockAnswer { mode, stretch }),
             settings,
             fit,
         })
+    }
+
+    /// Number of constants that are not fixed.
+    fn unknown(&self) -> usize {
+        self.constants.iter().filter(|own| !own.is_fixed).count()
+    }
+
+    /// Constants with so many digits that the stresses of the printed law are those of the fitted law.
+    ///
+    /// Moduli of correlated terms nearly cancel, so that all of their digits matter.
+    fn rounded(&self, data: &[Test]) -> Vec<f64> {
+        let values: Vec<f64> = self.constants.iter().map(|own| own.value).collect();
+        let at = |digits: usize| -> Vec<f64> {
+            let own = values.iter().map(|value| {
+                let text = format!("{value:.*e}", digits - 1);
+                text.parse().unwrap_or(*value)
+            });
+            own.collect()
+        };
+        let family = &self.fit.family;
+        if family.is_compressible() {
+            return at(COMPRESSIBLE_DIGITS);
+        }
+        let tolerance = (PRINTED_PART * self.error).max(PRINTED_LEAST);
+        let is_same = |rounded: &[f64]| {
+            let points = data.iter().flat_map(|test| {
+                let own = test.points.iter().map(|point| (test.mode, point.stretch));
+                own.filter(|_| test.mode != Mode::Volumetric)
+            });
+            points.into_iter().all(|(mode, stretch)| {
+                let stress = |constants: &[f64]| family.stress(constants, mode, stretch);
+                match (stress(&values), stress(rounded)) {
+                    (Some(a), Some(b)) => (a - b).abs() <= tolerance * a.abs(),
+                    _ => true,
+                }
+            })
+        };
+        let digits = (DIGITS..17).find(|digits| is_same(&at(*digits)));
+        digits.map_or(values.clone(), at)
+    }
+
+    /// Constants with their deviations in one line.
+    fn constants_in_words(&self, data: &[Test], unit: Option<&str>) -> String {
+        let told = self.constants.iter().zip(self.rounded(data));
+        let told = told.map(|(own, value)| {
+            let after = match (own.is_fixed, own.is_at_bound, own.deviation) {
+                (true, _, _) => " (fixed)".to_owned(),
+                (_, true, _) => " (at its bound)".to_owned(),
+                (_, _, Some(deviation)) => format!(" ± {}", told_with(deviation, 2)),
+                _ => String::new(),
+            };
+            let unit = match (own.unit, unit) {
+                ("stress", Some(unit)) => format!(" {unit}"),
+                _ => String::new(),
+            };
+            format!("{} {}{after}{unit}", own.name, told_with(value, 17))
+        });
+        told.collect::<Vec<_>>().join(", ")
+    }
+
+    /// Errors of the tests in one line.
+    fn errors_in_words(&self) -> String {
+        let tests = self.tests.iter().filter(|own| own.relative.is_finite());
+        let tests = tests.map(|own| format!("{} {}", own.test, percent(own.relative)));
+        tests.collect::<Vec<_>>().join(", ")
+    }
+
+    /// Strongly correlated constants in one line.
+    fn correlated_in_words(&self) -> String {
+        let pairs = self.correlated.iter();
+        let pairs = pairs.map(|(a, b, own)| format!("{a} and {b} ({})", told_with(*own, 3)));
+        pairs.collect::<Vec<_>>().join(", ")
+    }
+
+    /// Constants that the tests do not determine, in one line.
+    fn undetermined_in_words(&self) -> String {
+        match self.undetermined.is_empty() {
+            true => String::new(),
+            false => format!(
+                "{} (deviation larger than the constant)",
+                self.undetermined.join(", ")
+            ),
+        }
+    }
+
+    fn others_in_words(&self) -> String {
+        match self.other_optima {
+            0 => String::new(),
+            1 => "1 other optimum has a sum of squares within 5 %".to_owned(),
+            count => format!("{count} other optima have sums of squares within 5 %"),
+        }
     }
 
     /// Sentence on the cost of the stability constraint.
@@ -691,24 +843,18 @@ impl Brief for FitAnswer {
         if self.laws.len() > 1 {
             short = short.table(self.table());
         } else {
-            let tests = best.tests.iter().filter(|own| own.relative.is_finite());
-            let tests = tests.map(|own| format!("{} {}", own.test, percent(own.relative)));
-            short = short.row(1, "by test", tests.collect::<Vec<_>>().join(", "));
+            short = short.row(1, "by test", best.errors_in_words());
         }
-        short = short.row(1, "constants", self.constants());
-        let correlated = self.correlated();
-        if !correlated.is_empty() {
-            short = short.row(3, "correlated", correlated);
-        }
-        if best.other_optima > 0 {
-            short = short.row(
-                2,
-                "not unique",
-                match best.other_optima {
-                    1 => "1 other optimum has a sum of squares within 5 %".to_owned(),
-                    count => format!("{count} other optima have sums of squares within 5 %"),
-                },
-            );
+        let constants = best.constants_in_words(&self.data, self.unit.as_deref());
+        short = short.row(0, "constants", constants);
+        for (rank, name, text) in [
+            (0, "undetermined", best.undetermined_in_words()),
+            (0, "correlated", best.correlated_in_words()),
+            (2, "not unique", best.others_in_words()),
+        ] {
+            if !text.is_empty() {
+                short = short.row(rank, name, text);
+            }
         }
         short.row(4, "next", self.next()).notes(&self.notes)
     }
@@ -735,25 +881,30 @@ impl fmt::Display for FitAnswer {
         }
         writeln!(formatter, "\nconstants   (stresses in {unit})")?;
         for own in &self.laws {
-            let values = own
-                .constants
-                .iter()
-                .map(|own| format!("{} = {}", own.name, own.rounded()));
-            writeln!(
-                formatter,
-                "{}: {}",
-                own.law,
-                values.collect::<Vec<_>>().join(", ")
-            )?;
-            let optimum = match own.is_global {
-                true => "the global minimum for this law",
-                false => "the lowest of many local minima",
+            let constants = own.constants_in_words(&self.data, self.unit.as_deref());
+            writeln!(formatter, "{}: {constants}", own.law)?;
+            for (name, text) in [
+                ("undetermined", own.undetermined_in_words()),
+                ("correlated", own.correlated_in_words()),
+                ("by test", own.errors_in_words()),
+                ("not unique", own.others_in_words()),
+            ] {
+                if !text.is_empty() {
+                    writeln!(formatter, "  {name}: {text}")?;
+                }
+            }
+            let optimum = match (own.is_global, own.bound) {
+                (true, _) => "the global minimum for this law".to_owned(),
+                (_, Some(bound)) => format!("no stable constants have less than {}", told(bound)),
+                _ => "the lowest of many local minima".to_owned(),
             };
             writeln!(
                 formatter,
-                "  sum of squares {}, {optimum}; without the stability constraint {}",
+                "  sum of squares {}, {optimum}; without the stability constraint {}{}",
                 told(own.loss),
-                told(own.free_loss)
+                told(own.free_loss),
+                own.aicc
+                    .map_or(String::new(), |own| format!("; AICc {}", told_with(own, 4)))
             )?;
         }
         for (law, reason) in &self.refused {

@@ -110,6 +110,8 @@ const LARGEST_JUMP: f64 = 100.0;
 const LEAST_POINTS: usize = 3;
 /// Largest stretch of rubber; larger numbers are read as percentages.
 const LARGEST: f64 = 20.0;
+/// Largest amount of shear; larger numbers are read as percentages.
+const LARGEST_SHEAR: f64 = 5.0;
 /// Hint for arrays that appear to contain strains.
 const STRETCHES: &str = "a stretch is 1 plus the strain, and 100 % is a strain of 1";
 /// Smallest and largest admissible value of the largest stress of a test.
@@ -118,6 +120,11 @@ const STRESSES: [f64; 2] = [1e-20, 1e20];
 const LEAST_STRAIN: f64 = 1e-4;
 /// Largest difference between the stretches that two columns give for one row.
 const STRETCH_TOLERANCE: f64 = 0.01;
+/// Strains at which the stress is nearly linear, and part of the first stress that is an offset if it remains without strain.
+const SMALL_STRAIN: f64 = 0.12;
+const OFFSET_PART: f64 = 0.6;
+/// Volume ratios of a volumetric test that are all smaller are changes of volume.
+const LEAST_VOLUME: f64 = 0.5;
 /// Largest change of volume for which laws of constant volume are fitted without a note.
 const CONSTANT_VOLUME: f64 = 0.1;
 /// Largest ratios of the initial shear moduli of two tests: the ratio at which tests of one material contradict each other, and the ratio without a
@@ -222,6 +229,8 @@ impl Tests {
                 }
                 all.notes.extend(table.volume(&test));
                 all.notes.extend(table.repeated(&test));
+                all.notes.extend(table.decreasing(&test));
+                all.notes.extend(table.offset(&test));
                 units.push((test.name.clone(), unit.or_else(|| reading.unit.clone())));
                 all.tests.push(test);
             }
@@ -354,6 +363,36 @@ fn initial_modulus(test: &Test) -> Option<f64> {
         (above + own.stress * strain, below + strain * strain)
     });
     (below > 0.0 && above > 0.0).then(|| above / below)
+}
+
+/// Smallest largest strain that may be a percentage, and largest strain in percentages that may be fractions.
+const LEAST_PERCENT: f64 = 1.0;
+const MOST_FRACTION: f64 = 0.1;
+/// Relative error of neo-Hooke's law below which a reading of the strains fits, and the factor by which the error of the other reading is larger.
+const FITTING_READING: f64 = 0.03;
+const OTHER_READING: f64 = 4.0;
+
+/// Root mean square of the relative errors of neo-Hooke's law with its best modulus, if all strains are multiplied by a factor.
+fn neo_hooke_error(mode: Mode, rows: &[(usize, Point)], factor: f64) -> f64 {
+    let ratios = rows.iter().filter_map(|(_, point)| {
+        let stretch = 1.0 + factor * (point.stretch - 1.0);
+        let unit = match mode {
+            Mode::Equibiaxial => stretch - stretch.powi(-5),
+            Mode::Planar => stretch - stretch.powi(-3),
+            _ => stretch - stretch.powi(-2),
+        };
+        (stretch > 0.0 && point.stress != 0.0 && unit != 0.0).then(|| unit / point.stress)
+    });
+    let ratios: Vec<f64> = ratios.collect();
+    if ratios.len() < LEAST_POINTS {
+        return f64::INFINITY;
+    }
+    // The modulus minimizes the sum of (modulus ratio - 1)^2.
+    let sum: f64 = ratios.iter().sum();
+    let squares: f64 = ratios.iter().map(|own| own * own).sum();
+    let modulus = sum / squares;
+    let errors = ratios.iter().map(|own| (modulus * own - 1.0).powi(2));
+    (errors.sum::<f64>() / ratios.len() as f64).sqrt()
 }
 
 /// First word of a text from a file.
@@ -540,6 +579,18 @@ impl Table<'_> {
             .path
             .file_stem()
             .and_then(|stem| mode_in(&stem.to_string_lossy()));
+        if let (Some(given), Some(comment)) = (given, comment)
+            && given != comment
+        {
+            return Err(self.refused(
+                format!(
+                    "the comment gives the loading {}, the option {}",
+                    comment.name(),
+                    given.name()
+                ),
+                "correct the comment or the option",
+            ));
+        }
         if let (None, Some(comment), Some(name)) = (given, comment, name)
             && comment != name
         {
@@ -627,7 +678,7 @@ impl Table<'_> {
             if own.is_some() && same {
                 return Err(self.line(
                     at,
-                    format!("two columns mean `{}`", brief(&names[n])),
+                    format!("two columns mean `{}`", onset_frames::cut(&names[n])),
                     "keep one of them",
                 ));
             }
@@ -690,7 +741,7 @@ impl Table<'_> {
                     at,
                     format!(
                         "the column `{}` has the unit {}",
-                        brief(&names[*place]),
+                        onset_frames::cut(&names[*place]),
                         brief(unit.as_deref().unwrap_or_default())
                     ),
                     "stretches have no unit; strains have no unit, or %",
@@ -704,7 +755,7 @@ impl Table<'_> {
                     at,
                     format!(
                         "the column `{}` has the unit of a stress",
-                        brief(&names[stress.1])
+                        onset_frames::cut(&names[stress.1])
                     ),
                     "name it nominal_stress, or correct the unit",
                 ));
@@ -773,7 +824,7 @@ impl Table<'_> {
                 notes.push(format!(
                     "{}: the stresses are read from the column `{}`",
                     self.path.display(),
-                    brief(&names[used.1])
+                    onset_frames::cut(&names[used.1])
                 ));
                 break;
             }
@@ -799,9 +850,10 @@ impl Table<'_> {
                 ));
             }
             let number = |place: usize| -> Result<f64, TableError> {
+                let unquoted = |own: &str| own.trim_matches(['"', '\'']).trim().to_owned();
                 let cell = match decimal_comma {
-                    true => cells[place].replace(',', "."),
-                    false => cells[place].clone(),
+                    true => unquoted(&cells[place]).replace(',', "."),
+                    false => unquoted(&cells[place]),
                 };
                 let value = cell.parse::<f64>().ok().filter(|own| own.is_finite());
                 value.ok_or_else(|| {
@@ -815,7 +867,10 @@ impl Table<'_> {
                     };
                     self.line(
                         line,
-                        format!("{what} of the column `{}` {fault}", brief(&names[place])),
+                        format!(
+                            "{what} of the column `{}` {fault}",
+                            onset_frames::cut(&names[place])
+                        ),
                         "write numbers such as 1.25 or 3e-2",
                     )
                 })
@@ -838,8 +893,8 @@ impl Table<'_> {
                         line,
                         format!(
                             "the columns `{}` and `{}` contradict each other",
-                            brief(&names[along.1]),
-                            brief(&names[twin.1])
+                            onset_frames::cut(&names[along.1]),
+                            onset_frames::cut(&names[twin.1])
                         ),
                         "keep one of them",
                     ));
@@ -875,6 +930,9 @@ impl Table<'_> {
             Column::Force => None,
             _ => stress.2,
         };
+        if percent(&along.2) {
+            self.check_fractions(mode, &rows)?;
+        }
         Ok((self.test(mode, rows, along.0)?, unit))
     }
 
@@ -1011,6 +1069,62 @@ impl Table<'_> {
         })
     }
 
+    /// Note on stresses that decrease with the strain from the first point on.
+    fn decreasing(&self, test: &Test) -> Option<String> {
+        let rest = if test.mode == Mode::SimpleShear {
+            0.0
+        } else {
+            1.0
+        };
+        let mut tension: Vec<&Point> = test
+            .points
+            .iter()
+            .filter(|own| own.stretch > rest)
+            .collect();
+        tension.sort_by(|a, b| a.stretch.total_cmp(&b.stretch));
+        let falls = tension
+            .windows(2)
+            .filter(|pair| pair[1].stress < pair[0].stress);
+        let count = falls.count();
+        (tension.len() >= LEAST_POINTS && count + 1 == tension.len()).then(|| {
+            format!(
+                "{}: the stress decreases with the strain from the first point on; check the order of the stresses",
+                self.path.display()
+            )
+        })
+    }
+
+    /// Note on stresses that do not vanish without strain, by the line through the points with the smallest strains.
+    fn offset(&self, test: &Test) -> Option<String> {
+        let rest = match test.mode {
+            Mode::Volumetric => return None,
+            Mode::SimpleShear => 0.0,
+            _ => 1.0,
+        };
+        let mut near: Vec<(f64, f64)> = test
+            .points
+            .iter()
+            .map(|own| (own.stretch - rest, own.stress))
+            .filter(|(strain, _)| (0.0..SMALL_STRAIN).contains(strain))
+            .collect();
+        near.sort_by(|a, b| a.0.total_cmp(&b.0));
+        near.dedup_by_key(|own| own.0);
+        let [(x, y), (u, v), ..] = near.as_slice() else {
+            return None;
+        };
+        // The slope between the first points falls with the strain, so that the true stress without strain is below this value.
+        let slope = (v - y) / (u - x);
+        let zero = y - slope * x;
+        (slope > 0.0 && zero > OFFSET_PART * y).then(|| {
+            format!(
+                "{}: the stresses near zero strain lead to {} without strain, {} % of the first stress; check the zero point",
+                self.path.display(),
+                told_with(zero, 2),
+                told_with(100.0 * zero / y, 2)
+            )
+        })
+    }
+
     /// Note on lateral stretches that contradict a constant volume, or have the sign of the strain.
     fn volume(&self, test: &Test) -> Option<String> {
         let changes = test.points.iter().filter_map(|own| {
@@ -1060,7 +1174,7 @@ impl Table<'_> {
             ),
         };
         if mode == Mode::SimpleShear {
-            return match stretch.abs() > LARGEST {
+            return match stretch.abs() > LARGEST_SHEAR {
                 true => Err(self.line(
                     line,
                     format!(
@@ -1152,6 +1266,16 @@ impl Table<'_> {
                 hint,
             ));
         }
+        if mode == Mode::Volumetric
+            && let Some((line, point)) = rows.first()
+            && rows.iter().all(|own| own.1.stretch < LEAST_VOLUME)
+        {
+            return Err(self.line(
+                *line,
+                format!("the volume ratio is {}", told(point.stretch)),
+                "a volume ratio is near 1; if the column holds relative changes of volume 1 - J, replace them by J",
+            ));
+        }
         let largest = rows
             .iter()
             .fold(0.0_f64, |most, own| most.max(own.1.stress.abs()));
@@ -1207,6 +1331,7 @@ impl Table<'_> {
                 },
             ));
         }
+        self.check_percent(mode, rows, column)?;
         if let Some((line, _)) = rows
             .iter()
             .find(|own| own.1.stress == 0.0 && own.1.stretch != rest)
@@ -1269,6 +1394,86 @@ impl Table<'_> {
                 ),
                 "sort the rows; of a cyclic test keep one branch",
             )),
+        }
+    }
+
+    /// Refuses strains that are percentages: neo-Hooke's law fits their hundredth parts, and not the strains.
+    ///
+    /// Read as strains, such rows reach at least 100 %, and the stress is nearly linear in them, because the specimen was stretched by a few percent.
+    fn check_percent(
+        &self,
+        mode: Mode,
+        rows: &[(usize, Point)],
+        column: Column,
+    ) -> Result<(), TableError> {
+        let largest = rows
+            .iter()
+            .max_by(|a, b| a.1.stretch.total_cmp(&b.1.stretch));
+        let Some((line, point)) = largest.filter(|_| column == Column::Strain) else {
+            return Ok(());
+        };
+        let strain = match mode {
+            Mode::SimpleShear | Mode::Volumetric => return Ok(()),
+            _ => point.stretch - 1.0,
+        };
+        let (as_strains, as_percentages) = (
+            neo_hooke_error(mode, rows, 1.0),
+            neo_hooke_error(mode, rows, 0.01),
+        );
+        let is_percent = strain >= LEAST_PERCENT
+            && as_percentages < FITTING_READING
+            && as_strains > OTHER_READING * as_percentages.max(FITTING_READING);
+        match is_percent {
+            true => Err(self.line(
+                *line,
+                format!(
+                    "the strain is {}, but the stresses are those of strains of at most {} %: neo-Hooke's law fits them within {} %, and the strains as given within {} %",
+                    told(strain),
+                    told(strain),
+                    told_with(100.0 * as_percentages, 2),
+                    told_with(100.0 * as_strains, 2)
+                ),
+                match self.columns {
+                    Some(columns) => format!("{columns}, not percentages"),
+                    None => "if they are percentages, name the column strain [%]; otherwise name it stretch, and give stretches".to_owned(),
+                },
+            )),
+            false => Ok(()),
+        }
+    }
+
+    /// Refuses fractions in a column of percentages: neo-Hooke's law fits a hundred times the strains, and not the strains.
+    fn check_fractions(&self, mode: Mode, rows: &[(usize, Point)]) -> Result<(), TableError> {
+        let largest = rows
+            .iter()
+            .max_by(|a, b| a.1.stretch.total_cmp(&b.1.stretch));
+        let Some((line, point)) = largest else {
+            return Ok(());
+        };
+        if matches!(mode, Mode::SimpleShear | Mode::Volumetric) {
+            return Ok(());
+        }
+        let strain = point.stretch - 1.0;
+        let (as_given, as_fractions) = (
+            neo_hooke_error(mode, rows, 1.0),
+            neo_hooke_error(mode, rows, 100.0),
+        );
+        let is_fraction = (0.0..MOST_FRACTION).contains(&strain)
+            && as_fractions < FITTING_READING
+            && as_given > OTHER_READING * as_fractions.max(FITTING_READING);
+        match is_fraction {
+            true => Err(self.line(
+                *line,
+                format!(
+                    "the strain is {} %, but the stresses are those of a strain of {}: neo-Hooke's law fits them within {} %, and the percentages within {} %",
+                    told(100.0 * strain),
+                    told(100.0 * strain),
+                    told_with(100.0 * as_fractions, 2),
+                    told_with(100.0 * as_given, 2)
+                ),
+                "if the strains are not percentages, remove [%] from the name of the column",
+            )),
+            false => Ok(()),
         }
     }
 

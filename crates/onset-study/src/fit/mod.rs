@@ -18,6 +18,9 @@ use thiserror::Error;
 /// Ratio of bulk to shear modulus of a fitted law if there is no volumetric test.
 pub const BULK_RATIO: f64 = 1000.0;
 
+/// Smallest scale of relative errors with equal weights of the tests, as a fraction of the largest stress of the test.
+pub const TEST_FLOOR: f64 = 0.02;
+
 /// Reason why no law can be fitted.
 #[derive(Debug, Error)]
 pub enum FittingError {
@@ -64,9 +67,10 @@ pub enum FittingError {
 pub fn weights(name: &str, floor: Option<f64>) -> Result<Weights, FittingError> {
     match name {
         "relative" => Ok(Weights::Relative(floor.unwrap_or(0.0))),
+        "by-test" => Ok(Weights::ByTest(floor.unwrap_or(TEST_FLOOR))),
         "absolute" => Ok(Weights::Absolute),
         _ => Err(FittingError::Choice(format!(
-            "weights are {name:?}; expected relative or absolute"
+            "weights are {name:?}; expected relative, by-test or absolute"
         ))),
     }
 }
@@ -192,7 +196,10 @@ pub fn fitted(
         match fit(&tables.tests, family, &own) {
             Ok(fit) => fits.push(fit),
             Err(error) => {
-                is_unstable &= matches!(error, FitError::NotStable { .. });
+                is_unstable &= matches!(
+                    error,
+                    FitError::NotStable { .. } | FitError::NotFound { .. }
+                );
                 refused.push((family.name().to_owned(), hinted(&error)));
             }
         }
@@ -204,7 +211,11 @@ pub fn fitted(
             false => FittingError::None(reasons.join("\n")),
         });
     }
-    fits.sort_by(|a, b| a.result().relative.total_cmp(&b.result().relative));
+    fits.sort_by(|a, b| {
+        let key = |own: &Fit| (own.result().undetermined.len().min(1), own.criterion());
+        let ((a_open, a), (b_open, b)) = (key(a), key(b));
+        a_open.cmp(&b_open).then(a.total_cmp(&b))
+    });
     FitAnswer::new(tables, fits, refused, options, bulk)
 }
 
@@ -219,6 +230,9 @@ fn hinted(error: &FitError) -> String {
             "add a column lateral_stretch, or choose a law of rubber"
         }
         FitError::UnknownConstant { .. } => "name one of them",
+        FitError::NotFound { .. } => {
+            "require stability in a smaller range, for example box=0.5,2, choose another law, or give more first guesses"
+        }
         FitError::NotConverged { .. } | FitError::NotStable { .. } => {
             "require stability in a smaller range, for example box=0.5,2, or choose another law"
         }
