@@ -285,7 +285,7 @@ fn note_on_knots(settings: &Settings) -> Option<String> {
         GridFunctions::QuadraticSpline => &[0.5],
         GridFunctions::Linear | GridFunctions::CubicSpline => &[],
     };
-    // Of several Gauss points only the middle one can lie at a knot.
+    // Only the middle one of several Gauss points can lie at a knot.
     let sides = match method.layout {
         PointLayout::Gauss if sides % 2 == 0 => return None,
         PointLayout::Gauss => 1,

@@ -291,7 +291,7 @@ fn implicit_steps_reach_a_singular_matrix_and_mask_growth_where_stated() {
         }
         assert!((radius(1e12) - at_infinity).abs() < 1e-4, "{integrator:?}");
         assert!((integrator.spectral_radius_at_infinity() - at_infinity).abs() < 1e-12);
-        // The period from the angle of the factor in the upper half plane, whatever the third factor is.
+        // The period from the angle of the factor in the upper half plane; the third factor is real.
         for phase in [0.1_f64, std::f64::consts::TAU / 20.0, 0.75, 2.0] {
             let factors = implicit_factors(parameters, phase * phase).into_iter();
             let upper = factors.max_by(|a, b| a.im.total_cmp(&b.im));
