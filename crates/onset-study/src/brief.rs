@@ -1,14 +1,14 @@
-//! Short form of an answer: at most [`LINES`] lines of at most [`WIDTH`] characters, of these at most [`NOTE_LINES`] lines of notes.
+//! Short form of an answer: at most [`LINES`] lines of at most [`WIDTH`] characters, with at most [`NOTE_LINES`] lines of notes.
 //!
 //! Lines are divided between words; a word longer than a line exceeds the width. The command line prints the short form by default. The full text of
 //! an answer is its `Display`.
 
 use std::fmt::Display;
 
-/// Largest number of lines, without the settings.
+/// Largest number of lines, without the notes and the settings.
 pub const LINES: usize = 12;
 /// Largest number of lines of the notes.
-pub const NOTE_LINES: usize = 5;
+pub const NOTE_LINES: usize = 6;
 /// Largest number of characters in a line.
 pub const WIDTH: usize = 100;
 /// Width of the names of rows.
@@ -77,9 +77,8 @@ impl Short {
     pub fn text(&self, has_settings: bool) -> String {
         let mut lines = wrapped(&self.sentence, 0);
         lines.push(String::new());
-        let notes = self.shown_notes(NOTE_LINES.min(LINES.saturating_sub(lines.len() + 1)));
         // The last line names the options for longer answers.
-        let mut left = LINES.saturating_sub(lines.len() + notes.len() + 1);
+        let mut left = LINES.saturating_sub(lines.len() + 1);
         let rows: Vec<Vec<String>> = self.rows.iter().map(Row::lines).collect();
         let kept = |rank: u8| {
             let own = self.rows.iter().zip(&rows);
@@ -108,7 +107,7 @@ impl Short {
                 lines.extend(named(std::mem::take(&mut name), &row.text));
             }
         }
-        lines.extend(notes);
+        lines.extend(self.shown_notes());
         lines.push(
             named(
                 "more",
@@ -125,10 +124,10 @@ impl Short {
         lines.join("\n")
     }
 
-    /// Notes that fit into a number of lines without being cut, and the number of notes omitted.
+    /// Notes that fit into [`NOTE_LINES`] lines without being cut, and the number of notes omitted.
     ///
     /// A command in a note stays on one line, so that it can be copied.
-    fn shown_notes(&self, room: usize) -> Vec<String> {
+    fn shown_notes(&self) -> Vec<String> {
         let mut lines: Vec<String> = Vec::new();
         for (n, note) in self.notes.iter().enumerate() {
             let own = match note.contains("--set ") {
@@ -136,7 +135,7 @@ impl Short {
                 false => wrapped(&format!("note: {note}"), "note: ".len()),
             };
             let left = self.notes.len() - n;
-            if lines.len() + own.len() + usize::from(left > 1) > room {
+            if lines.len() + own.len() + usize::from(left > 1) > NOTE_LINES {
                 lines.push(format!("note: {left} more: --all"));
                 break;
             }
@@ -214,7 +213,7 @@ pub(crate) fn wrapped(text: &str, indent: usize) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{LINES, Short, WIDTH, cut, wrapped};
+    use super::{LINES, NOTE_LINES, Short, WIDTH, cut, wrapped};
 
     #[test]
     fn a_short_answer_never_exceeds_its_lines_and_its_width() {
@@ -226,7 +225,7 @@ mod tests {
             .notes(&["short".to_owned(), long, "another".to_owned()])
             .settings("material", "by default");
         let text = answer.text(false);
-        assert!(text.lines().count() <= LINES, "{text}");
+        assert!(text.lines().count() <= LINES + NOTE_LINES, "{text}");
         assert!(
             text.lines().all(|line| line.chars().count() <= WIDTH),
             "{text}"
@@ -238,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn notes_are_not_cut_and_take_the_lines_of_the_least_important_rows() {
+    fn notes_are_not_cut_and_do_not_count_as_lines_of_the_answer() {
         let answer = |notes: &[String]| {
             let short = Short::new("One.").table((0..6).map(|n| format!("line {n}")));
             short.row(0, "limits", "in tension").notes(notes)
@@ -248,14 +247,8 @@ mod tests {
             format!("run --set {}", "k=v ".repeat(40)),
         ];
         let (with, without) = (answer(&notes).text(false), answer(&[]).text(false));
-        assert!(
-            with.lines().count() <= LINES && without.contains("line 5"),
-            "{with}"
-        );
-        assert!(
-            with.contains("limits      in tension") && !with.contains("line 5"),
-            "{with}"
-        );
+        let own = with.lines().filter(|line| without.contains(line));
+        assert_eq!(own.count(), without.lines().count(), "{with}");
         for note in &notes {
             let words = with.split_whitespace().collect::<Vec<_>>().join(" ");
             assert!(words.contains(note.trim()), "{with}");
