@@ -638,7 +638,7 @@ fn deviations_respect_the_active_stability_constraints() -> Outcome {
                 let normal = (0..12).map(|_| random()).sum::<f64>() - 6.0;
                 let unit = match weights {
                     Weights::Absolute => 1.0,
-                    Weights::Relative(_) => point.stress,
+                    Weights::Relative(_) | Weights::ByTest(_) => point.stress,
                 };
                 point.stress += part * size * unit * normal;
             }
