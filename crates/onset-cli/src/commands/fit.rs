@@ -13,7 +13,7 @@ use std::io::IsTerminal;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// Time after which captured output names each law before its fit.
+/// Time between two messages on the progress in captured output.
 const QUIET_TIME: Duration = Duration::from_secs(2);
 
 impl From<FittingError> for Failure {
@@ -86,12 +86,13 @@ pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
     };
     patience::end();
     let progress = bar(families.len() as u64, "{bar:32} law {pos} of {len}: {msg}");
-    let begin = Instant::now();
+    let mut last = Instant::now();
     let mut count = 0;
     let is_captured = !std::io::stderr().is_terminal() && !is_quiet();
     let answer = fitted(tests, &families, &options, arguments.bulk, &mut |law| {
         count += 1;
-        if is_captured && begin.elapsed() > QUIET_TIME {
+        if is_captured && last.elapsed() > QUIET_TIME {
+            last = Instant::now();
             tell(format_args!(
                 "law {count} of {}: {law} (Ctrl-C ends the fit)",
                 families.len()

@@ -288,7 +288,7 @@ fn strains_and_stretches_that_are_mixed_up_are_refused() {
     ] {
         assert_refused(name, text, "", &facts);
     }
-    let text = rows("gamma,shear_stress", &["10,.1", "30,.2", "100,.5"]);
+    let text = rows("gamma,shear_stress", &["2,.1", "30,.2", "100,.5"]);
     assert_refused(
         "simple-shear.csv",
         text,
@@ -933,7 +933,8 @@ fn suspicious_points_are_noted() {
 #[test]
 fn the_full_answer_has_deviations_and_correlations_of_all_laws() {
     let text = fitted(&ALL, "--law ogden-2,yeoh --stable none --all", 0);
-    assert!(text.matches(" ± ").count() >= 4 + 3, "{text}");
+    // One exponent of `ogden-2` is at its bound.
+    assert_eq!(text.matches(" ± ").count(), 3 + 3, "{text}");
     assert!(text.contains("correlated: "), "{text}");
     assert_eq!(text.matches("by test: ").count(), 2, "{text}");
     let short = fitted(&ALL, "--law ogden-2,yeoh --stable none", 0);

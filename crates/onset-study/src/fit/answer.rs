@@ -237,7 +237,7 @@ impl FitAnswer {
         })
     }
 
-    /// Law with the smallest error.
+    /// Law with the smallest AICc, of the laws whose constants are all determined if there are any.
     pub fn best(&self) -> &LawAnswer {
         &self.laws[0]
     }
@@ -448,16 +448,24 @@ impl FitAnswer {
 /// Errors of a point, relative to the median error of its test, above which it is an outlier, and the smallest such error.
 const OUTLIER: f64 = 8.0;
 const LEAST_OUTLIER: f64 = 0.1;
+/// Smallest scale of these errors, as a fraction of the largest stress of the test.
+const OUTLIER_FLOOR: f64 = 0.2;
 
 /// Notes on points that the best law does not fit, though it fits the others.
 fn outliers(best: &LawAnswer, tests: &[Test]) -> Vec<String> {
     let mut notes = Vec::new();
     for (test, misfit) in tests.iter().zip(&best.tests) {
+        let largest = test.points.iter().map(|own| own.stress.abs());
+        let largest = largest.fold(0.0, f64::max);
         let pairs = test.points.iter().zip(&misfit.stresses);
         let errors = pairs.filter(|(point, stress)| stress.is_finite() && point.stress != 0.0);
         let errors = errors.map(|(point, stress)| {
             // Relative to the larger stress, so that a measured stress that is too small counts as much as one that is too large.
-            let scale = point.stress.abs().max(stress.abs());
+            let scale = point
+                .stress
+                .abs()
+                .max(stress.abs())
+                .max(OUTLIER_FLOOR * largest);
             ((stress - point.stress).abs() / scale, point)
         });
         let mut errors: Vec<(f64, &onset_fit::Point)> = errors.collect();
@@ -740,6 +748,7 @@ impl LawAnswer {
             let after = match (own.is_fixed, own.is_at_bound, own.deviation) {
                 (true, _, _) => " (fixed)".to_owned(),
                 (_, true, _) => " (at its bound)".to_owned(),
+                (_, _, Some(0.0)) => " (set by the stability constraint)".to_owned(),
                 (_, _, Some(deviation)) => format!(" ± {}", told_with(deviation, 2)),
                 _ => String::new(),
             };
@@ -848,7 +857,7 @@ impl Brief for FitAnswer {
         let constants = best.constants_in_words(&self.data, self.unit.as_deref());
         short = short.row(0, "constants", constants);
         for (rank, name, text) in [
-            (0, "undetermined", best.undetermined_in_words()),
+            (0, "uncertain", best.undetermined_in_words()),
             (0, "correlated", best.correlated_in_words()),
             (2, "not unique", best.others_in_words()),
         ] {
@@ -884,7 +893,7 @@ impl fmt::Display for FitAnswer {
             let constants = own.constants_in_words(&self.data, self.unit.as_deref());
             writeln!(formatter, "{}: {constants}", own.law)?;
             for (name, text) in [
-                ("undetermined", own.undetermined_in_words()),
+                ("uncertain", own.undetermined_in_words()),
                 ("correlated", own.correlated_in_words()),
                 ("by test", own.errors_in_words()),
                 ("not unique", own.others_in_words()),

@@ -1178,7 +1178,7 @@ impl Table<'_> {
                 true => Err(self.line(
                     line,
                     format!(
-                        "the {what} is {}; the largest accepted value is {LARGEST}",
+                        "the {what} is {}; the largest accepted value is {LARGEST_SHEAR}",
                         told(stretch)
                     ),
                     percents,
