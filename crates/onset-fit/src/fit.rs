@@ -209,7 +209,7 @@ impl Fit {
             return f64::INFINITY;
         }
         // Smaller sums of squares are due to rounding.
-        let least = (EXACT * self.norm).powi(2);
+        let least = (ROUNDING_SHARE * self.norm).powi(2);
         let loss = self.result().loss.max(least).max(f64::MIN_POSITIVE);
         conditions * (loss / conditions).ln()
             + 2.0 * unknown
@@ -226,18 +226,18 @@ impl Fit {
 const ROUNDS: usize = 60;
 const ROUNDS_OF_START: usize = 15;
 /// Largest number of steps of one solve with the stability constraint.
-const STEPS: usize = 40;
+const CONSTRAINED_STEPS: usize = 40;
 /// Steps of all solves with the stability constraint after which first guesses that were not searched are given up.
 const ALL_STEPS: usize = 1000;
 /// First guesses are improved by this number of steps, until a step lowers the sum of squares by less than the fraction; only the best are improved
 /// further.
-const FIRST: Limits = Limits {
+const GUESS_LIMITS: Limits = Limits {
     steps: 40,
     gain: 1e-9,
 };
 const IMPROVED: usize = 12;
 /// Largest number of points of each test at which first guesses are improved.
-const COARSE: usize = 40;
+const GUESS_POINTS: usize = 40;
 /// Largest number of optima at some of the points that are improved at all points.
 const POLISHED: usize = 3;
 /// First guesses in each set of bounds with convex terms.
@@ -259,7 +259,7 @@ const LEAST_MARGIN_SHARE: f64 = 0.5;
 /// Optima within this fraction of the best are listed.
 const SIMILAR: f64 = 0.05;
 /// Errors below this fraction of the measured values are rounding errors.
-const EXACT: f64 = 1e-10;
+const ROUNDING_SHARE: f64 = 1e-10;
 /// Constants this close to a bound, relative to it, are at the bound.
 const BOUND_TOLERANCE: f64 = 1e-6;
 /// Optima whose constants differ by less than this fraction count as one.
@@ -267,7 +267,7 @@ const CONSTANT_TOLERANCE: f64 = 1e-3;
 /// Number of free optima that are starting points of a fit with the stability constraint.
 const STARTS_WITH_DEMANDS: usize = 4;
 /// Number of first guesses of a law with one term less.
-const FEW_STARTS: usize = 24;
+const STARTS_OF_SMALLER_LAW: usize = 24;
 
 /// Fits a law to tests.
 ///
@@ -359,7 +359,7 @@ struct Search<'a> {
     patches: Vec<Patch>,
 }
 
-/// Stable constants, the best first, with what the search did not reach.
+/// Stable constants, the best first, and the limits of the search.
 struct Found {
     optima: Vec<Solution>,
     bound: Option<f64>,
@@ -369,7 +369,7 @@ struct Found {
 /// End of a search for stable constants from one first guess.
 enum End {
     Stable(Solution),
-    /// The sum of squares exceeds that of known stable constants.
+    /// The sum of squares exceeds the sum of known stable constants.
     Worse,
     /// The search was given up.
     Open,
@@ -449,13 +449,13 @@ impl Search<'_> {
         if self.family.is_linear() {
             return self.optima(&guesses[..1], &problem);
         }
-        let coarse = self.equations.coarse(COARSE);
+        let coarse = self.equations.coarse(GUESS_POINTS);
         let first = Problem {
             equations: match coarse.len() >= self.is_free.iter().filter(|own| **own).count() {
                 true => &coarse,
                 false => self.equations,
             },
-            limits: FIRST,
+            limits: GUESS_LIMITS,
             ..problem
         };
         let starts = self.optima(&guesses, &first);
@@ -653,9 +653,9 @@ impl Search<'_> {
         both.iter().all(|[low, high]| low <= high).then_some(both)
     }
 
-    /// Stable constants of laws that are not linear in their constants. Of many points, some are used for the search, and all for the best optima.
+    /// Stable constants of laws that are not linear in their constants. The search uses some of many points, and the best optima all points.
     fn several(&self, free: &[Solution]) -> Result<Found, FitError> {
-        let coarse = self.equations.coarse(COARSE);
+        let coarse = self.equations.coarse(GUESS_POINTS);
         let unknown = self.is_free.iter().filter(|own| **own).count();
         let part = coarse.len();
         if part == self.equations.len() || part <= unknown {
@@ -763,7 +763,7 @@ impl Search<'_> {
             let mut options = self.options.clone();
             options.fixed.retain(|(name, _)| has(name));
             options.bounds.retain(|(name, _)| has(name));
-            options.starts = options.starts.min(FEW_STARTS);
+            options.starts = options.starts.min(STARTS_OF_SMALLER_LAW);
             if let Ok(own) = fit(self.tests, &smaller, &options) {
                 let known = &own.result().constants;
                 let rest = self.bounds.len() - known.len();
@@ -778,7 +778,7 @@ impl Search<'_> {
         let optima = free.iter().take(STARTS_WITH_DEMANDS);
         starts.extend(optima.map(|own| own.constants.clone()));
         // The search is cheap for few constants, and at exponents near 1 and -1 strong ellipticity is often just satisfied.
-        let count = STARTS_WITH_DEMANDS.max(FEW_STARTS / self.bounds.len());
+        let count = STARTS_WITH_DEMANDS.max(STARTS_OF_SMALLER_LAW / self.bounds.len());
         starts.extend(self.guesses(self.bounds, count));
         for sign in [1.0, -1.0] {
             let mut own = starts[starts.len() - 1].clone();
@@ -911,7 +911,7 @@ impl Search<'_> {
             let problem = Problem {
                 cuts,
                 limits: Limits {
-                    steps: STEPS,
+                    steps: CONSTRAINED_STEPS,
                     ..Limits::default()
                 },
                 ..self.problem()
@@ -929,9 +929,9 @@ impl Search<'_> {
                 worst.retain(|own| own.value < self.least());
                 worst
             };
-            let mut worst = lowest(Sampling::COARSE);
+            let mut worst = lowest(Sampling::QUARTER);
             if worst.is_empty() {
-                worst = lowest(Sampling::FINE);
+                worst = lowest(Sampling::WHOLE);
             }
             if worst.is_empty() {
                 return End::Stable(found);
@@ -979,7 +979,7 @@ impl Search<'_> {
             &varies,
             &solution.active,
         );
-        let is_exact = solution.loss.sqrt() <= EXACT * self.equations.norm();
+        let is_exact = solution.loss.sqrt() <= ROUNDING_SHARE * self.equations.norm();
         let is_open = |n: &usize| {
             let deviation = uncertainty.deviations[*n];
             let magnitude = solution.constants[*n].abs();

@@ -260,7 +260,7 @@ static CUBIC_MEANS: LazyLock<[[Means; 2]; 3]> = LazyLock::new(|| {
                 for b in a..3 {
                     for c in b..3 {
                         let (count, places) = &mut means[cubic(a, b, c)];
-                        // A corner that is moved stands for both ends of the edge.
+                        // A moved corner replaces both ends of the edge.
                         let ends = |own: usize| match own == moved {
                             true => vec![p, q],
                             false => vec![own],

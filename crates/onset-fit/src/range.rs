@@ -360,7 +360,7 @@ pub(crate) fn worst_states(law: &Numbers<'_>, patches: &[Patch]) -> Vec<Worst> {
 
 /// Local minima of the criteria over parts of a range, the lowest first, with the grid points and the states around minima that are below a value.
 pub(crate) fn low_states(law: &Numbers<'_>, patches: &[Patch], below: f64) -> Vec<Worst> {
-    low_states_of(law, patches, below, Sampling::FINE)
+    low_states_of(law, patches, below, Sampling::WHOLE)
 }
 
 /// Density of the samples of a range.
@@ -375,14 +375,14 @@ pub(crate) struct Sampling {
 }
 
 impl Sampling {
-    /// All grid points.
-    pub const FINE: Self = Self {
+    /// All grid points, for the final search.
+    pub const WHOLE: Self = Self {
         part: 1,
         improved: IMPROVED,
         smallest: 1e-4,
     };
     /// A quarter of the grid points, enough to find large unstable regions.
-    pub const COARSE: Self = Self {
+    pub const QUARTER: Self = Self {
         part: 2,
         improved: 3,
         smallest: 0.02,

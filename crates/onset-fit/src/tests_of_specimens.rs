@@ -125,7 +125,7 @@ impl Equations {
         Self { all, reduced: None }
     }
 
-    /// Conditions with the same sum of squares for a law that is linear in its constants: at most one more than the constants.
+    /// Conditions with the same sum of squares for a law that is linear in its constants; their number exceeds the number of constants by one at most.
     pub fn reduced(&self, family: &Family) -> Self {
         let count = family.constants().len();
         if !family.is_linear() || self.all.len() <= count + 1 {

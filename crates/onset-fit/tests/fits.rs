@@ -703,7 +703,7 @@ fn a_law_with_one_term_more_fits_no_worse_under_the_stability_constraint() -> Ou
 
 #[test]
 fn an_ill_conditioned_convex_problem_reaches_its_optimum() -> Outcome {
-    // A foam, whose constants in `polynomial-3` one test hardly determines: 9 constants of 20 points.
+    // The 20 points of a foam are too few for the 9 constants of `polynomial-3`.
     let tests = [uniaxial(&[
         [0.3, -1.85144685185185],
         [0.359090909090909, -1.29153279751379],

@@ -105,7 +105,7 @@ pub struct LawAnswer {
     pub at_bounds: Vec<String>,
     /// Names of the free constants that the tests do not determine: their deviation exceeds their magnitude.
     pub undetermined: Vec<String>,
-    /// Akaike's information criterion with the correction for few points (AICc), by which laws are ranked; `null` without enough points.
+    /// Akaike's information criterion with the correction for few points (AICc), the order of the laws; `null` without enough points.
     pub aicc: Option<f64>,
     /// Lower bound of the sum of squares of all stable constants if the search ended before the optimum; else `null`.
     pub bound: Option<f64>,
@@ -237,7 +237,7 @@ impl FitAnswer {
         })
     }
 
-    /// Law with the smallest AICc, of the laws whose constants are all determined if there are any.
+    /// Law with the smallest AICc; laws with undetermined constants come last.
     pub fn best(&self) -> &LawAnswer {
         &self.laws[0]
     }
@@ -445,7 +445,7 @@ impl FitAnswer {
     }
 }
 
-/// Errors of a point, relative to the median error of its test, above which it is an outlier, and the smallest such error.
+/// Smallest errors of an outlier: relative to the median error of its test, and relative to the stress.
 const OUTLIER: f64 = 8.0;
 const LEAST_OUTLIER: f64 = 0.1;
 /// Smallest scale of these errors, as a fraction of the largest stress of the test.
@@ -460,7 +460,7 @@ fn outliers(best: &LawAnswer, tests: &[Test]) -> Vec<String> {
         let pairs = test.points.iter().zip(&misfit.stresses);
         let errors = pairs.filter(|(point, stress)| stress.is_finite() && point.stress != 0.0);
         let errors = errors.map(|(point, stress)| {
-            // Relative to the larger stress, so that a measured stress that is too small counts as much as one that is too large.
+            // Errors are relative to the larger stress: a stress that is too small then counts as much as a stress that is too large.
             let scale = point
                 .stress
                 .abs()
@@ -582,7 +582,7 @@ fn remarks(laws: &[LawAnswer]) -> Vec<String> {
     notes
 }
 
-/// Part of the error by which the stresses of printed constants may differ from those of the fitted constants, and the least admitted difference.
+/// Largest difference between the stresses of printed and fitted constants, as a part of the error, and the least admitted difference.
 const PRINTED_PART: f64 = 0.01;
 const PRINTED_LEAST: f64 = 1e-6;
 /// Digits of printed constants of compressible laws.
@@ -707,7 +707,7 @@ impl LawAnswer {
         self.constants.iter().filter(|own| !own.is_fixed).count()
     }
 
-    /// Constants with so many digits that the stresses of the printed law are those of the fitted law.
+    /// Constants with enough digits for the printed law to have the stresses of the fitted law.
     ///
     /// Moduli of correlated terms nearly cancel, so that all of their digits matter.
     fn rounded(&self, data: &[Test]) -> Vec<f64> {

@@ -368,7 +368,7 @@ fn initial_modulus(test: &Test) -> Option<f64> {
 /// Smallest largest strain that may be a percentage, and largest strain in percentages that may be fractions.
 const LEAST_PERCENT: f64 = 1.0;
 const MOST_FRACTION: f64 = 0.1;
-/// Relative error of neo-Hooke's law below which a reading of the strains fits, and the factor by which the error of the other reading is larger.
+/// Largest relative error of neo-Hooke's law for a reading of the strains that fits, and the least ratio of the error of the other reading.
 const FITTING_READING: f64 = 0.03;
 const OTHER_READING: f64 = 4.0;
 
@@ -1427,7 +1427,7 @@ impl Table<'_> {
             true => Err(self.line(
                 *line,
                 format!(
-                    "the strain is {}, but the stresses are those of strains of at most {} %: neo-Hooke's law fits them within {} %, and the strains as given within {} %",
+                    "the strain is {}, but the stresses belong to strains of at most {} %: neo-Hooke's law fits them within {} %, and the strains as given within {} %",
                     told(strain),
                     told(strain),
                     told_with(100.0 * as_percentages, 2),
@@ -1465,7 +1465,7 @@ impl Table<'_> {
             true => Err(self.line(
                 *line,
                 format!(
-                    "the strain is {} %, but the stresses are those of a strain of {}: neo-Hooke's law fits them within {} %, and the percentages within {} %",
+                    "the strain is {} %, but the stresses belong to a strain of {}: neo-Hooke's law fits them within {} %, and the percentages within {} %",
                     told(100.0 * strain),
                     told(100.0 * strain),
                     told_with(100.0 * as_fractions, 2),
