@@ -931,7 +931,7 @@ impl Search<'_> {
             };
             let mut worst = lowest(Sampling::QUARTER);
             if worst.is_empty() {
-                worst = lowest(Sampling::WHOLE);
+                worst = lowest(Sampling::ALL_POINTS);
             }
             if worst.is_empty() {
                 return End::Stable(found);

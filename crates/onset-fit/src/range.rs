@@ -360,7 +360,7 @@ pub(crate) fn worst_states(law: &Numbers<'_>, patches: &[Patch]) -> Vec<Worst> {
 
 /// Local minima of the criteria over parts of a range, the lowest first, with the grid points and the states around minima that are below a value.
 pub(crate) fn low_states(law: &Numbers<'_>, patches: &[Patch], below: f64) -> Vec<Worst> {
-    low_states_of(law, patches, below, Sampling::WHOLE)
+    low_states_of(law, patches, below, Sampling::ALL_POINTS)
 }
 
 /// Density of the samples of a range.
@@ -376,7 +376,7 @@ pub(crate) struct Sampling {
 
 impl Sampling {
     /// All grid points, for the final search.
-    pub const WHOLE: Self = Self {
+    pub const ALL_POINTS: Self = Self {
         part: 1,
         improved: IMPROVED,
         smallest: 1e-4,

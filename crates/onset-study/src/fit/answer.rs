@@ -460,7 +460,7 @@ fn outliers(best: &LawAnswer, tests: &[Test]) -> Vec<String> {
         let pairs = test.points.iter().zip(&misfit.stresses);
         let errors = pairs.filter(|(point, stress)| stress.is_finite() && point.stress != 0.0);
         let errors = errors.map(|(point, stress)| {
-            // Errors are relative to the larger stress: a stress that is too small then counts as much as a stress that is too large.
+            // Errors are relative to the larger stress, which treats high and low outliers alike.
             let scale = point
                 .stress
                 .abs()
