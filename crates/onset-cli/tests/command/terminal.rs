@@ -188,6 +188,7 @@ const LARGE: &str = "[material]\nmodel = \"neo-hooke\"\nmu = 1.0\nlambda = 2.0\n
 #[test]
 fn an_interrupt_abandons_a_long_step_of_a_run_with_checkpoints() {
     let place = Scratch::new("steps");
+    fs::create_dir_all(&place).expect("a folder");
     fs::write(place.join("study.toml"), LARGE).expect("written");
     let mut child = Command::new(env!("CARGO_BIN_EXE_onset"))
         .args(

@@ -476,7 +476,7 @@ impl Question {
         let mut notes = notes_on_law(settings, &*material);
         if settings.is_relaxed() {
             let slow = "the law is that of slow loading, with the long-term moduli; material.loading = fast has the instantaneous moduli";
-            notes.insert(0, slow.to_owned());
+            notes.push(slow.to_owned());
         }
         if turns && modes.is_empty() {
             let why = if has_axes {
