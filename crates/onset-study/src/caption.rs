@@ -74,7 +74,12 @@ mod tests {
 
     #[test]
     fn captions_have_the_constants_of_the_law_and_no_defaults_of_the_method() {
-        let own = Settings::from_assignments(&["material.mu=2", "discretization.penalty=0.5"]);
+        let own = Settings::from_assignments(&[
+            "material.model=neo-hooke",
+            "material.mu=2",
+            "discretization.method=total-lagrangian-sph",
+            "discretization.penalty=0.5",
+        ]);
         let text = settings(&own.expect("settings").effective());
         assert!(
             text.contains("mu 2") && text.contains("penalty 0.5"),

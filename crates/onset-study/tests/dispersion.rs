@@ -167,11 +167,7 @@ fn growing_and_weakly_controlled_waves_are_marked() {
         entries.into_iter().map(|entry| entry.name).collect()
     };
     let has = |names: &[String], what: &str| names.iter().any(|name| name.starts_with(what));
-    let (growing, physical, weak) = (
-        "growing, although",
-        "growing, as a wave",
-        "weakly controlled",
-    );
+    let (growing, physical, weak) = ("growing; no wave", "growing; a wave", "weakly controlled");
     // In tension, SPH has a numerical instability of a stable solid.
     let sph = names(
         &[

@@ -46,7 +46,7 @@ fn unknown_keys_get_the_nearest_known_key_as_a_hint() {
     ] {
         assert_assignment_refused(&[assignment], &["unknown key", "did you mean", nearest]);
     }
-    assert_assignment_refused(&["zzz=1"], &["known keys", "discretization.frame"]);
+    assert_assignment_refused(&["zzz=1"], &["known keys", "discretization"]);
     assert_assignment_refused(&["=1"], &["unknown key"]);
 }
 

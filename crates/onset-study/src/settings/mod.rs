@@ -750,6 +750,9 @@ pub(crate) fn unknown_key<'a>(
     }
 }
 
+/// Largest number of keys that a hint lists; of more it names the sections.
+const LISTED_KEYS: usize = 40;
+
 /// Names for a hint; the parameters of all laws are summarized.
 fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let is_parameter = |name: &str| {
@@ -763,6 +766,17 @@ fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
         })
         .collect();
     listed.dedup();
+    if listed.len() > LISTED_KEYS {
+        let mut sections: Vec<&str> = listed
+            .iter()
+            .filter_map(|name| Some(name.split_once('.')?.0))
+            .collect();
+        sections.dedup();
+        let sections = sections.join(", ");
+        return format!(
+            "those of the sections {sections}; `onset list method NAME` has the keys of a method"
+        );
+    }
     listed.join(", ")
 }
 
