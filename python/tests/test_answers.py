@@ -227,8 +227,9 @@ def test_python_and_command_line_give_identical_documents_and_messages() -> None
             # A simulation that disagrees with the prediction still prints a document.
             assert there.code in (0, 1, 3), words
         else:
-            # Arguments have the names of options without hyphens.
-            assert (code, here) == (there.code, there.error.removeprefix("--")), words
+            # Arguments have the names of options without hyphens; settings are quoted as for the command.
+            told = there.error if here.startswith("--") else there.error.removeprefix("--")
+            assert (code, here) == (there.code, told), words
     assert codes.count(0) > 0.4 * CASES and codes.count(2) > 0.05 * CASES
 
 

@@ -162,7 +162,7 @@ fn the_book_lists_every_key_of_a_study() {
     }
     let keys = page.split("## Keys").nth(1).unwrap_or_default();
     let rows = keys.lines().filter(|line| {
-        ["material", "discretization", "state", "map"]
+        ["material", "discretization", "time", "state", "map"]
             .iter()
             .any(|section| line.starts_with(&format!("| `{section}.")))
     });

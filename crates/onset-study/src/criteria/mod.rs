@@ -474,7 +474,8 @@ impl Question {
             has(loading.mode) && !is_told_twice
         };
         let mut notes = notes_on_law(settings, &*material);
-        if settings.is_relaxed() {
+        // The notes on a deck say so.
+        if settings.is_relaxed() && !notes.iter().any(|own| own.contains("long-term moduli")) {
             let slow = "the law is that of slow loading, with the long-term moduli; material.loading = fast has the instantaneous moduli";
             notes.push(slow.to_owned());
         }
