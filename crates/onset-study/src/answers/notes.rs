@@ -287,7 +287,7 @@ fn note_on_knots(settings: &Settings) -> Option<String> {
     };
     // Only the middle one of several Gauss points can lie at a knot.
     let sides = match method.layout {
-        PointLayout::Gauss if sides % 2 == 0 => return None,
+        PointLayout::Gauss if sides.is_multiple_of(2) => return None,
         PointLayout::Gauss => 1,
         PointLayout::Uniform => sides,
     };

@@ -118,7 +118,7 @@ impl ImplicitIntegrator {
             }
         };
         let factors = any_eigenvalues(&matrix.map(Complex::from));
-        factors.map_or_else(Vec::new, |own| own.iter().copied().collect())
+        factors.map_or_else(Vec::new, |own| own.to_vec())
     }
 
     /// Spectral radius of a step for an undamped oscillation with `omega dt = phase`; the oscillation is damped numerically if it is below 1.
