@@ -39,7 +39,7 @@ pub struct BodyStepAnswer {
 
 impl FiniteBodyAnswer {
     /// Returns the time step of central differences for finite bodies at a state with the given critical step of its waves; `None` if it is unknown. The
-    /// waves of [stiffer increments](Problem::stiffer_at) limit the step, so their problem is passed if the state has any.
+    /// waves of stiffer increments limit the step, so their problem is passed if the state has any.
     ///
     /// # Errors
     /// [`ProblemError`] when material or method cannot be evaluated there.
