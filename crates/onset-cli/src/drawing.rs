@@ -7,6 +7,17 @@ use onset_study::output::Output;
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
+/// Endings of the kinds of figures that are written.
+const FIGURE_ENDINGS: [&str; 3] = ["svg", "png", "pdf"];
+/// Endings of pictures that are refused.
+const OTHER_PICTURE_ENDINGS: [&str; 8] = ["eps", "ps", "jpg", "jpeg", "tif", "tiff", "gif", "webp"];
+
+/// Returns true if a path has the ending of a figure, or of a picture that is refused.
+pub fn is_picture(path: &Path) -> bool {
+    let ending = path.extension().and_then(OsStr::to_str);
+    ending.is_some_and(|own| FIGURE_ENDINGS.contains(&own) || OTHER_PICTURE_ENDINGS.contains(&own))
+}
+
 /// Options of commands that draw a figure.
 #[derive(Debug, Clone, Default, Args)]
 pub struct DrawingArguments {
@@ -85,11 +96,11 @@ impl DrawingArguments {
         };
         let extension = out.extension().and_then(OsStr::to_str);
         let output = match (extension, out.file_stem()) {
-            (Some("svg" | "png" | "pdf"), Some(stem)) => {
+            (Some(own), Some(stem)) if FIGURE_ENDINGS.contains(&own) => {
                 let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
                 Output::at(folder.unwrap_or(Path::new(".")), &names(stem))?.only(stem)
             }
-            (Some("eps" | "ps" | "jpg" | "jpeg" | "tif" | "tiff" | "gif" | "webp"), _) => {
+            (Some(own), _) if OTHER_PICTURE_ENDINGS.contains(&own) => {
                 return Err(Failure::input(format!(
                     "cannot draw {}: figures are written as SVG, PNG and PDF\n  hint: give a name that ends in .svg, .png or .pdf",
                     out.display()

@@ -2,6 +2,7 @@
 
 use super::{Failure, with_files};
 use crate::arguments::SimulateArguments;
+use crate::drawing::is_picture;
 use crate::interrupt;
 use crate::patience::{self, bar};
 use crate::printing::{print, tell};
@@ -13,17 +14,10 @@ use onset_study::simulate::{
     BodyQuestion, Duration, Pace, Place, Question, Seeded, SimulateError, Watch, run_body,
     simulate as run,
 };
-use std::ffi::OsStr;
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::str::FromStr;
 use std::sync::OnceLock;
 use std::time;
-
-/// Endings of figures, and of pictures that are refused.
-const PICTURES: [&str; 11] = [
-    "svg", "png", "pdf", "eps", "ps", "jpg", "jpeg", "tif", "tiff", "gif", "webp",
-];
 
 /// Longest time of a step and of its checkpoint after an interrupt; afterwards the last checkpoint stands.
 const PATIENCE: time::Duration = time::Duration::from_millis(200);
@@ -87,11 +81,7 @@ pub fn simulate(arguments: &SimulateArguments) -> Result<ExitCode, Failure> {
 
 /// Output of the figure alone, if the path has the ending of a figure; `None` for a folder.
 fn figure_alone(arguments: &SimulateArguments, is_body: bool) -> Result<Option<Output>, Failure> {
-    let is_picture = |out: &&PathBuf| {
-        let ending = out.extension().and_then(OsStr::to_str);
-        ending.is_some_and(|own| PICTURES.contains(&own))
-    };
-    let Some(out) = arguments.out.as_ref().filter(is_picture) else {
+    let Some(out) = arguments.out.as_ref().filter(|out| is_picture(out)) else {
         return Ok(None);
     };
     let idle = [

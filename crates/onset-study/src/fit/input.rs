@@ -7,6 +7,7 @@ use crate::number::{counted, told, told_with};
 use crate::settings::units::{names_of, value_of};
 use crate::settings::{fields_of_keyword, stress_unit};
 use onset_fit::{Mode, Point, Test};
+use std::ops::RangeBounds;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -393,6 +394,29 @@ fn neo_hooke_error(mode: Mode, rows: &[(usize, Point)], factor: f64) -> f64 {
     let modulus = sum / squares;
     let errors = ratios.iter().map(|own| (modulus * own - 1.0).powi(2));
     (errors.sum::<f64>() / ratios.len() as f64).sqrt()
+}
+
+/// Row with the largest strain, this strain, and the errors of neo-Hooke's law for strains that are multiplied by a factor and for the strains as given, if
+/// the law fits the multiplied strains alone. `None` for other loadings, and for a largest strain outside a range.
+fn misread(
+    mode: Mode,
+    rows: &[(usize, Point)],
+    factor: f64,
+    range: impl RangeBounds<f64>,
+) -> Option<(usize, f64, [f64; 2])> {
+    if matches!(mode, Mode::SimpleShear | Mode::Volumetric) {
+        return None;
+    }
+    let (line, point) = rows
+        .iter()
+        .max_by(|a, b| a.1.stretch.total_cmp(&b.1.stretch))?;
+    let strain = point.stretch - 1.0;
+    let errors = [factor, 1.0].map(|factor| neo_hooke_error(mode, rows, factor));
+    let [multiplied, given] = errors;
+    let is_misread = range.contains(&strain)
+        && multiplied < FITTING_READING
+        && given > OTHER_READING * multiplied.max(FITTING_READING);
+    is_misread.then_some((*line, strain, errors))
 }
 
 /// First word of a text from a file.
@@ -1406,26 +1430,11 @@ impl Table<'_> {
         rows: &[(usize, Point)],
         column: Column,
     ) -> Result<(), TableError> {
-        let largest = rows
-            .iter()
-            .max_by(|a, b| a.1.stretch.total_cmp(&b.1.stretch));
-        let Some((line, point)) = largest.filter(|_| column == Column::Strain) else {
-            return Ok(());
-        };
-        let strain = match mode {
-            Mode::SimpleShear | Mode::Volumetric => return Ok(()),
-            _ => point.stretch - 1.0,
-        };
-        let (as_strains, as_percentages) = (
-            neo_hooke_error(mode, rows, 1.0),
-            neo_hooke_error(mode, rows, 0.01),
-        );
-        let is_percent = strain >= LEAST_PERCENT
-            && as_percentages < FITTING_READING
-            && as_strains > OTHER_READING * as_percentages.max(FITTING_READING);
-        match is_percent {
-            true => Err(self.line(
-                *line,
+        let is_strain = column == Column::Strain;
+        let misread = is_strain.then(|| misread(mode, rows, 0.01, LEAST_PERCENT..));
+        match misread.flatten() {
+            Some((line, strain, [as_percentages, as_strains])) => Err(self.line(
+                line,
                 format!(
                     "the strain is {}, but the stresses belong to strains of at most {} %: neo-Hooke's law fits them within {} %, and the strains as given within {} %",
                     told(strain),
@@ -1438,32 +1447,15 @@ impl Table<'_> {
                     None => "if they are percentages, name the column strain [%]; otherwise name it stretch, and give stretches".to_owned(),
                 },
             )),
-            false => Ok(()),
+            None => Ok(()),
         }
     }
 
     /// Refuses fractions in a column of percentages: neo-Hooke's law fits a hundred times the strains, and not the strains.
     fn check_fractions(&self, mode: Mode, rows: &[(usize, Point)]) -> Result<(), TableError> {
-        let largest = rows
-            .iter()
-            .max_by(|a, b| a.1.stretch.total_cmp(&b.1.stretch));
-        let Some((line, point)) = largest else {
-            return Ok(());
-        };
-        if matches!(mode, Mode::SimpleShear | Mode::Volumetric) {
-            return Ok(());
-        }
-        let strain = point.stretch - 1.0;
-        let (as_given, as_fractions) = (
-            neo_hooke_error(mode, rows, 1.0),
-            neo_hooke_error(mode, rows, 100.0),
-        );
-        let is_fraction = (0.0..MOST_FRACTION).contains(&strain)
-            && as_fractions < FITTING_READING
-            && as_given > OTHER_READING * as_fractions.max(FITTING_READING);
-        match is_fraction {
-            true => Err(self.line(
-                *line,
+        match misread(mode, rows, 100.0, 0.0..MOST_FRACTION) {
+            Some((line, strain, [as_fractions, as_given])) => Err(self.line(
+                line,
                 format!(
                     "the strain is {} %, but the stresses belong to a strain of {}: neo-Hooke's law fits them within {} %, and the percentages within {} %",
                     told(100.0 * strain),
@@ -1473,7 +1465,7 @@ impl Table<'_> {
                 ),
                 "if the strains are not percentages, remove [%] from the name of the column",
             )),
-            false => Ok(()),
+            None => Ok(()),
         }
     }
 
