@@ -1,4 +1,7 @@
-"""Some calls with odd arrays, and the same in a forked process; the arguments are a seed and the longest time of a process in seconds. Prints `done`."""
+"""Calls with odd arrays. The arguments are a seed and, for the same in forked processes, the longest time of these in seconds.
+
+Prints `done` and the number of calls, or of forked processes.
+"""
 
 import faulthandler
 import multiprocessing
@@ -107,21 +110,29 @@ def interrupted() -> None:
     signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
+def forked(longest: float) -> None:
+    child = multiprocessing.get_context("fork").Process(target=abused, args=(8,))
+    child.start()
+    child.join(longest)
+    if child.is_alive():
+        # Prints where it is.
+        os.kill(child.pid, signal.SIGABRT)
+        child.join(1.0)
+        child.kill()
+        sys.exit("a forked process hangs")
+    if child.exitcode != 0:
+        sys.exit(f"a forked process ended with {child.exitcode}")
+
+
 if __name__ == "__main__":
     faulthandler.enable()
-    abused(20)
-    if RANDOM.random() < 0.5:
-        interrupted()
-    for _ in range(2):
-        child = multiprocessing.get_context("fork").Process(target=abused, args=(8,))
-        child.start()
-        child.join(float(sys.argv[2]))
-        if child.is_alive():
-            # Prints where it is.
-            os.kill(child.pid, signal.SIGABRT)
-            child.join(1.0)
-            child.kill()
-            sys.exit("a forked process hangs")
-        if child.exitcode != 0:
-            sys.exit(f"a forked process ended with {child.exitcode}")
-    print("done")
+    if len(sys.argv) == 2:
+        abused(80)
+        print("done 80")
+    else:
+        abused(10)
+        if RANDOM.random() < 0.5:
+            interrupted()
+        for _ in range(4):
+            forked(float(sys.argv[2]))
+        print("done 4")

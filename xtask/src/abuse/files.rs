@@ -75,7 +75,7 @@ pub(super) fn damaged(
     programs: &Programs,
     place: &Place,
     random: &mut Random,
-) -> Result<(), Fault> {
+) -> Result<u64, Fault> {
     place.write("study.toml", STUDY)?;
     place.write("rubber.inp", DECK)?;
     let points: String = (0..40)
@@ -116,7 +116,7 @@ pub(super) fn damaged(
             return Err(Fault::Told(format!("{}\n{}", ended.line, ended.stderr)));
         }
     }
-    Ok(())
+    Ok(1)
 }
 
 /// Writes a private text into a file: as a line, or as a value.

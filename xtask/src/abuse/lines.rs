@@ -116,7 +116,7 @@ pub(super) fn command_line(
     programs: &Programs,
     place: &Place,
     random: &mut Random,
-) -> Result<(), Fault> {
+) -> Result<u64, Fault> {
     place.write("study.toml", STUDY)?;
     place.write("tests.csv", super::files::TESTS)?;
     place.write("run.csv", super::files::run_as_table())?;
@@ -126,7 +126,8 @@ pub(super) fn command_line(
         let pool = if random.below(2) == 0 { OPTIONS } else { WORDS };
         command.arg(random.of(pool));
     }
-    place.run(command).map(drop)
+    place.run_for(random.pause(1500), command)?;
+    Ok(1)
 }
 
 const TOKENS: &[&str] = &[
@@ -140,7 +141,7 @@ pub(super) fn formula(
     programs: &Programs,
     place: &Place,
     random: &mut Random,
-) -> Result<(), Fault> {
+) -> Result<u64, Fault> {
     let mut energy = String::new();
     let length = [4, 12, 40, 4000][random.below(4)];
     for _ in 0..random.below(length) {
@@ -154,7 +155,8 @@ pub(super) fn formula(
     ]);
     command.args(["--set", "material.mu=1", "--set", "material.kappa=3"]);
     command.args(["--energy", &energy]);
-    place.run(command).map(drop)
+    place.run(command)?;
+    Ok(1)
 }
 
 /// Checks commands at terminals that are narrow, dumb or gone.
@@ -162,7 +164,7 @@ pub(super) fn terminal(
     programs: &Programs,
     place: &Place,
     random: &mut Random,
-) -> Result<(), Fault> {
+) -> Result<u64, Fault> {
     let line = random.of(&[
         "state --stretch 1.1,0.9",
         "list materials",
@@ -197,5 +199,6 @@ pub(super) fn terminal(
             command.env(name, random.of(&["", "1", "dumb", "C", "\u{1b}", "-5"]));
         }
     }
-    place.run(command).map(drop)
+    place.run(command)?;
+    Ok(1)
 }

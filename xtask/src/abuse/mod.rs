@@ -30,93 +30,86 @@ impl Programs {
     }
 }
 
-/// Kind of abuse; each case runs in a separate folder.
+/// Kind of abuse; each case runs in a separate folder, and returns the number of counted events.
 struct Kind {
     name: &'static str,
-    case: fn(&Programs, &Place, &mut Random) -> Result<(), Fault>,
-    /// Number of counted cases in a run.
-    count: u64,
+    case: fn(&Programs, &Place, &mut Random) -> Result<u64, Fault>,
+    /// Number of events in a run with `--proof`.
+    proof: u64,
+}
+
+impl Kind {
+    const fn new(
+        name: &'static str,
+        proof: u64,
+        case: fn(&Programs, &Place, &mut Random) -> Result<u64, Fault>,
+    ) -> Self {
+        Self { name, case, proof }
+    }
 }
 
 const KINDS: &[Kind] = &[
-    Kind {
-        name: "command lines",
-        case: lines::command_line,
-        count: 1,
-    },
-    Kind {
-        name: "formulas",
-        case: lines::formula,
-        count: 1,
-    },
-    Kind {
-        name: "terminals",
-        case: lines::terminal,
-        count: 1,
-    },
-    Kind {
-        name: "interrupts",
-        case: stores::interrupted,
-        count: 1,
-    },
-    Kind {
-        name: "kills",
-        case: stores::killed,
-        count: 1,
-    },
-    Kind {
-        name: "damaged files",
-        case: files::damaged,
-        count: 1,
-    },
-    Kind {
-        name: "half requests",
-        case: talk::half_requests,
-        count: 1,
-    },
+    Kind::new("command lines", 100_000, lines::command_line),
+    Kind::new("formulas", 10_000, lines::formula),
+    Kind::new("terminals", 1_000, lines::terminal),
+    Kind::new("interrupts", 500, stores::interrupted),
+    Kind::new("kills", 2_000, stores::killed),
+    Kind::new("damaged files", 2_000, files::damaged),
+    Kind::new("half requests", 200, talk::half_requests),
 ];
 
 const PYTHON: &[Kind] = &[
-    Kind {
-        name: "arrays and forks",
-        case: talk::arrays,
-        count: 1,
-    },
-    Kind {
-        name: "formulas in one process",
-        case: talk::formulas,
-        count: talk::FORMULAS,
-    },
+    Kind::new("arrays", 10_000, talk::arrays),
+    Kind::new("forks", 1_000, talk::forks),
+    Kind::new("interrupts of calls", 500, talk::interrupts),
+    Kind::new("formulas of one process", 1_000_000, talk::formulas),
 ];
 
 /// Results of one kind of abuse.
 #[derive(Default)]
 struct Tally {
-    cases: AtomicU64,
+    events: AtomicU64,
     faults: Mutex<Vec<Fault>>,
+    /// Longest time from a signal to the end of a program; milliseconds.
+    slowest: AtomicU64,
 }
 
-/// Abuses the programs for some minutes, with the tests' build of the command and the package of the last `cargo xtask python`.
+/// End of a run.
+#[derive(Clone, Copy)]
+enum Until {
+    /// After a time.
+    Time(Duration),
+    /// After the numbers of events that a proof needs.
+    Proof,
+}
+
+/// Abuses the programs, with the tests' build of the command and the package of the last `cargo xtask python`.
 ///
 /// # Errors
 /// Description of the failures.
 pub fn run(arguments: &[String]) -> Result<(), String> {
-    let (mut time, mut seed, mut only) = (Duration::from_secs(180), 1, Vec::new());
+    let (mut until, mut seed, mut only) = (Until::Time(Duration::from_secs(180)), 1, Vec::new());
+    let mut command = None;
     let usage = || {
         let names: Vec<&str> = KINDS.iter().chain(PYTHON).map(|kind| kind.name).collect();
         format!(
-            "usage: cargo xtask abuse [--minutes N] [--seed N] [--kind NAME]...; kinds: {}",
+            "usage: cargo xtask abuse [--minutes N | --proof] [--seed N] [--command EXECUTABLE] [--kind NAME]...; kinds: {}",
             names.join(", ")
         )
     };
     let mut rest = arguments.iter();
     while let Some(argument) = rest.next() {
+        if argument == "--proof" {
+            until = Until::Proof;
+            continue;
+        }
         let value = rest.next().ok_or_else(usage)?;
         match (argument.as_str(), value.parse::<f64>()) {
             ("--minutes", Ok(minutes)) if minutes > 0.0 && minutes < 1e6 => {
-                time = Duration::from_secs_f64(60.0 * minutes);
+                until = Until::Time(Duration::from_secs_f64(60.0 * minutes));
             }
             ("--seed", Ok(number)) => seed = number as u64,
+            ("--command", _) => command = Some(value),
             ("--kind", _) => {
                 let mut kinds = KINDS.iter().chain(PYTHON);
                 only.push(kinds.find(|kind| kind.name == value).ok_or_else(usage)?);
@@ -124,7 +117,11 @@ pub fn run(arguments: &[String]) -> Result<(), String> {
             _ => return Err(usage()),
         }
     }
-    abused(time, seed, &only)
+    let onset = match command {
+        Some(path) => std::path::absolute(path).map_err(|error| error.to_string())?,
+        None => wheel::command()?,
+    };
+    abused(onset, until, seed, &only)
 }
 
 /// Abuses the programs for less than a minute, as part of the tests.
@@ -132,18 +129,23 @@ pub fn run(arguments: &[String]) -> Result<(), String> {
 /// # Errors
 /// Description of the failures.
 pub fn test() -> Result<(), String> {
-    abused(Duration::from_secs(45), 1, &[])
+    abused(
+        wheel::command()?,
+        Until::Time(Duration::from_secs(45)),
+        1,
+        &[],
+    )
 }
 
 /// Abuses the programs in the given ways, or in all ways by default.
-fn abused(time: Duration, seed: u64, only: &[&Kind]) -> Result<(), String> {
+fn abused(onset: PathBuf, until: Until, seed: u64, only: &[&Kind]) -> Result<(), String> {
     let interpreter = python::interpreter("python");
     let has_package = |python: &PathBuf| {
         let import = Command::new(python).args(["-c", "import onset"]).output();
         import.is_ok_and(|output| output.status.success())
     };
     let programs = Programs {
-        onset: wheel::command()?,
+        onset,
         python: interpreter.filter(has_package),
     };
     let mut kinds: Vec<&Kind> = match only {
@@ -153,54 +155,56 @@ fn abused(time: Duration, seed: u64, only: &[&Kind]) -> Result<(), String> {
     if programs.python.is_none() {
         kinds.retain(|kind| PYTHON.iter().all(|own| own.name != kind.name));
         eprintln!(
-            "== NOT TESTED: arrays and forks in Python. The package has not been built: cargo xtask python"
+            "== NOT TESTED: arrays, forks and interrupts in Python. The package has not been built: cargo xtask python"
         );
     }
-    eprintln!("== abuse: {} s, seed {seed}", time.as_secs());
+    match until {
+        Until::Time(time) => eprintln!("== abuse: {} s, seed {seed}", time.as_secs()),
+        Until::Proof => eprintln!("== abuse: the numbers of a proof, seed {seed}"),
+    }
     let tallies: Vec<Tally> = kinds.iter().map(|_| Tally::default()).collect();
-    let (end, next) = (Instant::now() + time, AtomicU64::new(0));
+    let (begun, next) = (Instant::now(), AtomicU64::new(0));
+    let is_open = |place: usize| match until {
+        Until::Time(time) => begun.elapsed() < time,
+        Until::Proof => tallies[place].events.load(Ordering::Relaxed) < kinds[place].proof,
+    };
     let work = || {
-        while Instant::now() < end {
+        while (0..kinds.len()).any(is_open) {
             let number = next.fetch_add(1, Ordering::Relaxed);
             let place = number as usize % kinds.len();
-            let mut random = Random::new(seed, number);
-            let outcome = Place::new(number)
-                .and_then(|folder| (kinds[place].case)(&programs, &folder, &mut random));
-            tallies[place]
-                .cases
-                .fetch_add(kinds[place].count, Ordering::Relaxed);
-            if let Err(fault) = outcome {
-                eprintln!("== {}, case {number}: {fault}", kinds[place].name);
-                let mut faults = tallies[place]
-                    .faults
-                    .lock()
-                    .unwrap_or_else(|held| held.into_inner());
-                faults.push(fault);
+            if is_open(place) {
+                let random = Random::new(seed, number);
+                worked(&programs, kinds[place], &tallies[place], number, random);
             }
         }
     };
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(work))));
-    println!("{:<24} cases  hangs  aborts  torn files  messages", "");
-    let mut all = [0; 5];
+    println!(
+        "{:<24} {:>7}  hangs  aborts  torn files  messages  slowest end",
+        "", "events"
+    );
+    let mut all = [0; 6];
     for (kind, tally) in kinds.iter().zip(&tallies) {
         let faults = tally.faults.lock().unwrap_or_else(|held| held.into_inner());
         let of =
             |what: fn(&Fault) -> bool| faults.iter().filter(|fault| what(fault)).count() as u64;
         let counts = [
-            tally.cases.load(Ordering::Relaxed),
+            tally.events.load(Ordering::Relaxed),
             of(|fault| matches!(fault, Fault::Hang(_))),
             of(|fault| matches!(fault, Fault::Abort(_))),
             of(|fault| matches!(fault, Fault::Torn(_))),
             of(|fault| matches!(fault, Fault::Told(_))),
+            tally.slowest.load(Ordering::Relaxed),
         ];
         row(kind.name, counts);
-        for (sum, count) in all.iter_mut().zip(counts) {
+        for (sum, count) in all.iter_mut().zip(counts).take(5) {
             *sum += count;
         }
+        all[5] = all[5].max(counts[5]);
     }
     row("all", all);
-    match all[1..].iter().sum::<u64>() {
+    match all[1..5].iter().sum::<u64>() {
         0 => Ok(()),
         faults => Err(format!(
             "{faults} faults; repeat with: cargo xtask abuse --seed {seed}"
@@ -208,8 +212,34 @@ fn abused(time: Duration, seed: u64, only: &[&Kind]) -> Result<(), String> {
     }
 }
 
-fn row(name: &str, [cases, hangs, aborts, torn, told]: [u64; 5]) {
-    println!("{name:<24} {cases:>5}  {hangs:>5}  {aborts:>6}  {torn:>10}  {told:>8}");
+/// Runs a case and counts its events and faults.
+fn worked(programs: &Programs, kind: &Kind, tally: &Tally, number: u64, mut random: Random) {
+    let counted = Place::new(number).and_then(|folder| {
+        let outcome = (kind.case)(programs, &folder, &mut random);
+        let slowest = folder.slowest().as_millis() as u64;
+        tally.slowest.fetch_max(slowest, Ordering::Relaxed);
+        outcome
+    });
+    let events = match counted {
+        Ok(events) => events,
+        Err(fault) => {
+            eprintln!("== {}, case {number}: {fault}", kind.name);
+            let faults = tally.faults.lock();
+            faults.unwrap_or_else(|held| held.into_inner()).push(fault);
+            1
+        }
+    };
+    tally.events.fetch_add(events, Ordering::Relaxed);
+}
+
+fn row(name: &str, [events, hangs, aborts, torn, told, slowest]: [u64; 6]) {
+    let slowest = match slowest {
+        0 => "-".to_owned(),
+        slowest => format!("{:.2} s", slowest as f64 / 1000.0),
+    };
+    println!(
+        "{name:<24} {events:>7}  {hangs:>5}  {aborts:>6}  {torn:>10}  {told:>8}  {slowest:>11}"
+    );
 }
 
 /// Random numbers of a case: SplitMix64.

@@ -1,5 +1,6 @@
 //! Start, observation and end of programs.
 
+use std::cell::Cell;
 use std::fmt;
 use std::fs::{self, File};
 use std::io;
@@ -21,6 +22,14 @@ pub(crate) const INTERRUPT: i32 = 2;
 pub(crate) const HANGUP: i32 = 1;
 pub(crate) const TERMINATE: i32 = 15;
 pub(crate) const KILL: i32 = 9;
+/// Returns true for a signal that programs started here ignore until they handle it, as below `nohup` and in the background of a script.
+pub(crate) fn is_ignored(signal: i32) -> bool {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
+}
+
 /// Documented exit codes: done, failed, refused, verdict, interrupted.
 const CODES: [i32; 5] = [0, 1, 2, 3, 130];
 
@@ -58,33 +67,59 @@ impl From<io::Error> for Fault {
 }
 
 /// Folder of a case, removed when it ends.
-pub(crate) struct Place(PathBuf);
+pub(crate) struct Place {
+    folder: PathBuf,
+    /// Longest time from a signal to the end of a program.
+    slowest: Cell<Duration>,
+}
 
 impl Place {
     pub(crate) fn new(case: u64) -> Result<Self, Fault> {
         let name = format!("onset-abuse-{}-{case}", std::process::id());
         let folder = std::env::temp_dir().join(name);
         fs::create_dir_all(&folder)?;
-        Ok(Self(folder))
+        Ok(Self {
+            folder,
+            slowest: Cell::default(),
+        })
     }
 
     pub(crate) fn path(&self) -> &Path {
-        &self.0
+        &self.folder
+    }
+
+    pub(crate) fn slowest(&self) -> Duration {
+        self.slowest.get()
+    }
+
+    /// Records the time from a signal to the end of a program.
+    ///
+    /// # Errors
+    /// A hang, if this time is far above the documented 0.3 s.
+    pub(crate) fn ended_after(&self, time: Duration, line: &str) -> Result<(), Fault> {
+        self.slowest.set(self.slowest.get().max(time));
+        if time > longest() / 4 {
+            let seconds = time.as_secs_f64();
+            return Err(Fault::Hang(format!(
+                "{line}\nends {seconds:.1} s after the signal"
+            )));
+        }
+        Ok(())
     }
 
     pub(crate) fn write(&self, name: &str, text: impl AsRef<[u8]>) -> Result<PathBuf, Fault> {
-        let path = self.0.join(name);
+        let path = self.folder.join(name);
         fs::write(&path, text)?;
         Ok(path)
     }
 
     /// Starts a command in this folder, with its output in files.
-    pub(crate) fn started(&self, mut command: Command) -> Result<Running, Fault> {
+    pub(crate) fn started(&self, mut command: Command) -> Result<Running<'_>, Fault> {
         let line = format!("{command:?}");
-        let [out, error] = ["stdout", "stderr"].map(|name| self.0.join(format!(".{name}")));
+        let [out, error] = ["stdout", "stderr"].map(|name| self.folder.join(format!(".{name}")));
         let child = command
-            .current_dir(&self.0)
-            .env("TMPDIR", &self.0)
+            .current_dir(&self.folder)
+            .env("TMPDIR", &self.folder)
             .stdin(Stdio::null())
             .stdout(File::create(&out)?)
             .stderr(File::create(&error)?)
@@ -95,13 +130,19 @@ impl Place {
             out,
             error,
             signals: Vec::new(),
+            place: self,
         })
     }
 
-    /// Runs a command to its end, and interrupts a slow one.
+    /// Runs a command to its end, and interrupts it after three seconds.
     pub(crate) fn run(&self, command: Command) -> Result<Ended, Fault> {
+        self.run_for(Duration::from_secs(3), command)
+    }
+
+    /// Runs a command to its end, and interrupts it after the given time.
+    pub(crate) fn run_for(&self, time: Duration, command: Command) -> Result<Ended, Fault> {
         let mut running = self.started(command)?;
-        if running.ends_within(Duration::from_secs(3))?.is_none() {
+        if running.ends_within(time)?.is_none() {
             running.signal(INTERRUPT)?;
         }
         running.ended()
@@ -110,17 +151,19 @@ impl Place {
 
 impl Drop for Place {
     fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
+        let _ = fs::remove_dir_all(&self.folder);
     }
 }
 
 /// Running program.
-pub(crate) struct Running {
+pub(crate) struct Running<'a> {
+    place: &'a Place,
     child: Child,
     line: String,
     out: PathBuf,
     error: PathBuf,
-    signals: Vec<i32>,
+    /// Signals that were sent, and when.
+    signals: Vec<(i32, Instant)>,
 }
 
 /// Result of a program.
@@ -132,10 +175,10 @@ pub(crate) struct Ended {
     pub(crate) line: String,
 }
 
-impl Running {
+impl Running<'_> {
     /// Sends a signal to the program.
     pub(crate) fn signal(&mut self, signal: i32) -> Result<(), Fault> {
-        self.signals.push(signal);
+        self.signals.push((signal, Instant::now()));
         let number = self.child.id().to_string();
         Command::new("kill")
             .args([format!("-{signal}"), number])
@@ -161,7 +204,9 @@ impl Running {
     /// Waits for the end and checks the exit.
     pub(crate) fn ended(mut self) -> Result<Ended, Fault> {
         let read = |path| fs::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
-        let Some(status) = self.ends_within(longest())? else {
+        let ended = self.ends_within(longest())?;
+        let asked = self.signals.first().map(|(_, at)| at.elapsed());
+        let Some(status) = ended else {
             self.child.kill()?;
             self.child.wait()?;
             let told = read(&self.error).unwrap_or_default();
@@ -173,7 +218,7 @@ impl Running {
         // A signal ends a program that does not handle signals yet.
         let is_killed = status
             .signal()
-            .is_some_and(|signal| self.signals.contains(&signal));
+            .is_some_and(|signal| self.signals.iter().any(|(sent, _)| *sent == signal));
         if stderr.contains("panicked")
             || stderr.contains("a defect")
             || !(is_documented || is_killed)
@@ -186,6 +231,9 @@ impl Running {
             let told: String = message.chars().take(600).collect();
             return Err(Fault::Told(format!("{}\n{told}", self.line)));
         }
+        if let Some(time) = asked {
+            self.place.ended_after(time, &self.line)?;
+        }
         Ok(Ended {
             code,
             stdout,
@@ -195,7 +243,7 @@ impl Running {
     }
 }
 
-impl Drop for Running {
+impl Drop for Running<'_> {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();

@@ -1,11 +1,13 @@
 //! Interrupts and kills at any time: written files are complete, and a resumed command produces the same bytes.
 
-use super::running::{Fault, HANGUP, INTERRUPT, KILL, Place, Running, TERMINATE, longest};
+use super::running::{Fault, HANGUP, INTERRUPT, KILL, Place, TERMINATE, is_ignored};
 use super::{Programs, Random};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 const STUDY: &str = "[discretization]\nsupport = 1.6\n[[axes]]\nquantity = \"stretch-1\"\nrange = [0.8, 1.6]\nstates = 40\n[[axes]]\nquantity = \"stretch-2\"\nrange = [0.8, 1.6]\nstates = 36\n[map]\ntile = 8\n";
 const COMPARISON: &str = "[compare]\nstretches = [0.95, 1.05]\nstates = 4\ntension = 1.1\ncompression = 0.9\n[[methods]]\nname = \"nodes\"\nlattice = \"square\"\nquadrature = \"nodal\"\n[[methods]]\nname = \"sph\"\nmethod = \"updated-sph\"\n";
@@ -40,7 +42,7 @@ pub(super) fn interrupted(
     programs: &Programs,
     place: &Place,
     random: &mut Random,
-) -> Result<(), Fault> {
+) -> Result<u64, Fault> {
     place.write("study.toml", STUDY)?;
     place.write("irregular.toml", IRREGULAR)?;
     place.write("tests.csv", super::files::TESTS)?;
@@ -51,16 +53,14 @@ pub(super) fn interrupted(
     )?;
     let mut running = place.started(words(programs, random.of(SLOW_COMMANDS)))?;
     if running.ends_within(random.pause(1500))?.is_some() {
-        return running.ended().map(drop);
+        return running.ended().map(|_| 0);
     }
-    let signal = [INTERRUPT, TERMINATE, HANGUP][random.below(3)];
-    running.signal(signal)?;
-    // A signal to a program that does not handle signals yet can be lost.
-    if running.ends_within(longest() / 4)?.is_none() {
-        running.signal(signal)?;
-    }
+    let mut signals = vec![INTERRUPT, TERMINATE, HANGUP];
+    signals.retain(|signal| !is_ignored(*signal));
+    running.signal(signals[random.below(signals.len())])?;
     running.ended()?;
-    no_rest(place.path())
+    no_rest(place.path())?;
+    Ok(1)
 }
 
 /// Commands that write files, each with the command that resumes it.
@@ -79,27 +79,68 @@ const KILLED: &[(&str, &str)] = &[
     ),
 ];
 
-/// Checks that a command killed at any time is resumed to the bytes of an undisturbed run.
-pub(super) fn killed(programs: &Programs, place: &Place, random: &mut Random) -> Result<(), Fault> {
-    let (line, again) = KILLED[random.below(KILLED.len())];
-    let whole = Place::new(random.word())?;
-    for folder in [place, &whole] {
-        folder.write("study.toml", STUDY)?;
-        folder.write("compare.toml", COMPARISON)?;
+/// Undisturbed run of a command.
+struct Whole {
+    code: Option<i32>,
+    files: BTreeMap<String, Vec<u8>>,
+    time: Duration,
+}
+
+/// Undisturbed runs of the commands that are killed, each made once.
+static WHOLE: Mutex<BTreeMap<usize, Arc<Whole>>> = Mutex::new(BTreeMap::new());
+
+fn whole(programs: &Programs, number: usize, random: &mut Random) -> Result<Arc<Whole>, Fault> {
+    let mut all = WHOLE.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(made) = all.get(&number) {
+        return Ok(Arc::clone(made));
     }
-    let complete = whole.started(words(programs, line))?.ended()?;
-    for _ in 0..1 + random.below(3) {
-        let started = if place.path().join("out").exists() {
-            again
-        } else {
-            line
-        };
-        let mut running: Running = place.started(words(programs, started))?;
-        if running.ends_within(random.pause(1200))?.is_none() {
+    let place = Place::new(random.word())?;
+    killable(&place)?;
+    let begun = Instant::now();
+    let ended = place.started(words(programs, KILLED[number].0))?.ended()?;
+    let made = Arc::new(Whole {
+        code: ended.code,
+        files: tree(&place.path().join("out"))?,
+        time: begun.elapsed(),
+    });
+    all.insert(number, Arc::clone(&made));
+    Ok(made)
+}
+
+/// Writes the studies of the commands that are killed.
+fn killable(place: &Place) -> Result<(), Fault> {
+    place.write("study.toml", STUDY)?;
+    place.write("compare.toml", COMPARISON)?;
+    Ok(())
+}
+
+/// Checks that a command killed at any time, again and again, is resumed to the bytes of an undisturbed run; counts the kills.
+pub(super) fn killed(
+    programs: &Programs,
+    place: &Place,
+    random: &mut Random,
+) -> Result<u64, Fault> {
+    let number = random.below(KILLED.len());
+    let (line, again) = KILLED[number];
+    let complete = whole(programs, number, random)?;
+    killable(place)?;
+    let out = place.path().join("out");
+    let mut kills = 0;
+    for _ in 0..4 {
+        let started = if out.exists() { again } else { line };
+        let mut running = place.started(words(programs, started))?;
+        if running
+            .ends_within(random.pause(1 + complete.time.as_millis() as usize))?
+            .is_none()
+        {
             running.signal(KILL)?;
         }
-        running.ended()?;
+        match running.ended()?.code {
+            None => kills += 1,
+            Some(_) => break,
+        }
     }
+    let again = if out.exists() { again } else { line };
     let rest = place.started(words(programs, again))?.ended()?;
     if rest.code != complete.code {
         return Err(Fault::Torn(format!(
@@ -107,10 +148,7 @@ pub(super) fn killed(programs: &Programs, place: &Place, random: &mut Random) ->
             rest.code, rest.line
         )));
     }
-    let (own, expected) = (
-        tree(&place.path().join("out"))?,
-        tree(&whole.path().join("out"))?,
-    );
+    let (own, expected) = (tree(&out)?, &complete.files);
     match own
         .iter()
         .find(|(name, bytes)| expected.get(*name) != Some(bytes))
@@ -119,7 +157,7 @@ pub(super) fn killed(programs: &Programs, place: &Place, random: &mut Random) ->
         None if own.len() < expected.len() => {
             Err(Fault::Torn(format!("a file of {line} is missing")))
         }
-        None => no_rest(place.path()),
+        None => no_rest(place.path()).map(|()| kills),
     }
 }
 

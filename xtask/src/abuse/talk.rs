@@ -25,7 +25,7 @@ pub(super) fn half_requests(
     programs: &Programs,
     place: &Place,
     random: &mut Random,
-) -> Result<(), Fault> {
+) -> Result<u64, Fault> {
     let mut command = programs.onset();
     command.args(["explore", "--no-browser"]);
     let mut running = place.started(command)?;
@@ -67,7 +67,7 @@ pub(super) fn half_requests(
     running.signal(INTERRUPT)?;
     running.ended()?;
     match answered {
-        true => Ok(()),
+        true => Ok(1),
         false => Err(Fault::Hang(
             "the page does not answer its owner while half requests are open".to_owned(),
         )),
@@ -86,53 +86,74 @@ fn asked(address: SocketAddr) -> std::io::Result<String> {
     Ok(String::from_utf8_lossy(&bytes[..count]).into_owned())
 }
 
-/// Number of formulas that one process evaluates.
-pub(super) const FORMULAS: u64 = 500;
-
 /// Checks that energies of random tokens are evaluated or refused, many in one process.
 pub(super) fn formulas(
     programs: &Programs,
     place: &Place,
     random: &mut Random,
-) -> Result<(), Fault> {
-    in_python(
-        programs,
-        place,
-        ("formulas.py", include_str!("formulas.py")),
-        &[random.word().to_string(), FORMULAS.to_string()],
-    )
+) -> Result<u64, Fault> {
+    let script = ("formulas.py", include_str!("formulas.py"));
+    in_python(programs, place, script, &[random.word().to_string()])
 }
 
-/// Checks that calls with any arrays, also in forked processes, return or raise an exception.
-pub(super) fn arrays(programs: &Programs, place: &Place, random: &mut Random) -> Result<(), Fault> {
+/// Checks that calls with any arrays return or raise an exception.
+pub(super) fn arrays(
+    programs: &Programs,
+    place: &Place,
+    random: &mut Random,
+) -> Result<u64, Fault> {
+    let script = ("arrays.py", include_str!("arrays.py"));
+    in_python(programs, place, script, &[random.word().to_string()])
+}
+
+/// Checks the same in forked processes.
+pub(super) fn forks(programs: &Programs, place: &Place, random: &mut Random) -> Result<u64, Fault> {
     // A forked process that hangs is found before the script counts as hanging, and prints where it is.
-    let longest = 0.8 * longest().as_secs_f64();
-    in_python(
-        programs,
-        place,
-        ("arrays.py", include_str!("arrays.py")),
-        &[random.word().to_string(), longest.to_string()],
-    )
+    let longest = 0.5 * longest().as_secs_f64();
+    let script = ("arrays.py", include_str!("arrays.py"));
+    let arguments = [random.word().to_string(), longest.to_string()];
+    in_python(programs, place, script, &arguments)
 }
 
-/// Runs a script that prints `done` at its end.
+/// Checks that a signal ends a call soon.
+pub(super) fn interrupts(
+    programs: &Programs,
+    place: &Place,
+    random: &mut Random,
+) -> Result<u64, Fault> {
+    let script = ("interrupts.py", include_str!("interrupts.py"));
+    in_python(programs, place, script, &[random.word().to_string()])
+}
+
+/// Runs a script whose last line of output is `done`, the number of counted cases and, after signals, the longest time to the end of a call.
 fn in_python(
     programs: &Programs,
     place: &Place,
     (name, text): (&str, &str),
     arguments: &[String],
-) -> Result<(), Fault> {
+) -> Result<u64, Fault> {
     let Some(python) = &programs.python else {
-        return Ok(());
+        return Ok(0);
     };
     let script = place.write(name, text)?;
     let mut command = Command::new(python);
     command.arg(script).args(arguments);
     command.env("ONSET_UMAT_HOST", &programs.onset);
     let ended = place.started(command)?.ended()?;
-    match (ended.code, ended.stdout.trim_end().lines().next_back()) {
-        (Some(0), Some("done")) => Ok(()),
-        (code, _) => Err(Fault::Abort(format!(
+    let last = ended.stdout.trim_end().lines().next_back();
+    let mut words = last.unwrap_or_default().split(' ');
+    let (done, count) = (
+        words.next(),
+        words.next().and_then(|word| word.parse().ok()),
+    );
+    match (ended.code, done, count) {
+        (Some(0), Some("done"), Some(count)) => {
+            if let Some(seconds) = words.next().and_then(|word| word.parse().ok()) {
+                place.ended_after(Duration::from_secs_f64(seconds), &ended.line)?;
+            }
+            Ok(count)
+        }
+        (code, ..) => Err(Fault::Abort(format!(
             "exit code {code:?}: {}\n{}",
             ended.line, ended.stderr
         ))),
