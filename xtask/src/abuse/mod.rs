@@ -74,13 +74,12 @@ struct Tally {
     slowest: AtomicU64,
 }
 
-/// End of a run.
-#[derive(Clone, Copy)]
-enum Until {
-    /// After a time.
-    Time(Duration),
-    /// After the numbers of events that a proof needs.
-    Proof,
+/// End of a run, at the earlier of two.
+#[derive(Clone, Copy, Default)]
+struct Until {
+    time: Option<Duration>,
+    /// Whether each kind ends at its number of events for a proof.
+    is_proof: bool,
 }
 
 /// Abuses the programs, with the tests' build of the command and the package of the last `cargo xtask python`.
@@ -88,25 +87,25 @@ enum Until {
 /// # Errors
 /// Description of the failures.
 pub fn run(arguments: &[String]) -> Result<(), String> {
-    let (mut until, mut seed, mut only) = (Until::Time(Duration::from_secs(180)), 1, Vec::new());
+    let (mut until, mut seed, mut only) = (Until::default(), 1, Vec::new());
     let mut command = None;
     let usage = || {
         let names: Vec<&str> = KINDS.iter().chain(PYTHON).map(|kind| kind.name).collect();
         format!(
-            "usage: cargo xtask abuse [--minutes N | --proof] [--seed N] [--command EXECUTABLE] [--kind NAME]...; kinds: {}",
+            "usage: cargo xtask abuse [--minutes N] [--proof] [--seed N] [--command EXECUTABLE] [--kind NAME]...; kinds: {}",
             names.join(", ")
         )
     };
     let mut rest = arguments.iter();
     while let Some(argument) = rest.next() {
         if argument == "--proof" {
-            until = Until::Proof;
+            until.is_proof = true;
             continue;
         }
         let value = rest.next().ok_or_else(usage)?;
         match (argument.as_str(), value.parse::<f64>()) {
             ("--minutes", Ok(minutes)) if minutes > 0.0 && minutes < 1e6 => {
-                until = Until::Time(Duration::from_secs_f64(60.0 * minutes));
+                until.time = Some(Duration::from_secs_f64(60.0 * minutes));
             }
             ("--seed", Ok(number)) => seed = number as u64,
             ("--command", _) => command = Some(value),
@@ -116,6 +115,9 @@ pub fn run(arguments: &[String]) -> Result<(), String> {
             }
             _ => return Err(usage()),
         }
+    }
+    if !until.is_proof {
+        until.time.get_or_insert(Duration::from_secs(180));
     }
     let onset = match command {
         Some(path) => std::path::absolute(path).map_err(|error| error.to_string())?,
@@ -129,12 +131,11 @@ pub fn run(arguments: &[String]) -> Result<(), String> {
 /// # Errors
 /// Description of the failures.
 pub fn test() -> Result<(), String> {
-    abused(
-        wheel::command()?,
-        Until::Time(Duration::from_secs(45)),
-        1,
-        &[],
-    )
+    let until = Until {
+        time: Some(Duration::from_secs(45)),
+        is_proof: false,
+    };
+    abused(wheel::command()?, until, 1, &[])
 }
 
 /// Abuses the programs in the given ways, or in all ways by default.
@@ -158,15 +159,19 @@ fn abused(onset: PathBuf, until: Until, seed: u64, only: &[&Kind]) -> Result<(),
             "== NOT TESTED: arrays, forks and interrupts in Python. The package has not been built: cargo xtask python"
         );
     }
-    match until {
-        Until::Time(time) => eprintln!("== abuse: {} s, seed {seed}", time.as_secs()),
-        Until::Proof => eprintln!("== abuse: the numbers of a proof, seed {seed}"),
-    }
+    let time = until.time.map(|time| format!("{} s, ", time.as_secs()));
+    let proof = if until.is_proof {
+        "up to the numbers of a proof, "
+    } else {
+        ""
+    };
+    eprintln!("== abuse: {}{proof}seed {seed}", time.unwrap_or_default());
     let tallies: Vec<Tally> = kinds.iter().map(|_| Tally::default()).collect();
     let (begun, next) = (Instant::now(), AtomicU64::new(0));
-    let is_open = |place: usize| match until {
-        Until::Time(time) => begun.elapsed() < time,
-        Until::Proof => tallies[place].events.load(Ordering::Relaxed) < kinds[place].proof,
+    let is_open = |place: usize| {
+        let events = tallies[place].events.load(Ordering::Relaxed);
+        until.time.is_none_or(|time| begun.elapsed() < time)
+            && !(until.is_proof && events >= kinds[place].proof)
     };
     let work = || {
         while (0..kinds.len()).any(is_open) {
