@@ -851,8 +851,8 @@ def fit(
     ----------
     tests
         Mapping from the loading (``uniaxial``, ``equibiaxial``, ``planar``, ``simple-shear``, ``volumetric``) to a test, or paths of tables whose
-        names or comments contain the loading. A test is the path of a table, a pair of arrays of shape (n,), or a table with the columns ``stretch``,
-        ``nominal_stress`` and, if measured, ``lateral_stretch``, for example of pandas. The arrays are stretch (dimensionless) and nominal stress
+        names or comments contain the loading, or of a list of tests (TOML). A test is the path of a table, a pair of arrays of shape (n,), or a table with the columns ``stretch``,
+        ``nominal_stress`` and, if measured, ``lateral_stretch``, for example of pandas; ``stress [MPa]`` names the unit. The arrays are stretch (dimensionless) and nominal stress
         (stress), and may be followed by the lateral stretch. Simple shear has the amount of shear as stretch, and a volumetric test the volume ratio
         and the pressure.
     law
@@ -914,7 +914,7 @@ def fit(
         fix=[(name, _finite(value, f"fix[{name!r}]")) for name, value in (fix or {}).items()],
         bound=[(name, _limits(value, f"bound[{name!r}]")) for name, value in (bound or {}).items()],
         bulk=None if bulk is None else positive(bulk, "bulk"),
-        unit=unit,
+        unit=_stress_unit(tests, unit),
         area=None if area is None else positive(area, "area"),
         range=None if range is None else pair(range, "range"),
         material=material,
@@ -961,16 +961,53 @@ OTHER_COLUMNS = {"stress": "nominal_stress", "engineering_stress": "nominal_stre
                  "volume_ratio": "stretch", "pressure": "nominal_stress", "engineering_strain": "strain", "nominal_strain": "strain"}  # fmt: skip
 
 
+def _named(name: object) -> tuple[str, str]:
+    """Returns the meaning of a column as in ``COLUMNS``, and its unit in brackets or parentheses; empty without a unit."""
+    plain, _, unit = str(name).replace("(", "[").partition("[")
+    plain = plain.strip().lower().replace(" ", "_")
+    unit = unit.strip(" ])")
+    return OTHER_COLUMNS.get(plain, plain), "" if unit in ("-", "1") else unit
+
+
+def _is_table(test: object) -> bool:
+    return isinstance(test, Mapping) or hasattr(test, "columns")
+
+
+def _names(test: Any) -> list[Any]:
+    return list(test if isinstance(test, Mapping) else test.columns)
+
+
+def _stress_unit(tests: Any, unit: str | None) -> str | None:
+    """Returns the unit of stress that all tests have, from the names of their columns or as given."""
+    if not isinstance(tests, Mapping):
+        return unit
+    units: dict[str, str | None] = {}
+    for mode, test in tests.items():
+        if not isinstance(test, (str, os.PathLike)):
+            named = [_named(name) for name in _names(test)] if _is_table(test) else []
+            units[mode] = next((own for plain, own in named if plain == "nominal_stress" and own), unit)
+    for mode, own in units.items():
+        first = next(iter(units))
+        for other, known in ((f"tests[{first!r}]", units[first]), ("unit", unit or own)):
+            if own != known:
+                raise InputError(
+                    f"the stresses of tests[{mode!r}] have {f'the unit {own}' if own else 'no unit'}, {other} has {known or 'none'}\n"
+                    "  hint: convert one of them, or give tables as files, whose stresses are converted"
+                )
+    return next(iter(units.values()), unit)
+
+
 def _renamed(test: Any, mode: str, what: str) -> dict[str, Any]:
     """Returns the columns of a table by their names in ``COLUMNS``. Strains, also in percent, become stretches, or amounts of shear."""
     parts: dict[str, Any] = {}
-    for name in test if isinstance(test, Mapping) else test.columns:
-        plain, _, unit = str(name).replace("(", "[").partition("[")
-        plain = plain.strip().lower().replace(" ", "_")
-        plain = OTHER_COLUMNS.get(plain, plain)
+    for name in _names(test):
+        plain, unit = _named(name)
         values = test[name]
-        if plain in ("strain", "lateral_strain"):
-            part = 0.01 if unit.strip(" ])") == "%" else 1.0
+        is_strain = plain in ("strain", "lateral_strain")
+        if (is_strain or plain in ("stretch", "lateral_stretch")) and unit not in ("", "mm/mm", "m/m", "in/in", "%"[: int(is_strain)]):
+            raise InputError(f"the column {name!r} of {what} has the unit {unit}\n  hint: stretches have no unit; strains have no unit, or %")
+        if is_strain:
+            part = 0.01 if unit == "%" else 1.0
             values = numbers(values, f"{name} of {what}") * part + (0.0 if mode == "simple-shear" else 1.0)
             plain = "stretch" if plain == "strain" else "lateral_stretch"
         parts.setdefault(plain, values)
@@ -979,8 +1016,8 @@ def _renamed(test: Any, mode: str, what: str) -> dict[str, Any]:
 
 def _columns(test: Any, mode: str, what: str) -> list[list[float]]:
     """Returns the arrays of a test."""
-    if isinstance(test, Mapping) or hasattr(test, "columns"):
-        named = [str(name) for name in (test if isinstance(test, Mapping) else test.columns)]
+    if _is_table(test):
+        named = [str(name) for name in _names(test)]
         test = _renamed(test, mode, what)
         if not set(COLUMNS[:2]) <= set(test):
             raise InputError(f"{what} has the columns {', '.join(named)}; expected {' and '.join(COLUMNS[:2])}")

@@ -163,3 +163,23 @@ def test_faults_name_the_argument() -> None:
     for tests in (Frame(stretch=x, nominal_stress=y), {1: (x, y)}, {"uniaxial": 1.0}, 1.0):
         with pytest.raises(TypeError):
             onset.fit(tests, "yeoh")  # type: ignore[arg-type]
+
+
+def test_units_in_the_names_of_columns_are_read() -> None:
+    stretch = np.linspace(1.1, 2, 8)
+    pull = {"stretch": stretch, "stress [MPa]": 0.5 * (stretch - stretch**-2)}
+    shear = 0.5 * (stretch - stretch**-3)
+    fit = onset.fit({"uniaxial": pull, "planar": {"stretch": stretch, "nominal stress (MPa)": shear}}, "neo-hooke")
+    assert (fit.unit, round(fit.constants["mu"], 9)) == ("MPa", 0.5)
+    for tests, fact in [
+        # A factor of 4 between the tests: only the names of the columns tell that the units differ.
+        ({"uniaxial": pull, "planar": {"stretch": stretch, "stress [kPa]": 4 * shear}}, r"tests\['planar'\] have the unit kPa, tests\['uniaxial'\] has MPa"),
+        ({"uniaxial": pull, "planar": (stretch, shear)}, r"tests\['planar'\] have no unit, tests\['uniaxial'\] has MPa"),
+        ({"uniaxial": {"strain [‰]": stretch - 1, "stress": shear}}, "has the unit ‰"),
+        ({"uniaxial": {"stretch [%]": stretch, "stress": shear}}, "has the unit %"),
+        ({"uniaxial": {"stretch": stretch, "stress [foo]": shear}}, "the unit of stress `foo` is not known"),
+    ]:
+        with pytest.raises(onset.InputError, match=fact):
+            onset.fit(tests, "neo-hooke")
+    with pytest.raises(onset.InputError, match="have the unit MPa, unit has kPa"):
+        onset.fit({"uniaxial": pull}, "neo-hooke", unit="kPa")
