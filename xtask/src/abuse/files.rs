@@ -36,12 +36,15 @@ const LINES: &[&str] = &[
     "boundary study.toml",
 ];
 
+/// Number of particles along each side of a run; in a smaller run all are too near the held boundary to be assessed.
+const SIDE: usize = 12;
+
 /// Positions of particles in the frames of a run.
 fn frames() -> impl Iterator<Item = (usize, Vec<[f64; 2]>)> {
     (0..3).map(|frame| {
         let stretch = 1.0 + 0.02 * frame as f64;
-        let place = |n: usize| [(n % 8) as f64 * stretch, (n / 8) as f64];
-        (frame, (0..64).map(place).collect())
+        let place = |n: usize| [(n % SIDE) as f64 * stretch, (n / SIDE) as f64];
+        (frame, (0..SIDE * SIDE).map(place).collect())
     })
 }
 
@@ -57,11 +60,12 @@ pub(super) fn run_as_table() -> String {
 /// Run as a dump of LAMMPS, and in extended XYZ.
 fn run_as_blocks() -> [String; 2] {
     let mut texts = [String::new(), String::new()];
+    let count = SIDE * SIDE;
     for (step, all) in frames() {
         texts[0] += &format!(
-            "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n64\nITEM: BOX BOUNDS ff ff pp\n0 20\n0 20\n-0.5 0.5\nITEM: ATOMS id type x y z\n"
+            "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{count}\nITEM: BOX BOUNDS ff ff pp\n0 20\n0 20\n-0.5 0.5\nITEM: ATOMS id type x y z\n"
         );
-        texts[1] += &format!("64\nProperties=id:I:1:pos:R:3 Time={step}\n");
+        texts[1] += &format!("{count}\nProperties=id:I:1:pos:R:3 Time={step}\n");
         for (n, [x, y]) in all.into_iter().enumerate() {
             texts[0] += &format!("{n} 1 {x} {y} 0\n");
             texts[1] += &format!("{n} {x} {y} 0\n");
