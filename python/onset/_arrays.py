@@ -30,15 +30,16 @@ def numbers(value: ArrayLike, what: str, kinds: str = "fiu") -> Floats:
     unmasked(value, what)
     try:
         array = np.asarray(value)
-        if array.dtype.kind == "O":
-            # NumPy reads texts as numbers, and None as NaN.
-            if any(item is None or isinstance(item, (str, bytes)) for item in array.flat):
-                raise TypeError(f"{what} holds texts or None; expected numbers")
+        # NumPy reads texts as numbers, and None as NaN.
+        has_texts = array.dtype.kind == "O" and any(item is None or isinstance(item, (str, bytes)) for item in array.flat)
+        if array.dtype.kind == "O" and not has_texts:
             array = array.astype(np.float64)
-    except TypeError:
-        raise
+    except TypeError as error:
+        raise TypeError(f"{what} cannot be read as numbers: {error}") from error
     except Exception as error:
         raise InputError(f"{what} cannot be read as numbers: {error}") from error
+    if has_texts:
+        raise TypeError(f"{what} holds texts or None; expected numbers")
     if array.dtype.kind not in kinds:
         raise TypeError(f"{what} holds {array.dtype}; expected numbers")
     # The buffer protocol requires aligned memory.
