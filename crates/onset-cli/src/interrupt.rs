@@ -64,12 +64,16 @@ fn interrupted() {
     match ANSWER.get() {
         Some(answer) if SINCE.set(Instant::now()).is_ok() => {
             let patience = answer.patience;
-            std::thread::spawn(move || {
+            let waiting = std::thread::Builder::new().spawn(move || {
                 std::thread::sleep(patience);
                 if !IS_ENDING.load(Ordering::Relaxed) {
                     end_at_once(Some(answer));
                 }
             });
+            // A limit of the process may admit no other thread.
+            if waiting.is_err() {
+                end_at_once(Some(answer));
+            }
         }
         answer => end_at_once(answer),
     }
@@ -81,7 +85,8 @@ const END: Duration = Duration::from_millis(200);
 fn end_at_once(answer: Option<&Answer>) -> ! {
     onset_umat::end_all();
     onset_study::output::end_all();
-    std::thread::spawn(|| {
+    // Without a further thread, a blocked message delays the end.
+    let _ = std::thread::Builder::new().spawn(|| {
         std::thread::sleep(END);
         std::process::exit(i32::from(CODE));
     });

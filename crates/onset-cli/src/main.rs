@@ -19,6 +19,8 @@ mod fail_on;
 mod help;
 mod interrupt;
 mod map;
+#[cfg(unix)]
+mod memory;
 mod patience;
 mod printing;
 mod threads;

@@ -220,21 +220,33 @@ fn an_interrupt_abandons_a_long_step_of_a_run_with_checkpoints() {
     assert!(checkpoint.exists(), "the last checkpoint is lost");
 }
 
-/// Under any limit of address space a command answers, or ends with a message; it does not panic. An allocation that fails ends it by SIGABRT.
+/// Under any limit of address space a command answers, or ends with a message; it neither panics nor aborts.
 #[test]
 #[cfg(target_os = "linux")]
-fn a_limit_of_address_space_causes_no_panic() {
-    for limit in [30_000, 38_000, 45_000, 60_000, 150_000] {
+fn a_limit_of_address_space_causes_no_panic_and_no_abort() {
+    let place = Scratch::new("address-space");
+    fs::create_dir(&*place).expect("a folder");
+    let body = "[discretization]\nmethod = \"total-lagrangian-sph\"\nlattice = \"square\"\n[body]\nshape = \"bar\"\nsize = [3000, 3000]\n";
+    fs::write(place.join("body.toml"), body).expect("a study");
+    let asked = |limit: u32, question: &str| {
         let line = format!(
-            "ulimit -v {limit}; exec {} state",
+            "ulimit -v {limit}; exec {} {question}",
             env!("CARGO_BIN_EXE_onset")
         );
         let answer = Command::new("sh")
             .args(["-c", &line])
-            .env_remove("RUST_BACKTRACE")
+            .current_dir(&*place)
             .output()
             .expect("sh");
-        let told = String::from_utf8_lossy(&answer.stderr);
+        let told = String::from_utf8_lossy(&answer.stderr).into_owned();
+        (answer.status.code(), told)
+    };
+    for limit in [30_000, 38_000, 45_000, 60_000, 150_000] {
+        let (_, told) = asked(limit, "state");
         assert!(!told.contains("panicked"), "{limit}: {told}");
     }
+    let (code, told) = asked(200_000, "simulate body.toml --steps 1");
+    assert_eq!(code, Some(2), "{told}");
+    assert!(told.contains("the system refuses"), "{told}");
+    assert!(!told.contains("backtrace"), "{told}");
 }
