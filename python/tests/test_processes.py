@@ -55,6 +55,13 @@ law = onset.Material("modified-mooney-rivlin")
 cell = onset.Method("total-lagrangian-sph", lattice="hexagonal", cells=4, perturbation=0.1)
 large = onset.Method("updated-sph", cells=12, perturbation=0.1)
 study = onset.Study.of(law, large, {"stretch-1": (0.8, 1.2, 64), "stretch-2": (0.8, 1.2, 64)})
+base = onset.Material("neo-hooke", mu=1.0, lambda_=2.0)
+started = time.monotonic()
+def stress(F):
+    if time.monotonic() - started > 0.9:
+        time.sleep(5.0)
+    return base.stress(F=F)
+slow = onset.Material(energy=lambda F: base.energy(F=F), stress=stress, tangent=lambda F: base.tangent(F=F))
 def ring(*_):
     raise KeyboardInterrupt
 signal.signal(signal.SIGALRM, ring)
@@ -84,6 +91,8 @@ CALLS = {
     "compare": "onset.compare([large], material=law)",
     "omega_squared": "onset.omega_squared(law, large, k=[[0.01 * i, 0.3] for i in range(2000)], stretch=(1.1, 0.9))",
     "simulate": 'onset.simulate(law, large, stretch=(1.1, 1), cells=(4, 4), steps=100000, out="run")',
+    # A step takes longer than the documented time.
+    "slow step": 'onset.simulate(slow, onset.Method("total-lagrangian-sph", lattice="square"), stretch=(1, 1), cells=4, steps=100000, checkpoint=1, out="run")',
 }
 
 
@@ -109,3 +118,9 @@ def test_masked_values_are_refused_and_other_layouts_are_read() -> None:
         assert np.array_equal(onset.verdicts(method=SPH, stretch=other).codes, plain)
     assert np.array_equal(onset.omega_squared(None, SPH, k=unaligned, stretch=(1.1, 1)), onset.omega_squared(None, SPH, k=STATES[:6], stretch=(1.1, 1)))
     assert onset.verdicts(method=SPH, stretch=np.zeros((0, 2))).codes.shape == (0,)
+
+
+@pytest.mark.parametrize("value", [{"a": 1.0}, {1.0, 2.0}, (x for x in [1.0, 1.0]), [object()], ["1.1", 1.0], [None, 1.0], np.ones((1, 2), dtype=complex)])
+def test_what_is_not_an_array_of_numbers_is_refused_with_the_name_of_the_argument(value: Any) -> None:
+    with pytest.raises(TypeError, match="^stretch "):
+        onset.verdicts(method=SPH, stretch=value)

@@ -12,7 +12,10 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 /// Interval between checks for signals.
-const SIGNAL_CHECK_INTERVAL: Duration = Duration::from_millis(50);
+const SIGNAL_CHECK_INTERVAL: Duration = Duration::from_millis(20);
+
+/// Longest wait for a computation to save its progress after Ctrl-C.
+const SAVING: Duration = Duration::from_millis(100);
 
 /// Longest wait for a computation to end after Ctrl-C. It then continues in the background until its next checkpoint.
 const GRACE: Duration = Duration::from_millis(200);
@@ -40,18 +43,19 @@ impl Interrupt {
         self.saves.store(true, Ordering::Relaxed);
     }
 
-    fn saves(&self) -> bool {
-        self.saves.load(Ordering::Relaxed)
-    }
-
     fn is_ended(&self) -> bool {
-        self.count.load(Ordering::Relaxed) > u8::from(self.saves())
+        self.count.load(Ordering::Relaxed) > u8::from(self.saves.load(Ordering::Relaxed))
     }
 
     fn ask(&self) {
         // Further requests have no effect.
         let count = self.count.load(Ordering::Relaxed);
         self.count.store((count + 1).min(2), Ordering::Relaxed);
+    }
+
+    /// Ends the computation even if its progress has not been saved.
+    fn end(&self) {
+        self.count.store(2, Ordering::Relaxed);
     }
 }
 
@@ -63,7 +67,7 @@ pub fn answer<T: Send + 'static>(
     watched(py, |_| work())
 }
 
-/// Like [`answer`], for a computation that may save its progress before it ends; the computation has ended when this function returns.
+/// Like [`answer`], for a computation that may save its progress before it ends.
 pub fn watched<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(Interrupt) -> Result<T, Failure> + Send + 'static,
@@ -76,10 +80,16 @@ pub fn watched<T: Send + 'static>(
         match (answer, interrupted.take()) {
             (Some(_), Some((error, _))) => return Err(error),
             (Some(answer), None) => return Ok(answer?),
-            (None, Some((error, since))) if !interrupt.saves() && since.elapsed() > GRACE => {
-                return Err(error);
+            (None, Some((error, since))) if since.elapsed() > GRACE => return Err(error),
+            (None, waiting) => {
+                if waiting
+                    .as_ref()
+                    .is_some_and(|(_, since)| since.elapsed() > SAVING)
+                {
+                    interrupt.end();
+                }
+                interrupted = waiting;
             }
-            (None, waiting) => interrupted = waiting,
         }
         if let Err(error) = py.check_signals() {
             interrupt.ask();

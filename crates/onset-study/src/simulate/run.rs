@@ -279,6 +279,8 @@ impl<'a> Keeper<'a> {
         others: Files,
         checkpoint: Option<(OsString, Content)>,
     ) -> Result<Vec<PathBuf>, SimulateError> {
+        // An ended run, whose caller no longer waits for it, leaves the files to the next one.
+        onset::cancel::checkpoint();
         let mut files = std::mem::take(&mut self.pending);
         files.extend(others);
         files.push(text(
