@@ -9,12 +9,28 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-/// Longest time for any program to end: ten seconds, and more on a loaded machine.
+/// Longest time for any program to end, besides the time that it waits for a processor: ten seconds, and more on a loaded machine.
 pub(crate) fn longest() -> Duration {
     let load = fs::read_to_string("/proc/loadavg").unwrap_or_default();
     let load = load.split(' ').next().and_then(|load| load.parse().ok());
     let cores = std::thread::available_parallelism().map_or(1.0, |cores| cores.get() as f64);
     Duration::from_secs_f64(10.0 * (load.unwrap_or(0.0) / cores).max(1.0))
+}
+
+/// Time for which the threads of a process and its children have waited for a processor; zero if the system does not record it.
+fn starved(process: u32) -> Duration {
+    let tasks = fs::read_dir(format!("/proc/{process}/task"));
+    let of = |task: fs::DirEntry| {
+        let read = |name| fs::read_to_string(task.path().join(name)).unwrap_or_default();
+        let waited = read("schedstat");
+        let waited = waited.split(' ').nth(1).and_then(|time| time.parse().ok());
+        let children = read("children");
+        let children = children.split_whitespace();
+        let children = children.filter_map(|child| child.parse().ok());
+        waited.map_or(Duration::ZERO, Duration::from_nanos)
+            + children.map(starved).sum::<Duration>()
+    };
+    tasks.into_iter().flatten().flatten().map(of).sum()
 }
 
 /// Numbers of signals: Ctrl-C, a closed terminal, the end of a batch job, and a kill, which cannot be handled.
@@ -130,6 +146,7 @@ impl Place {
             out,
             error,
             signals: Vec::new(),
+            starved: Duration::ZERO,
             place: self,
         })
     }
@@ -162,8 +179,10 @@ pub(crate) struct Running<'a> {
     line: String,
     out: PathBuf,
     error: PathBuf,
-    /// Signals that were sent, and when.
-    signals: Vec<(i32, Instant)>,
+    /// Signals that were sent, when, and the time waited for a processor until then.
+    signals: Vec<(i32, Instant, Duration)>,
+    /// Time waited for a processor, as last seen.
+    starved: Duration,
 }
 
 /// Result of a program.
@@ -178,7 +197,8 @@ pub(crate) struct Ended {
 impl Running<'_> {
     /// Sends a signal to the program.
     pub(crate) fn signal(&mut self, signal: i32) -> Result<(), Fault> {
-        self.signals.push((signal, Instant::now()));
+        let starved = starved(self.child.id());
+        self.signals.push((signal, Instant::now(), starved));
         let number = self.child.id().to_string();
         Command::new("kill")
             .args([format!("-{signal}"), number])
@@ -190,22 +210,33 @@ impl Running<'_> {
     /// Waits for the end for at most the given time.
     pub(crate) fn ends_within(&mut self, time: Duration) -> Result<Option<ExitStatus>, Fault> {
         let end = Instant::now() + time;
-        loop {
+        for poll in 0_u64.. {
             if let Some(status) = self.child.try_wait()? {
                 return Ok(Some(status));
             }
             if Instant::now() >= end {
-                return Ok(None);
+                break;
+            }
+            if poll % 32 == 31 {
+                self.starved = starved(self.child.id());
             }
             std::thread::sleep(Duration::from_millis(2));
         }
+        Ok(None)
     }
 
     /// Waits for the end and checks the exit.
     pub(crate) fn ended(mut self) -> Result<Ended, Fault> {
         let read = |path| fs::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
-        let ended = self.ends_within(longest())?;
-        let asked = self.signals.first().map(|(_, at)| at.elapsed());
+        let begun = Instant::now();
+        let mut ended = self.ends_within(longest())?;
+        while ended.is_none() && begun.elapsed() < longest() + self.starved {
+            ended = self.ends_within(Duration::from_secs(1))?;
+        }
+        let asked = self.signals.first().map(|(_, at, before)| {
+            let waited = self.starved.saturating_sub(*before);
+            at.elapsed().saturating_sub(waited)
+        });
         let Some(status) = ended else {
             self.child.kill()?;
             self.child.wait()?;
@@ -218,7 +249,7 @@ impl Running<'_> {
         // A signal ends a program that does not handle signals yet.
         let is_killed = status
             .signal()
-            .is_some_and(|signal| self.signals.iter().any(|(sent, _)| *sent == signal));
+            .is_some_and(|signal| self.signals.iter().any(|(sent, ..)| *sent == signal));
         if stderr.contains("panicked")
             || stderr.contains("a defect")
             || !(is_documented || is_killed)
