@@ -62,7 +62,7 @@ fn too_many(place: Place, count: u64, reading: &Reading) -> FrameError {
     FrameError::refused(
         place,
         format!("{count} particles; the limit is {most}"),
-        "give a smaller region of the simulation, or raise the limit",
+        "give a smaller region of the simulation",
     )
 }
 

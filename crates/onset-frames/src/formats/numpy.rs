@@ -437,7 +437,7 @@ fn archive(
         return Err(FrameError::refused(
             place,
             format!("{} particles in {} frames", axes.particles(), axes.frames()),
-            "write a smaller region or fewer frames, or raise the limit",
+            "write a smaller region or fewer frames",
         ));
     }
     for (n, own) in others.iter().enumerate() {

@@ -245,7 +245,7 @@ impl Source for Table {
                     "{rows} particles in a frame; the limit is {}",
                     self.reading.limits.particles
                 ),
-                "name the column of the time with --columns time=NAME, or raise the limit",
+                "name the column of the time with --columns time=NAME",
             ));
         }
         let mut values = Rows::new(self.plan.wanted());

@@ -521,7 +521,7 @@ impl Grids {
             return Err(FrameError::refused(
                 place(),
                 format!("{points} points and {cells} cells in a frame; the limit is {limit}"),
-                "give a smaller region of the simulation, or raise the limit",
+                "give a smaller region of the simulation",
             ));
         }
         let columns = available(piece);
