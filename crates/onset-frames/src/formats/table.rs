@@ -270,6 +270,19 @@ impl Source for Table {
             .plan
             .frame(&values.values, rows as usize, None)
             .map_err(|expected| FrameError::wrong(place.clone(), expected, HINT))?;
+        if let (Some(again), Some(id)) = (runs.get(1), read.doubled().first()) {
+            let again = Place {
+                line: Some(again.start.lines + 1),
+                ..Place::file(path)
+            };
+            return Err(FrameError::refused(
+                again,
+                format!(
+                    "a time that was already written begins again, with particle {id} a second time"
+                ),
+                "a run that was restarted repeats times: keep the rows of one of both runs",
+            ));
+        }
         read.source = place;
         self.open = Some((*file, lines));
         Ok(read)
