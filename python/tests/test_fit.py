@@ -172,7 +172,7 @@ def test_units_in_the_names_of_columns_are_read() -> None:
     fit = onset.fit({"uniaxial": pull, "planar": {"stretch": stretch, "nominal stress (MPa)": shear}}, "neo-hooke")
     assert (fit.unit, round(fit.constants["mu"], 9)) == ("MPa", 0.5)
     for tests, fact in [
-        # A factor of 4 between the tests: only the names of the columns tell that the units differ.
+        # A factor of 4 between the tests: only the names of the columns show that the units differ.
         ({"uniaxial": pull, "planar": {"stretch": stretch, "stress [kPa]": 4 * shear}}, r"tests\['planar'\] have the unit kPa, tests\['uniaxial'\] has MPa"),
         ({"uniaxial": pull, "planar": (stretch, shear)}, r"tests\['planar'\] have no unit, tests\['uniaxial'\] has MPa"),
         ({"uniaxial": {"strain [‰]": stretch - 1, "stress": shear}}, "has the unit ‰"),

@@ -751,7 +751,7 @@ pub struct ScreenArguments {
 /// Command-line arguments of `onset fit`.
 #[derive(Debug, Args)]
 pub struct FitArguments {
-    /// Tables of tests, or decks of Abaqus or Ansys with test data. A comment `# mode: planar` or the name of the file gives the loading of a table.
+    /// Tables of tests, a list of tests (TOML), or decks of Abaqus or Ansys with test data. A comment `# mode: planar` or the name of the file gives the loading of a table.
     #[arg(value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Table of a uniaxial test.

@@ -792,6 +792,103 @@ fn equivalent_tables_give_the_same_constants() {
 }
 
 #[test]
+fn tests_listed_in_toml_give_the_constants_of_their_tables() {
+    let pull = Written::new(
+        "uniaxial.csv",
+        table("stretch,nominal_stress [MPa]", |own| own),
+    );
+    let planar = rows(
+        "strain [%],nominal_stress [kPa]",
+        &["10,130", "30,310", "60,480"],
+    );
+    let planar = Written::new("planar.csv", planar);
+    let list = format!(
+        "[[tests]]\nfile = \"{pull}\"\n\n[[tests]]\nmode = \"pure shear\"\n\"strain [%]\" = [10, 30, 60]\n\"nominal_stress [kPa]\" = [130, 310, 480.0]\n"
+    );
+    let list = Written::new("tests.toml", list);
+    let constants = |files: &[&str]| -> Vec<f64> {
+        let words = [&["fit", "--law", "yeoh", "--json"], files].concat();
+        let answer = onset(&words);
+        assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+        let answer: Value = serde_json::from_str(&answer.stdout).expect("JSON");
+        let value = |n| number(&answer, &format!("/laws/0/constants/{n}/value"));
+        (0..3).map(value).collect()
+    };
+    let listed = constants(&[&list]);
+    for (own, expected) in listed.iter().zip(constants(&[&pull, &planar])) {
+        assert_close(*own, expected, 1e-12);
+    }
+    for (list, facts) in [
+        ("", ["line 1", "missing field `tests`"]),
+        ("tests = []", ["line 1", "the list has no tests"]),
+        ("[material]\nmu = 1", ["line 1", "unknown field `material`"]),
+        (
+            "\n[[tests]]\nstretch = [1.1]",
+            ["line 2", "neither a file nor a loading"],
+        ),
+        (
+            "[[tests]]\nmode = \"torsion\"",
+            ["line 1", "the loading `torsion` is not known"],
+        ),
+        (
+            "[[tests]]\nfile = \"a.csv\"\nstretch = [1]",
+            ["line 1", "exclude each other"],
+        ),
+        (
+            "[[tests]]\nmode = \"planar\"\nstretch = 1",
+            ["line 1", "`stretch` is not a list of numbers"],
+        ),
+        (
+            "[[tests]]\nmode = \"planar\"\nstress = [1, 2]\nstretch = [1.1]",
+            [
+                "line 1",
+                "`stretch` has 1 numbers, and the column before it 2",
+            ],
+        ),
+        (
+            "[[tests]]\nmode = \"planar\"\nstress = [0.1, 0.2, 0.3]\nstrain = [10, 20, 30]",
+            ["test 1, point 2", "strain [%]"],
+        ),
+        (
+            "[[tests]]\nmode = \"planar\"\nweight = [1]",
+            [
+                "test 1: the header has 1 column",
+                "expected stretch or strain",
+            ],
+        ),
+    ] {
+        assert_refused("tests.toml", list, "", &facts);
+    }
+}
+
+#[test]
+fn names_of_columns_that_leave_the_stress_open_get_a_note() {
+    for (header, fact) in [
+        ("stretch,stress", Some("`stress` is read as nominal stress")),
+        (
+            "stretch,sigma [MPa]",
+            Some("`sigma` is read as true stress"),
+        ),
+        (
+            "strain,true_stress",
+            Some("`strain` is read as nominal strain"),
+        ),
+        ("stretch,nominal_stress", None),
+        ("stretch,true_stress", None),
+    ] {
+        let strain = f64::from(u8::from(header.starts_with("strain")));
+        let text = table(header, |[a, b]| [a - strain, b]);
+        let (answer, _) = fit_of("uniaxial.csv", text, "--all");
+        assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+        let told = unwrapped(&answer.stdout);
+        match fact {
+            Some(fact) => assert!(told.contains(fact), "no `{fact}` in {told}"),
+            None => assert!(!told.contains("is read as"), "{told}"),
+        }
+    }
+}
+
+#[test]
 fn a_volumetric_test_gives_the_bulk_modulus_with_an_error() {
     let pull = Written::new("uniaxial.csv", table(HEADER, |own| own));
     let squeeze = rows("volume_ratio,pressure", &["0.99,20", "0.98,41", "0.97,64"]);

@@ -2,6 +2,7 @@
 //!
 //! Inconsistent data, and data that contradict a header, are refused, because even a misread table can be fitted.
 
+use super::list;
 use crate::input::{self, MOST_TEXT};
 use crate::number::{counted, told, told_with};
 use crate::settings::units::{names_of, value_of};
@@ -59,7 +60,7 @@ pub enum TableError {
 /// Test data as given by the user.
 #[derive(Clone, Debug)]
 pub enum Source {
-    /// Table in a file, and its loading if the user named it; `None` if a comment or the file name gives it.
+    /// Table in a file, and its loading if the user named it; `None` if a comment or the file name gives it. A file `NAME.toml` lists tests.
     File(PathBuf, Option<Mode>),
     /// Arrays of the same length.
     Arrays(Arrays),
@@ -78,6 +79,54 @@ pub struct Arrays {
     pub stress: Vec<f64>,
     /// Lateral stretches; `None` if they were not measured.
     pub lateral: Option<Vec<f64>>,
+}
+
+/// Table whose text is known, or arrays with an empty text.
+pub(super) struct Opened<'a> {
+    /// Path of the file, or name of the table in messages.
+    pub path: PathBuf,
+    pub text: String,
+    /// Loading that the user named.
+    pub mode: Option<Mode>,
+    /// Whether the text is the text of a file, so that its lines can be named.
+    pub is_file: bool,
+    pub arrays: Option<&'a Arrays>,
+}
+
+impl<'a> Opened<'a> {
+    /// Tables of a source; several if it is a list of tests.
+    fn all(source: &'a Source) -> Result<Vec<Self>, TableError> {
+        Ok(match source {
+            Source::Arrays(arrays) => vec![Self {
+                path: PathBuf::from(&arrays.name),
+                text: String::new(),
+                mode: None,
+                is_file: false,
+                arrays: Some(arrays),
+            }],
+            Source::File(path, None) if list::is_list(path) => {
+                list::tests(path, &Self::file(path, None)?.text)?
+            }
+            Source::File(path, mode) => vec![Self::file(path, *mode)?],
+        })
+    }
+
+    pub(super) fn file(path: &Path, mode: Option<Mode>) -> Result<Self, TableError> {
+        let mut text = input::text(path, MOST_TEXT).map_err(|source| TableError::Unreadable {
+            path: path.to_owned(),
+            source,
+        })?;
+        if !text.contains('\n') {
+            text = text.replace('\r', "\n");
+        }
+        Ok(Self {
+            path: path.to_owned(),
+            text,
+            mode,
+            is_file: true,
+            arrays: None,
+        })
+    }
 }
 
 /// Options for reading tables.
@@ -143,43 +192,40 @@ impl Tests {
         let mut units: Vec<(String, Option<String>)> = Vec::new();
         let mut used_area = false;
         let mut used_material = false;
+        let mut given = Vec::new();
         for own in sources {
-            let (path, text) = match own {
-                Source::File(path, _) => {
-                    let source = |source| TableError::Unreadable {
-                        path: path.clone(),
-                        source,
-                    };
-                    let mut text = input::text(path, MOST_TEXT).map_err(source)?;
-                    if !text.contains('\n') {
-                        text = text.replace('\r', "\n");
-                    }
-                    (path.clone(), text)
-                }
-                Source::Arrays(arrays) => (PathBuf::from(&arrays.name), String::new()),
-            };
+            given.extend(Opened::all(own)?);
+        }
+        for own in &given {
+            let (path, text) = (own.path.clone(), own.text.as_str());
+            let is_deck = own.is_file && is_deck(text);
             let table = Table {
                 path: &path,
-                row: match own {
-                    Source::File(..) => "line",
-                    Source::Arrays(_) => "point",
+                row: match own.is_file {
+                    true => "line",
+                    false => "point",
                 },
-                text: &text,
-                columns: is_deck(&text).then_some(ABAQUS),
+                // The first row below the header has the number 0, as in arrays.
+                before: match own.is_file || own.arrays.is_some() {
+                    true => 0,
+                    false => 2,
+                },
+                text,
+                columns: is_deck.then_some(ABAQUS),
                 reading,
             };
-            let found = match own {
-                Source::Arrays(arrays) => vec![(table.arrays(arrays)?, None)],
-                Source::File(..) if is_deck(&text) => {
+            let found = match own.arrays {
+                Some(arrays) => vec![(table.arrays(arrays)?, None)],
+                None if is_deck => {
                     used_material = true;
                     table.of_material(table.deck()?)?
                 }
-                Source::File(..) if is_ansys(&text) => {
+                None if own.is_file && is_ansys(text) => {
                     used_material = true;
                     table.of_material(table.ansys()?)?
                 }
-                Source::File(_, mode) => {
-                    vec![table.csv(*mode, &mut all.notes, &mut used_area)?]
+                None => {
+                    vec![table.csv(own.mode, &mut all.notes, &mut used_area)?]
                 }
             };
             for (mut test, unit) in found {
@@ -455,7 +501,7 @@ type Rows = Vec<(usize, Point)>;
 type OfMaterial = (Option<String>, Test);
 
 /// Loading named in a text.
-fn mode_in(text: &str) -> Option<Mode> {
+pub(super) fn mode_in(text: &str) -> Option<Mode> {
     let plain: String = text
         .to_lowercase()
         .chars()
@@ -552,6 +598,8 @@ const ANSYS: &str =
 struct Table<'a> {
     path: &'a Path,
     row: &'static str,
+    /// Lines before the line with the number 0.
+    before: usize,
     text: &'a str,
     /// Columns of a table without a header.
     columns: Option<&'static str>,
@@ -560,10 +608,13 @@ struct Table<'a> {
 
 impl Table<'_> {
     fn line(&self, line: usize, message: impl Into<String>, hint: impl Into<String>) -> TableError {
+        if line < self.before {
+            return self.refused(message, hint);
+        }
         TableError::Line {
             path: self.path.to_owned(),
             row: self.row,
-            line,
+            line: line - self.before,
             message: message.into(),
             hint: hint.into(),
         }
@@ -812,6 +863,7 @@ impl Table<'_> {
             }
         }
         *used_area |= stress.0 == Column::Force;
+        notes.extend(self.open_names(mode, &names[along.1], &names[stress.1]));
         if stress.0 == Column::Force && self.reading.area.is_none() {
             return Err(self.line(
                 at,
@@ -1062,6 +1114,27 @@ impl Table<'_> {
             }
         };
         Err(self.refused(message, "choose one of them with --material"))
+    }
+
+    /// Note on a stress whose column does not name the area, or a strain whose column does not name the length. Errors of fits do not show it.
+    fn open_names(&self, mode: Mode, along: &str, stress: &str) -> Option<String> {
+        if matches!(mode, Mode::SimpleShear | Mode::Volumetric) {
+            return None;
+        }
+        let (along, stress) = (split(along).0, split(stress).0);
+        let read = match (stress.as_str(), along.as_str()) {
+            ("stress", _) => {
+                "`stress` is read as nominal stress; if it refers to the deformed area, name it true_stress"
+            }
+            ("sigma", _) => {
+                "`sigma` is read as true stress; if it refers to the undeformed area, name it nominal_stress"
+            }
+            ("true_stress" | "cauchy_stress" | "cauchy", "strain") => {
+                "`strain` is read as nominal strain, with a true stress; if it is logarithmic, name it true_strain"
+            }
+            _ => return None,
+        };
+        Some(format!("{}: {read}", self.path.display()))
     }
 
     /// Note on rows with the stretch of the row before, which count twice.
@@ -1594,6 +1667,7 @@ impl Table<'_> {
             let own = Table {
                 path: &path,
                 row: "line",
+                before: 0,
                 text: &text,
                 columns: Some(ANSYS),
                 reading: self.reading,

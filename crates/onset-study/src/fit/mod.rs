@@ -5,6 +5,7 @@
 mod answer;
 mod figure;
 mod input;
+mod list;
 
 pub use answer::{ConstantAnswer, FitAnswer, LawAnswer, TestAnswer};
 pub use input::{Arrays, Reading, Source, TableError, Tests};
