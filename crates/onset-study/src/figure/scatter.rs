@@ -1,14 +1,12 @@
 //! Particles colored by a value.
 
-use super::{ColorMap, Panel, Points};
+use super::{ColorMap, Field, Panel, Points};
 
-/// Number of color classes.
-const CLASSES: usize = 8;
+/// Number of colors of the marks, evenly spaced from the lowest to the highest value.
+const CLASSES: usize = 32;
 
 impl Panel {
-    /// Adds particles as marks that nearly touch in a panel of the given width (pixels), colored in classes of their values from `low` to `high`.
-    ///
-    /// `named` gives the name of a class from its lower and upper limit.
+    /// Adds particles as marks that nearly touch in a panel of the given width (pixels), colored by their values from `low` to `high`, with a color bar.
     #[must_use]
     pub fn with_particles(
         mut self,
@@ -16,7 +14,7 @@ impl Panel {
         values: &[f64],
         (low, high): (f64, f64),
         width: f64,
-        named: impl Fn(f64, f64) -> String,
+        label: impl Into<String>,
     ) -> Self {
         let (across, along) = (
             self.x.range.1 - self.x.range.0,
@@ -26,7 +24,6 @@ impl Panel {
         let area = across * along / places.len() as f64;
         let size = (0.8 * area.sqrt() * width / across).clamp(1.0, 9.0);
         for class in 0..CLASSES {
-            let edge = |n: usize| low + (high - low) * n as f64 / CLASSES as f64;
             let is_own = |own: &f64| {
                 let place = (own - low) / (high - low) * CLASSES as f64;
                 (place as usize).min(CLASSES - 1) == class
@@ -37,13 +34,12 @@ impl Panel {
             if own.is_empty() {
                 continue;
             }
-            let middle = 0.5 * (edge(class) + edge(class + 1));
-            let points = Points::new(own)
-                .size(size)
-                .color(ColorMap::Viridis.color(middle, (low, high)))
-                .named(named(edge(class), edge(class + 1)));
-            self = self.with(points);
+            let middle = low + (high - low) * (class as f64 + 0.5) / CLASSES as f64;
+            let color = ColorMap::Viridis.color(middle, (low, high));
+            self = self.with(Points::new(own).size(size).color(color));
         }
-        self
+        // A blank map has the color bar; it is the last layer, because marks over a map have a rim.
+        let (x, y) = (self.x.range, self.y.range);
+        self.with(Field::new(x, y, (1, 1), vec![f64::NAN], label).range(low, high))
     }
 }

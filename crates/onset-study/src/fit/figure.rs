@@ -6,8 +6,12 @@ use onset_fit::{Mode, Test};
 
 /// Points of a curve.
 const CURVE: usize = 200;
-/// Cells along an axis of the plane of stretches.
-const CELLS: usize = 90;
+/// Cells along an axis of the plane of stretches, and the parts along an axis into which a cell at a border of its class is divided.
+const CELLS: usize = 80;
+const PARTS: usize = 6;
+const FINE_CELLS: usize = CELLS * PARTS;
+/// Class of the cells without a state.
+const BLANK_CLASS: u8 = 9;
 /// Ratio of the largest stretch of a curve to the largest measured stretch.
 const EXTENT_RATIO: f64 = 1.1;
 
@@ -150,33 +154,49 @@ impl FitAnswer {
         let high = reach.max(tested) * EXTENT_RATIO;
         let end = high.powf(1.5);
         let axis = |label: &str, end: f64| crate::criteria::stretch_axis(label, 1.0, end);
-        let mut classes = Vec::new();
-        for row in 0..CELLS {
-            for column in 0..CELLS {
-                let at = |n: usize, end: f64| end.ln() * (n as f64 + 0.5) / CELLS as f64;
-                let (x, y) = (at(column, high), at(row, end));
-                let class = match (y > 2.0 * x || x > 2.0 * y, self.stretches) {
-                    (true, _) => 9,
-                    (false, range) => {
-                        let logs = [x, y - x, -y];
-                        let state = |own: &onset_fit::Fitted| {
-                            best.fit
-                                .family
-                                .is_stable_at(&own.constants, &self.criteria, logs)
-                        };
-                        let inside =
-                            range.is_some_and(|[low, high]| x <= high.ln() && -y >= low.ln());
-                        match (state(best.fit.result()), state(&best.fit.free), inside) {
-                            (true, true, true) => 0,
-                            (true, false, _) => 1,
-                            (true, true, false) => 2,
-                            (false, _, _) => 3,
-                        }
-                    }
-                };
-                classes.push(class);
+        // Class of a cell, by its column and row in a grid with a number of cells along each axis.
+        let class = |column: usize, row: usize, cells: usize| -> u8 {
+            let at = |n: usize, end: f64| end.ln() * (n as f64 + 0.5) / cells as f64;
+            let (x, y) = (at(column, high), at(row, end));
+            if y > 2.0 * x || x > 2.0 * y {
+                return BLANK_CLASS;
             }
-        }
+            let logs = [x, y - x, -y];
+            let state = |own: &onset_fit::Fitted| {
+                best.fit
+                    .family
+                    .is_stable_at(&own.constants, &self.criteria, logs)
+            };
+            let range = self.stretches;
+            let inside = range.is_some_and(|[low, high]| x <= high.ln() && -y >= low.ln());
+            match (state(best.fit.result()), state(&best.fit.free), inside) {
+                (true, true, true) => 0,
+                (true, false, _) => 1,
+                (true, true, false) => 2,
+                (false, _, _) => 3,
+            }
+        };
+        let cells = |count: usize| (0..count * count).map(move |n| (n % count, n / count));
+        let coarse: Vec<u8> = cells(CELLS)
+            .map(|(column, row)| class(column, row, CELLS))
+            .collect();
+        let is_uniform = |column: usize, row: usize| {
+            let near = |n: usize| n.saturating_sub(1)..(n + 2).min(CELLS);
+            let own = coarse[row * CELLS + column];
+            near(row).all(|row| near(column).all(|column| coarse[row * CELLS + column] == own))
+        };
+        let uniform: Vec<bool> = cells(CELLS)
+            .map(|(column, row)| is_uniform(column, row))
+            .collect();
+        let classes: Vec<u8> = cells(FINE_CELLS)
+            .map(|(column, row)| {
+                let cell = row / PARTS * CELLS + column / PARTS;
+                match uniform[cell] {
+                    true => coarse[cell],
+                    false => class(column, row, FINE_CELLS),
+                }
+            })
+            .collect();
         let key = [
             ("stable, in the range", crate::figure::Color::hex(0xcfe8f3)),
             (
@@ -191,16 +211,16 @@ impl FitAnswer {
         ];
         let hatched = [(1, palette::GREY), (3, palette::VERMILION)].map(|(class, color)| {
             let is_own = |u: f64, v: f64| {
-                let cell = |t: f64| ((t * CELLS as f64) as usize).min(CELLS - 1);
-                classes[cell(v) * CELLS + cell(u)] == class
+                let cell = |t: f64| ((t * FINE_CELLS as f64) as usize).min(FINE_CELLS - 1);
+                classes[cell(v) * FINE_CELLS + cell(u)] == class
             };
             hatching(|u, v| (high.powf(u), end.powf(v)), is_own).color(color)
         });
         let regions = Regions {
             x: (1.0, high),
             y: (1.0, end),
-            columns: CELLS,
-            rows: CELLS,
+            columns: FINE_CELLS,
+            rows: FINE_CELLS,
             classes,
             key: key.map(|(name, color)| (name.to_owned(), color)).to_vec(),
         };

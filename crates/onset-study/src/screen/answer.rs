@@ -978,13 +978,13 @@ impl ScreenAnswer {
         let range = (least.min(most - 1.0), most);
         Panel::new(format!("short waves at t = {}", told(picture.time)), x, y)
             .equal_aspect()
-            .with_particles(&places, &logs, range, PANEL_WIDTH, |from, to| {
-                format!(
-                    "{} to {}",
-                    told_with(10_f64.powf(from), 2),
-                    told_with(10_f64.powf(to), 2)
-                )
-            })
+            .with_particles(
+                &places,
+                &logs,
+                range,
+                PANEL_WIDTH,
+                "log₁₀ of short waves / spacing",
+            )
     }
 }
 

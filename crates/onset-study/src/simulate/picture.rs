@@ -40,9 +40,7 @@ pub(super) fn figure(body: &dyn BodyMotion, time: f64, units: Units) -> Figure {
     let y = y.covering(places.iter().map(|place| place.1));
     let (width, height) = (x.range.1 - x.range.0, y.range.1 - y.range.0);
     let panel = Panel::new("", x, y).equal_aspect();
-    let panel = panel.with_particles(&places, &stretches, (low, high), WIDTH, |from, to| {
-        format!("{from:.3} to {to:.3}")
-    });
+    let panel = panel.with_particles(&places, &stretches, (low, high), WIDTH, "largest stretch");
     let mut figure = Figure::new(format!(
         "Largest stretch of the particles at time {}",
         told(time)
