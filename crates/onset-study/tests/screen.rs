@@ -319,6 +319,25 @@ fn rows_in_another_order_without_numbers_of_particles_are_refused() {
     );
 }
 
+/// Particles of a run that blew up move by many spacings from one frame to the next, in their order.
+#[test]
+fn a_run_that_blew_up_is_not_taken_for_rows_in_another_order() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.csv");
+    let mut text = "time,x,y\n".to_owned();
+    for (time, amplitude) in [(0, 0.0), (1, 1e-3), (2, 0.1), (3, 10.0), (4, 1000.0)] {
+        for n in 0..400_i32 {
+            let (i, j) = (n / 20, n % 20);
+            let sign = f64::from(1 - 2 * ((i + j) % 2));
+            let x = f64::from(i) + sign * amplitude * (1.0 + 0.01 * f64::from(j));
+            text += &format!("{time},{x},{j}\n");
+        }
+    }
+    std::fs::write(&path, text).expect("written");
+    let answer = NOTCH.screened(&NOTCH.source(path));
+    assert!(answer.observed.is_some(), "{answer}");
+}
+
 /// Far from the origin, six digits resolve only a tenth of the spacing.
 #[test]
 fn rounding_of_positions_is_not_reported_as_short_waves() {

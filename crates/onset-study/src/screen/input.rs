@@ -13,6 +13,8 @@ const RIGID: f64 = 1e-5;
 const GRIPS: usize = 6;
 /// Smallest median motion between frames, in spacings and without the mean motion, that indicates a changed order of the rows.
 const JUMP_SPACINGS: f64 = 3.0;
+/// Smallest median motion of sorted coordinates, as a fraction of the median motion of the rows, of particles that have moved themselves.
+const OWN_MOTION_SHARE: f64 = 0.25;
 /// Smallest number of particles in a face that moves rigidly.
 const LEAST_FACE: usize = 3;
 /// Largest distance from a lattice position, in spacings, at which reference positions are regular.
@@ -171,26 +173,40 @@ fn flat(x: &[f64; 3], dimension: usize) -> [f64; 3] {
     std::array::from_fn(|i| if i < dimension { x[i] } else { 0.0 })
 }
 
-/// Median motion of the rows from one frame to the next, without the mean motion.
+/// Median motion of the rows from one frame to the next, without the mean motion; 0 if the particles have moved themselves, as in a run that blew up.
+///
+/// Rows in another order leave the sorted coordinates unchanged, apart from the motion of the particles.
 fn median_jump(from: &Read, to: &Read) -> f64 {
-    let moved = from.position.iter().zip(&to.position);
-    let moved: Vec<[f64; 3]> = moved
-        .map(|(a, b)| std::array::from_fn(|i| b[i] - a[i]))
-        .collect();
-    let count = moved.len().max(1) as f64;
-    let mean: [f64; 3] =
-        std::array::from_fn(|i| moved.iter().map(|own| own[i]).sum::<f64>() / count);
-    let mut sizes: Vec<f64> = moved
-        .iter()
-        .map(|own| {
-            (0..3)
-                .map(|i| (own[i] - mean[i]).powi(2))
-                .sum::<f64>()
-                .sqrt()
-        })
-        .collect();
-    sizes.sort_by(f64::total_cmp);
-    sizes.get(sizes.len() / 2).copied().unwrap_or(0.0)
+    let count = from.len().min(to.len());
+    let mean = |axis: usize| {
+        let pairs = from.position.iter().zip(&to.position);
+        pairs.map(|(a, b)| b[axis] - a[axis]).sum::<f64>() / count.max(1) as f64
+    };
+    let mean = [mean(0), mean(1), mean(2)];
+    let median = |mut sizes: Vec<f64>| {
+        sizes.sort_by(f64::total_cmp);
+        sizes.get(sizes.len() / 2).copied().unwrap_or(0.0)
+    };
+    let distance = |a: &[f64; 3], b: &[f64; 3]| {
+        let parts = (0..3).map(|i| (b[i] - a[i] - mean[i]).powi(2));
+        parts.sum::<f64>().sqrt()
+    };
+    let pairs = from.position.iter().zip(&to.position);
+    let jump = median(pairs.map(|(a, b)| distance(a, b)).collect());
+    let sorted = |frame: &Read, axis: usize| {
+        let mut all: Vec<f64> = frame.position.iter().map(|x| x[axis]).collect();
+        all.sort_by(f64::total_cmp);
+        all
+    };
+    let moved = |axis: usize| {
+        let (from, to) = (sorted(from, axis), sorted(to, axis));
+        let pairs = from.iter().zip(&to);
+        median(pairs.map(|(a, b)| (b - a - mean[axis]).abs()).collect())
+    };
+    match (0..3).any(|axis| moved(axis) > OWN_MOTION_SHARE * jump) {
+        true => 0.0,
+        false => jump,
+    }
 }
 
 impl Recording {
@@ -246,10 +262,8 @@ impl Recording {
             own.interval = own.interval.max(now - time);
             time = now;
             own.frames += 1;
-            if own.identity.is_none()
-                && let Some(last) = &last
-            {
-                jump = jump.max(median_jump(last, &frame));
+            if own.identity.is_none() {
+                jump = jump.max(median_jump(last.as_ref().unwrap_or(start), &frame));
             }
             last = Some(frame);
         }
