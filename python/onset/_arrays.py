@@ -31,7 +31,7 @@ def numbers(value: ArrayLike, what: str, kinds: str = "fiu") -> Floats:
     try:
         array = np.asarray(value)
         # NumPy reads texts as numbers, and None as NaN.
-        has_texts = array.dtype.kind == "O" and any(item is None or isinstance(item, (str, bytes)) for item in array.flat)
+        has_texts = array.dtype.kind == "O" and any(isinstance(item, (str, bytes, type(None))) for item in array.flat)
         if array.dtype.kind == "O" and not has_texts:
             array = array.astype(np.float64)
     except TypeError as error:

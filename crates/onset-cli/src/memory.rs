@@ -12,7 +12,7 @@ struct Memory;
 static MEMORY: Memory = Memory;
 
 /// Largest size of values that are allocated while a lock is held, which cleaning up needs; bytes.
-const SMALL: usize = 1 << 20;
+const LARGEST_LOCKED_BYTES: usize = 1 << 20;
 
 /// Whether the command is about to end.
 static IS_ENDING: AtomicBool = AtomicBool::new(false);
@@ -25,14 +25,14 @@ fn refused(bytes: usize) -> ! {
         std::thread::sleep(Duration::from_millis(100));
         signal_hook::low_level::exit(2);
     }
-    // Nobody may listen.
+    // Standard error may be closed.
     let _ = writeln!(
         std::io::stderr(),
         "error: the system refuses {} MiB of memory\n  \
          hint: ask for fewer particles, states or frames, or raise the limit (ulimit -v, h_vmem)",
         bytes.div_ceil(1 << 20)
     );
-    if bytes > SMALL {
+    if bytes > LARGEST_LOCKED_BYTES {
         onset_umat::end_all();
         onset_study::output::end_all();
     }
@@ -50,22 +50,22 @@ fn given(pointer: *mut u8, bytes: usize) -> *mut u8 {
 #[allow(unsafe_code)]
 unsafe impl GlobalAlloc for Memory {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: the caller's conditions are those of `System`.
+        // SAFETY: `System` has the same conditions as this function.
         given(unsafe { System.alloc(layout) }, layout.size())
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: the caller's conditions are those of `System`.
+        // SAFETY: `System` has the same conditions as this function.
         given(unsafe { System.alloc_zeroed(layout) }, layout.size())
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        // SAFETY: the caller's conditions are those of `System`, which allocated the memory.
+        // SAFETY: `System` allocated the memory, and has the same conditions as this function.
         given(unsafe { System.realloc(pointer, layout, size) }, size)
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's conditions are those of `System`, which allocated the memory.
+        // SAFETY: `System` allocated the memory, and has the same conditions as this function.
         unsafe { System.dealloc(pointer, layout) }
     }
 }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-/// Longest time for any program to end, besides the time that it waits for a processor: ten seconds, and more on a loaded machine.
+/// Longest time for any program to end, without the time that it waits for a processor: ten seconds, and more on a loaded machine.
 pub(crate) fn longest() -> Duration {
     let load = fs::read_to_string("/proc/loadavg").unwrap_or_default();
     let load = load.split(' ').next().and_then(|load| load.parse().ok());
@@ -181,7 +181,7 @@ pub(crate) struct Running<'a> {
     error: PathBuf,
     /// Signals that were sent, when, and the time waited for a processor until then.
     signals: Vec<(i32, Instant, Duration)>,
-    /// Time waited for a processor, as last seen.
+    /// Time waited for a processor, at the last check.
     starved: Duration,
 }
 

@@ -87,10 +87,12 @@ struct Whole {
 }
 
 /// Undisturbed runs of the commands that are killed, each made once.
-static WHOLE: Mutex<BTreeMap<usize, Arc<Whole>>> = Mutex::new(BTreeMap::new());
+static UNDISTURBED_RUNS: Mutex<BTreeMap<usize, Arc<Whole>>> = Mutex::new(BTreeMap::new());
 
 fn whole(programs: &Programs, number: usize, random: &mut Random) -> Result<Arc<Whole>, Fault> {
-    let mut all = WHOLE.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut all = UNDISTURBED_RUNS
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner);
     if let Some(made) = all.get(&number) {
         return Ok(Arc::clone(made));
     }
@@ -114,7 +116,7 @@ fn killable(place: &Place) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Checks that a command killed at any time, again and again, is resumed to the bytes of an undisturbed run; counts the kills.
+/// Checks that a command killed repeatedly at any time is resumed to the bytes of an undisturbed run; counts the kills.
 pub(super) fn killed(
     programs: &Programs,
     place: &Place,
