@@ -51,6 +51,63 @@ fn a_state_reports_the_steps_of_the_lattice_of_finite_bodies_and_of_the_body() {
 }
 
 #[test]
+fn a_rotation_of_the_state_does_not_change_the_step_of_finite_bodies() {
+    // Raw gradients are not exact at faces: half a turn inverts the particles there.
+    let step = |f: &str| {
+        let line = format!(
+            "state --deformation-gradient={f} set method=total-lagrangian-sph set lattice=square set corrected=false --set material.model=neo-hooke"
+        );
+        number(&document(&line), "/discretization/finite_bodies/time_step")
+    };
+    for [plain, turned] in [
+        ["1,0,0,1", "-1,0,0,-1"],
+        ["1.1,0,0,0.9", "-1.1,0,0,-0.9"],
+        ["1.1,0,0,0.9", "0,-0.9,1.1,0"],
+    ] {
+        assert_close(step(turned), step(plain), 1e-6);
+    }
+}
+
+#[test]
+fn a_body_has_no_step_of_an_integrator_that_is_unstable_without_damping() {
+    let file = Written::new("small.toml", &BLOCK.replace("[20, 20]", "[6, 6]"));
+    let line = format!("state {} --stretch 1,1 --set time.integrator=heun", &*file);
+    assert_eq!(document(&line)["discretization"]["body"]["time_step"], 0.0);
+    for (more, told) in [
+        ("", "none (this body of 36 particles)"),
+        (" --all", "36 particles: no step is stable"),
+    ] {
+        let text = onset_line(&format!("{line}{more}")).stdout;
+        assert!(text.contains(told), "{text}");
+    }
+    // Damping shifts the frequencies, so that the reach on the imaginary axis gives no step.
+    let damped = document(&format!(
+        "state {} --stretch 1,1 set method=updated-sph set penalty=0 set viscosity=1 --set time.integrator=rk4",
+        &*file
+    ));
+    assert!(damped["discretization"]["body"].is_null());
+    assert!(damped["discretization"]["finite_bodies"].is_null());
+}
+
+#[test]
+fn the_short_limit_has_the_step_of_finite_bodies() {
+    let line = "limit --time-step 0.5 --vary material.mu set method=total-lagrangian-sph set lattice=square \
+                --set material.model=neo-hooke --set material.mu=1 --set material.lambda=1";
+    let finite = number(&document(line), "/finite_bodies/time_step");
+    let text = onset_line(line).stdout.replace('\n', " ");
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let text = words.join(" ");
+    let told = "infinite lattice; finite bodies need a step below ";
+    let place = text.find(told).expect("the step of finite bodies");
+    let told: f64 = text[place + told.len()..]
+        .split(' ')
+        .next()
+        .and_then(|word| word.parse().ok())
+        .expect("a number");
+    assert_close(told, finite, 1e-5);
+}
+
+#[test]
 fn the_element_step_bounds_the_steps_of_finite_element_bodies() {
     // One square with full integration: omega^2 = c^2/h^2 * 4/(1 - nu), attained by a body of one element.
     for nu in [0.3_f64, 0.45, 0.49] {

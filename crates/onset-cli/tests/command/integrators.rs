@@ -18,7 +18,12 @@ fn a_state_has_the_step_of_the_chosen_integrator() {
     let plain = state("");
     let step = |own: &Value| number(own, "/discretization/critical_time_step");
     let bodies = |own: &Value| number(own, "/discretization/finite_bodies/time_step");
-    assert_eq!(plain["discretization"]["integrator"], "central-differences");
+    assert_eq!(plain["discretization"]["integrator"], "kick-drift-kick");
+    let text = onset_line(&format!("state --stretch 1.05,0.98 {SPH}")).stdout;
+    assert!(
+        text.contains("(kick-drift-kick, infinite lattice)"),
+        "{text}"
+    );
     // Limits of omega dt relative to central differences.
     for (name, ratio) in [
         ("leapfrog", 1.0),

@@ -17,10 +17,17 @@ pub(crate) fn reach_of(integrator: Integrator) -> f64 {
     integrator.undamped_reach() / Integrator::CentralDifferences.undamped_reach()
 }
 
+/// Ratio of the step of an integrator for a body to the step of central differences. With damping, which shifts the frequencies off the imaginary axis,
+/// the ratio is unknown for integrators with another reach.
+fn share_of(integrator: Integrator, is_damped: bool) -> Option<f64> {
+    let share = reach_of(integrator);
+    (share == 1.0 || !is_damped).then_some(share)
+}
+
 /// Time step for finite bodies of a lattice.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FiniteBodyAnswer {
-    /// Time step that is stable for finite bodies, of central differences unless another integrator is chosen; time.
+    /// Time step that is stable for finite bodies, with the integrator of the answer; time.
     pub time_step: f64,
     /// Whether the bound is proved.
     pub proved: bool,
@@ -33,7 +40,7 @@ pub struct FiniteBodyAnswer {
 pub struct BodyStepAnswer {
     /// Number of particles of the body.
     pub particles: usize,
-    /// Critical time step at the state with fixed grips, of central differences unless another integrator is chosen; `null` if nothing oscillates. Time.
+    /// Critical time step at the state with fixed grips, with the integrator of the answer. Zero if no step is stable; `null` if nothing oscillates. Time.
     pub time_step: Option<f64>,
 }
 
@@ -76,12 +83,11 @@ impl FiniteBodyAnswer {
         }))
     }
 
-    /// Returns the step for an integrator, in proportion to its reach on the imaginary axis; `None` if no step is stable. With damping, which shifts the
-    /// frequencies off this axis, only integrators with the reach of central differences have a step.
+    /// Returns the step for an integrator, in proportion to its reach on the imaginary axis; `None` if no step is stable, or if the step is unknown because
+    /// of damping.
     pub(crate) fn with_integrator(self, integrator: Integrator, is_damped: bool) -> Option<Self> {
-        let share = reach_of(integrator);
-        let is_known = share > 0.0 && (share == 1.0 || !is_damped);
-        is_known.then_some(Self {
+        let share = share_of(integrator, is_damped).filter(|share| *share > 0.0)?;
+        Some(Self {
             time_step: share * self.time_step,
             ..self
         })
@@ -98,12 +104,13 @@ impl FiniteBodyAnswer {
 }
 
 impl BodyStepAnswer {
-    /// Returns the step for an integrator without damping.
-    pub(crate) fn with_integrator(self, integrator: Integrator) -> Self {
-        Self {
-            time_step: self.time_step.map(|step| step * reach_of(integrator)),
+    /// Returns the step for an integrator, in proportion to its reach on the imaginary axis; `None` if the step is unknown because of damping.
+    pub(crate) fn with_integrator(self, integrator: Integrator, is_damped: bool) -> Option<Self> {
+        let share = share_of(integrator, is_damped)?;
+        Some(Self {
+            time_step: self.time_step.map(|step| step * share),
             ..self
-        }
+        })
     }
 
     /// Returns the critical step of central differences for the body of the settings at a state; `None` without a body. As for
@@ -144,6 +151,15 @@ impl BodyStepAnswer {
 
     pub(crate) fn words(&self) -> String {
         format!("body of {}", counted(self.particles, "particle"))
+    }
+
+    /// The step in words.
+    pub(super) fn told(&self, units: Units) -> String {
+        match self.time_step {
+            Some(0.0) => "no step is stable".to_owned(),
+            Some(step) => format!("stable below {}", units.of(told_below(step), "s")),
+            None => "nothing oscillates".to_owned(),
+        }
     }
 }
 

@@ -11,6 +11,7 @@ use onset::continuum::ACOUSTIC_ROUNDING;
 use onset::criteria::is_isotropic;
 use onset::kinematics::DeformationGradient;
 use onset::material::{Hyperelastic, Response};
+use onset::scheme::stabilization::Upwinding;
 use onset::scheme::{GridFunctions, PointLayout};
 
 /// Stresses at `F = 1` below this fraction of the stiffness are rounding errors.
@@ -301,6 +302,18 @@ fn note_on_knots(settings: &Settings) -> Option<String> {
     is_at_knots.then(|| {
         "material points lie at knots of the grid functions, where their forces have no derivative; the mean of the two sides is used. Points at any other \
          position can be unstable earlier: try discretization.offset = 0.05"
+            .to_owned()
+    })
+}
+
+/// Note on upwinding between particles with different neighborhoods, in a cell with the given number of particles.
+pub(super) fn note_on_upwinding(settings: &Settings, sites: usize) -> Option<String> {
+    let method = &settings.method;
+    let is_upwinded =
+        method.method == Family::TotalLagrangianSph && method.upwinding != Upwinding::None;
+    (is_upwinded && sites > 1).then(|| {
+        "with several particles in a cell the two particles of a pair have different areas in the upwinding, each from its neighbors; codes with a single \
+         area for a pair have other damping"
             .to_owned()
     })
 }

@@ -72,10 +72,11 @@ impl Brief for StateAnswer {
         );
         steps.extend(d.body.as_ref().and_then(|body| {
             let particles = counted(body.particles, "particle");
-            Some(format!(
-                "{} (this body of {particles})",
-                time(body.time_step?)
-            ))
+            let step = match body.time_step? {
+                0.0 => "none".to_owned(),
+                step => time(step),
+            };
+            Some(format!("{step} (this body of {particles})"))
         }));
         if !steps.is_empty() {
             short = short.row(2, "time step", steps.join(", "));

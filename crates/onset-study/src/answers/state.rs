@@ -8,14 +8,14 @@ use super::implicit::ImplicitAnswer;
 use super::mode::{critical_mode, finite_wave_vector};
 use super::mode_name;
 use super::next::next;
-use super::notes::{buckling, notes};
+use super::notes::{buckling, note_on_upwinding, notes};
 use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
 use super::stiffer::{RelaxationAnswer, StifferAnswer, band};
 use crate::compare::percent;
 use crate::csv::Table;
 use crate::methods::reduced;
-use crate::number::{counted, told, told_below, told_of, vector};
+use crate::number::{counted, told, told_of, vector};
 use crate::settings::{Effective, Family, TimeIntegrator, Value};
 use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
@@ -219,7 +219,7 @@ pub struct DiscretizationAnswer {
     pub flutter: bool,
     /// Largest frequency over the zone; rad/time.
     pub maximum_omega: f64,
-    /// Critical time step of `integrator` without damping, `2 / maximum_omega` for central differences; for methods that define their time step, its
+    /// Critical time step of `integrator` without damping, `2 / maximum_omega` for the default integrator; for methods that define their time step, its
     /// largest stable value. Zero if no step is stable; `null` if no mode oscillates, and for implicit integrators.
     pub critical_time_step: Option<f64>,
     /// Integrator of `critical_time_step`, `finite_bodies` and `body`; `null` for methods that define their time step, and for implicit integrators.
@@ -228,7 +228,7 @@ pub struct DiscretizationAnswer {
     pub critical_time_step_of: &'static str,
     /// Time step for finite bodies; `null` if it is unknown.
     pub finite_bodies: Option<FiniteBodyAnswer>,
-    /// Time step for the body of the study; `null` if the study has no body.
+    /// Time step for the body of the study; `null` if the study has no body, or if the step of `integrator` is unknown because of damping.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<BodyStepAnswer>,
     /// Side of a grid cell of material points; length. `null` for other methods.
@@ -448,6 +448,10 @@ fn answer(
     // The cause of an instability is the first note.
     notes.splice(0..0, band(problem, assessment, f));
     notes.extend(waves_in_the_plane(problem, strain));
+    notes.extend(note_on_upwinding(
+        &problem.settings,
+        problem.analysis.sites(),
+    ));
     notes.extend(buckling(
         &*problem.material,
         response,
@@ -588,12 +592,13 @@ fn discretization_answer(
         ),
     };
     let is_stepped = discrete_time.is_none() && implicit.is_none();
-    let integrator = is_stepped.then(|| explicit.unwrap_or(Integrator::CentralDifferences));
+    let default = TimeIntegrator::default().explicit();
+    let integrator = explicit.or(default).filter(|_| is_stepped);
     let mut critical_time_step = critical_time_step.filter(|_| implicit.is_none());
     if let Some(integrator) = integrator {
         let is_damped = analysis.is_damped();
         finite_bodies = finite_bodies.and_then(|own| own.with_integrator(integrator, is_damped));
-        body = body.map(|own| own.with_integrator(integrator));
+        body = body.and_then(|own| own.with_integrator(integrator, is_damped));
         critical_time_step = critical_time_step.map(|step| step * reach_of(integrator));
     }
     Ok(DiscretizationAnswer {
@@ -651,12 +656,20 @@ pub(super) fn rows(matrix: &SMatrix<f64, 3, 3>) -> [[f64; 3]; 3] {
 }
 
 impl DiscretizationAnswer {
-    /// Integrator of the critical time step in words.
+    /// Reason why an answer with a critical time step has no step for finite bodies.
+    fn unknown_of_finite_bodies(&self) -> Option<String> {
+        let integrator = self.integrator?;
+        self.critical_time_step.filter(|step| *step > 0.0)?;
+        Some(match self.damped_time_steps.is_empty() {
+            false => format!("it is computed without damping for {integrator}"),
+            true => "the forces of the method on the particles of free blocks are not defined"
+                .to_owned(),
+        })
+    }
+
+    /// Name of the integrator of the critical time step.
     pub(super) fn integrator_words(&self) -> &'static str {
-        match self.integrator {
-            None | Some("central-differences") => "central differences",
-            Some(other) => other,
-        }
+        self.integrator.unwrap_or_default()
     }
 }
 
@@ -876,12 +889,7 @@ impl std::fmt::Display for StateAnswer {
                 match step {
                     0.0 => "is unstable for every time step".to_owned(),
                     step => format!(
-                        "{} a time step below {} ({LATTICE_NOTE})",
-                        if d.integrator_words().ends_with('s') {
-                            "need"
-                        } else {
-                            "needs"
-                        },
+                        "needs a time step below {} ({LATTICE_NOTE})",
                         units.of(told(step), "s")
                     ),
                 }
@@ -907,16 +915,13 @@ impl std::fmt::Display for StateAnswer {
         }
         if let Some(finite) = &d.finite_bodies {
             line(&of("finite bodies"), finite.words(units))?;
+        } else if let Some(reason) = d.unknown_of_finite_bodies() {
+            line(&of("finite bodies"), format!("no step is known: {reason}"))?;
         }
         if let Some(body) = &d.body {
-            let step = match body.time_step {
-                Some(step) => format!("stable below {}", units.of(told_below(step), "s")),
-                None => "nothing oscillates".to_owned(),
-            };
-            line(
-                &of("this body"),
-                format!("{}: {step}", counted(body.particles, "particle")),
-            )?;
+            let particles = counted(body.particles, "particle");
+            let step = body.told(units);
+            line(&of("this body"), format!("{particles}: {step}"))?;
         }
         for (integrator, step) in &d.damped_time_steps {
             let whose = if d.stable {

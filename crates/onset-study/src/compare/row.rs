@@ -125,7 +125,10 @@ impl Measured {
             Err(ProblemError::Body {
                 source: BodyError::NoBodies,
             }) => None,
-            found => found?.map(|own| own.with_integrator(integrator)),
+            found => {
+                let is_damped = fastest.analysis.is_damped();
+                found?.and_then(|own| own.with_integrator(integrator, is_damped))
+            }
         };
         Ok(Self {
             zero_modes,

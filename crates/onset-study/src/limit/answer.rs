@@ -11,7 +11,7 @@ use crate::brief::{Brief, Short, WIDTH, cut};
 use crate::caption;
 use crate::csv::Table;
 use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
-use crate::number::told;
+use crate::number::{told, told_below};
 use crate::output::{Files, picture, text};
 use crate::range::spread;
 use crate::settings::{Effective, Settings, Units};
@@ -155,7 +155,7 @@ impl Search<'_> {
             step = step.min(of_stiffer);
         }
         let body = BodyStepAnswer::new(stiffer.as_ref().unwrap_or(&problem), f)?;
-        let body = body.map(|own| own.with_integrator(self.integrator));
+        let body = body.and_then(|own| own.with_integrator(self.integrator, analysis.is_damped()));
         let of_body = body.and_then(|body| body.time_step);
         let step = of_body.map_or(step, |own| own.min(step));
         Ok(Tried {
@@ -501,6 +501,18 @@ impl LimitAnswer {
         }
     }
 
+    /// Bodies for which the steps hold, with the step of finite bodies for the present value.
+    fn of_steps(&self) -> String {
+        let Some((finite, now)) = self.finite_bodies.as_ref().zip(self.present.as_ref()) else {
+            return self.critical_time_step_of.clone();
+        };
+        let step = self.units().of(told_below(finite.time_step), "s");
+        format!(
+            "infinite lattice; finite bodies need a step below {step} with {}",
+            self.value(told(now.value))
+        )
+    }
+
     /// Steps of finite bodies with the present value.
     fn of_finite_bodies(&self) -> Option<String> {
         let finite = self.finite_bodies.as_ref()?;
@@ -516,15 +528,12 @@ impl Brief for LimitAnswer {
         let rows = rows.into_iter().map(|one| cut(&self.row(one), WIDTH));
         let mut short = Short::new(self.sentence())
             .table([self.head()].into_iter().chain(rows))
-            .row(1, "steps", self.critical_time_step_of.clone());
+            .row(0, "steps", self.of_steps());
         if let Some(present) = self.present_sentence() {
             short = short.row(0, "present", present);
         }
         for sentence in self.varied().ends_of_domain().chain(self.verdicts()) {
             short = short.row(3, "range", sentence);
-        }
-        if let Some(finite) = self.of_finite_bodies() {
-            short = short.row(2, "bodies", finite);
         }
         short
             .notes(&self.notes)

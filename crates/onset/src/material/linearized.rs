@@ -30,6 +30,23 @@ impl Linearized {
             is_path_dependent: law.is_path_dependent(),
         })
     }
+
+    /// Law about the rotated state `R F_0`, given as `state`.
+    pub(crate) fn rotated(self, rotation: &Matrix3<f64>, state: &DeformationGradient) -> Self {
+        let base = Response {
+            deformation: *state,
+            energy: self.base.energy,
+            first_piola: rotation * self.base.first_piola,
+            tangent: self.base.tangent.with_spatial_indices(rotation),
+        };
+        let integrated = self.integrated;
+        let integrated = integrated.map(|own| own.with_spatial_indices(rotation));
+        Self {
+            base,
+            integrated,
+            ..self
+        }
+    }
 }
 
 impl Hyperelastic for Linearized {

@@ -74,6 +74,12 @@ impl FourthOrder {
         Self::from_fn(|i, a, k, b| (0..3).map(|l| m[(b, l)] * half[(i, a, k, l)]).sum())
     }
 
+    /// Transforms the first and the third index by a matrix: `m_iI m_kK T_IjKl`.
+    pub(super) fn with_spatial_indices(&self, m: &Matrix3<f64>) -> Self {
+        let half = Self::from_fn(|a, j, k, l| (0..3).map(|i| m[(a, i)] * self[(i, j, k, l)]).sum());
+        Self::from_fn(|a, j, b, l| (0..3).map(|k| m[(b, k)] * half[(a, j, k, l)]).sum())
+    }
+
     /// Transforms all four indices by a matrix: `m_iI m_jJ m_kK m_lL T_IJKL`.
     fn transformed(&self, m: &Matrix3<f64>) -> Self {
         // One index at a time: 4 x 3^5 products instead of 3^8.

@@ -32,7 +32,12 @@ pub(crate) fn step_of_free_blocks<const D: usize>(
 ) -> Option<f64> {
     let ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][D - 1];
     let reach = (discretization.neighbors() / ball).powf(1.0 / D as f64);
-    let solid = Linearized::about(material, f).ok()?;
+    // A rotation changes no frequency. Raw gradients are not exact at faces, where a rotation would strain the particles.
+    let upright = &right_stretch::<D>(f);
+    let rotation = upright.matrix() * f.matrix().try_inverse()?;
+    let solid = Linearized::about(material, f)
+        .ok()?
+        .rotated(&rotation, upright);
     let is_cut = with_body(
         discretization,
         &solid,
@@ -61,15 +66,26 @@ pub(crate) fn step_of_free_blocks<const D: usize>(
     // Blocks without a state are skipped: they have too few neighbors, or the law is not defined.
     let steps = blocks.iter().filter_map(|sides| match has_bodies {
         true => {
-            let along_axes = step_of_body(discretization, &solid, f, &block(sides, spacing));
+            let along_axes = step_of_body(discretization, &solid, upright, &block(sides, spacing));
             let along_rows = is_oblique.then(|| rows(discretization, sides));
             let along_rows =
-                along_rows.and_then(|body| step_of_body(discretization, &solid, f, &body));
+                along_rows.and_then(|body| step_of_body(discretization, &solid, upright, &body));
             along_axes.into_iter().chain(along_rows).reduce(f64::min)
         }
         false => step_of_cells(&*discretization.on_block(*sides).ok()??, material, f),
     });
     steps.reduce(f64::min).map(|least| MARGIN * least)
+}
+
+/// Right stretch `U` of a deformation gradient `F = R U`.
+fn right_stretch<const D: usize>(f: &DeformationGradient) -> DeformationGradient {
+    let leading = f.leading::<D>();
+    let squared = leading.transpose() * leading;
+    let squared = DMatrix::from_fn(D, D, |i, j| squared[(i, j)]).symmetric_eigen();
+    let axes = &squared.eigenvectors;
+    let stretches = DMatrix::from_diagonal(&squared.eigenvalues.map(f64::sqrt));
+    let stretch = axes * stretches * axes.transpose();
+    f.with_leading(&SMatrix::<f64, D, D>::from_fn(|i, j| stretch[(i, j)]))
 }
 
 /// Block with a number of particles along each side.
