@@ -1,46 +1,43 @@
 //! Eigenvalues of complex matrices of any size with right and left eigenvectors.
 
-use super::schur::schur;
-use super::{Complex, MAXIMUM_ITERATIONS};
+use super::schur::{eigenvectors, schur};
+use super::{Complex, MAXIMUM_ITERATIONS, Pair};
 use crate::cancel::checkpoint;
-use nalgebra::{ComplexField, DMatrix, DVector, Dyn, RowDVector, SymmetricEigen};
+use nalgebra::{ComplexField, DMatrix, DVector, Dyn, SymmetricEigen};
 
-/// Decomposition `A = V diag(values) W` with `W V = 1`: right eigenvectors are columns of `V = Q X`, left ones rows of `W = X^-1 Q*`.
+/// Decomposition `A = V diag(values) W` with `W V = 1`: right eigenvectors are the columns of `V`, left ones the rows of `W`.
 ///
 /// If `A` is not diagonalizable, the length of the vectors is determined by rounding.
 #[derive(Clone, Debug)]
 pub(crate) struct Decomposition {
     pub(crate) values: Vec<Complex>,
-    /// Unitary factor of the Schur form.
-    q: DMatrix<Complex>,
-    /// Eigenvectors of the triangular Schur factor, a triangular matrix; `None` if `Q` contains the eigenvectors of `A`.
-    x: Option<DMatrix<Complex>>,
+    pub(crate) right: DMatrix<Complex>,
+    pub(crate) left: DMatrix<Complex>,
 }
 
 impl Decomposition {
-    /// Decomposes by the Schur form `A = Q T Q*`, whose triangular factor has eigenvectors by substitution. `None` if entries are not finite.
+    /// Decomposes by the Schur form `A = Q T Q*`. `None` if entries are not finite.
     pub(crate) fn new(matrix: DMatrix<Complex>) -> Option<Self> {
         let size = matrix.nrows();
-        let smallest = f64::EPSILON * matrix.norm();
         let (q, t) = schur_form(&matrix)?;
-        let mut vectors = DMatrix::<Complex>::identity(size, size);
-        for j in 0..size {
-            for i in (0..j).rev() {
-                let sum: Complex = (i + 1..=j).map(|l| t[(i, l)] * vectors[(l, j)]).sum();
-                let difference = t[(i, i)] - t[(j, j)];
-                let apart = difference.norm() > smallest;
-                let difference = if apart {
-                    difference
-                } else {
-                    Complex::new(smallest, 0.0)
-                };
-                vectors[(i, j)] = -sum / difference;
-            }
-        }
+        let pairs = |matrix: &DMatrix<Complex>, unit: f64| -> Vec<Pair<f64>> {
+            matrix.iter().map(|z| [z.re / unit, z.im / unit]).collect()
+        };
+        // Squares of very large or small entries would over- or underflow.
+        let unit = match t.camax() {
+            0.0 => 1.0,
+            largest => largest,
+        };
+        let smallest = f64::EPSILON * (&matrix / Complex::from(unit)).norm();
+        let (t_over_unit, q) = (pairs(&t, unit), pairs(&q, 1.0));
+        let [right, left] = eigenvectors(size, &t_over_unit, &q, smallest).map(|own| {
+            let entries = own.into_iter().map(|[re, im]| Complex::new(re, im));
+            DMatrix::from_row_iterator(size, size, entries)
+        });
         Some(Self {
             values: t.diagonal().iter().copied().collect(),
-            q,
-            x: Some(vectors),
+            right,
+            left,
         })
     }
 
@@ -50,61 +47,14 @@ impl Decomposition {
         let values = eigen.eigenvalues.iter();
         Some(Self {
             values: values.map(|value| Complex::new(*value, 0.0)).collect(),
-            q: eigen.eigenvectors,
-            x: None,
+            left: eigen.eigenvectors.adjoint(),
+            right: eigen.eigenvectors,
         })
     }
 
-    /// Right eigenvector, a column of `V`.
-    pub(crate) fn right(&self, number: usize) -> DVector<Complex> {
-        match &self.x {
-            Some(x) => &self.q * x.column(number),
-            None => self.q.column(number).into_owned(),
-        }
-    }
-
-    /// Left eigenvector, a row of `W`.
-    pub(crate) fn left(&self, number: usize) -> RowDVector<Complex> {
-        match &self.x {
-            // The row e of X^-1 satisfies e X = unit row.
-            Some(x) => {
-                let mut unit = DVector::zeros(self.values.len());
-                unit[number] = Complex::new(1.0, 0.0);
-                let row = x.tr_solve_upper_triangular(&unit).unwrap_or(unit);
-                row.transpose() * self.q.adjoint()
-            }
-            None => self.q.column(number).adjoint(),
-        }
-    }
-
-    /// Product `r V` with the right eigenvectors.
-    pub(crate) fn onto_right(&self, row: &RowDVector<Complex>) -> RowDVector<Complex> {
-        let own = row * &self.q;
-        match &self.x {
-            Some(x) => own * x,
-            None => own,
-        }
-    }
-
-    /// Product `W c` with the left eigenvectors.
-    pub(crate) fn onto_left(&self, column: &DVector<Complex>) -> DVector<Complex> {
-        let own = self.q.ad_mul(column);
-        match &self.x {
-            Some(x) => x.solve_upper_triangular(&own).unwrap_or(own),
-            None => own,
-        }
-    }
-
-    /// Matrices `V` and `W` of all right and left eigenvectors.
-    pub(crate) fn vectors(&self) -> [DMatrix<Complex>; 2] {
-        let adjoint = self.q.adjoint();
-        match &self.x {
-            Some(x) => {
-                let left = x.solve_upper_triangular(&adjoint).unwrap_or(adjoint);
-                [&self.q * x, left]
-            }
-            None => [self.q.clone(), adjoint],
-        }
+    /// Product of the norms of the matrices of left and right eigenvectors.
+    pub(crate) fn condition(&self) -> f64 {
+        self.left.norm() * self.right.norm()
     }
 }
 
@@ -187,8 +137,7 @@ mod tests {
 
     fn assert_decomposed(matrix: &DMatrix<Complex>, all: &Decomposition) {
         let size = matrix.nrows();
-        let [right, left] = all.vectors();
-        let diagonal = &left * matrix * &right;
+        let diagonal = &all.left * matrix * &all.right;
         for i in 0..size {
             for j in 0..size {
                 let expected = if i == j {
@@ -198,13 +147,9 @@ mod tests {
                 };
                 assert!((diagonal[(i, j)] - expected).norm() < 1e-12);
             }
-            assert!((all.right(i) - right.column(i)).norm() < 1e-12);
-            assert!((all.left(i) - left.row(i)).norm() < 1e-12);
-            let row = matrix.row(i).into_owned();
-            assert!((all.onto_right(&row) - row * &right).norm() < 1e-12);
-            let column = matrix.column(i).into_owned();
-            assert!((all.onto_left(&column) - &left * column).norm() < 1e-12);
         }
+        let product = &all.left * &all.right;
+        assert!((product - DMatrix::identity(size, size)).norm() < 1e-11);
     }
 
     #[test]

@@ -21,6 +21,9 @@ pub(crate) trait Selected: Real {
 
     /// Returns true if all numbers are below the threshold.
     fn is_below(self, threshold: f64) -> bool;
+
+    /// Largest of all numbers.
+    fn most(self) -> f64;
 }
 
 impl Selected for f64 {
@@ -32,6 +35,11 @@ impl Selected for f64 {
     #[inline(always)]
     fn is_below(self, threshold: f64) -> bool {
         self < threshold
+    }
+
+    #[inline(always)]
+    fn most(self) -> f64 {
+        self
     }
 }
 
@@ -49,6 +57,11 @@ impl Selected for Lanes {
         self.0
             .iter()
             .fold(true, |all, own| all & (*own < threshold))
+    }
+
+    #[inline(always)]
+    fn most(self) -> f64 {
+        self.0.into_iter().fold(f64::NEG_INFINITY, f64::max)
     }
 }
 

@@ -6,6 +6,7 @@
 //! grid point predicts can be missed. Constants without a stated derivation are heuristic; the tests `hunt` compare random states with a dense
 //! search.
 
+use super::branches::Taylor;
 use super::system::MatrixExpansion;
 use super::{Expansion, growth_rate};
 use crate::algebra::{Complex, Decomposition, Deviator, Each, Parts, array_of, sort_by_value};
@@ -29,6 +30,8 @@ const STEP_HALVINGS: usize = 4;
 const RESOLVED_CURVATURE_RATIO: f64 = 0.5;
 /// Maximum number of points between halved steps.
 pub(super) const HALVED_STEP_POINTS: usize = 256;
+/// Number of wave vectors that are expanded together.
+const EXPANDED_TOGETHER: usize = 64;
 /// Relative difference of growth rates of symmetric images of one pocket.
 const IMAGE_GROWTH_TOLERANCE: f64 = 1e-9;
 /// Distance, in steps, of wave vectors within one pocket.
@@ -39,11 +42,22 @@ const EIGENVECTOR_CONDITION_LIMIT: f64 = 1e6;
 const EIGENVALUE_SEPARATION: f64 = 1e-5;
 
 /// Entries of a matrix: real or complex numbers.
-trait Scalar: ComplexField<RealField = f64> + Copy {}
+trait Scalar: ComplexField<RealField = f64> + Copy {
+    /// Magnitude, without the care for the ends of the range of numbers that makes `modulus` slow.
+    fn size(self) -> f64;
+}
 
-impl Scalar for f64 {}
+impl Scalar for f64 {
+    fn size(self) -> f64 {
+        self.abs()
+    }
+}
 
-impl Scalar for Complex {}
+impl Scalar for Complex {
+    fn size(self) -> f64 {
+        self.norm_sqr().sqrt()
+    }
+}
 
 /// Order of the expansion around a wave vector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,6 +82,66 @@ pub(super) struct Turned<const D: usize> {
     pub(super) condition: f64,
     /// First derivatives with respect to each component of the wave vector, then second derivatives with respect to `a` and `b <= a`.
     pub(super) parts: Vec<DMatrix<Complex>>,
+}
+
+impl<const D: usize> Turned<D> {
+    /// Taylor expansion of a branch, by second-order perturbation theory as in [`MatrixExpansion::branch`].
+    fn branch(&self, own: usize) -> Taylor<Complex, D> {
+        let second = |a: usize, b: usize| {
+            let (a, b) = (a.max(b), a.min(b));
+            &self.parts[D + a * (a + 1) / 2 + b]
+        };
+        let curvature = |a: usize, b: usize| {
+            let (first, other) = (&self.parts[a], &self.parts[b]);
+            let both =
+                |m: usize| first[(own, m)] * other[(m, own)] + other[(own, m)] * first[(m, own)];
+            let others = (0..self.values.len()).filter(|m| *m != own);
+            let others = others.map(|m| both(m) / (self.values[own] - self.values[m]));
+            second(a, b)[(own, own)] + others.sum::<Complex>()
+        };
+        Taylor {
+            value: self.values[own],
+            gradient: array_of(|a| self.parts[a][(own, own)]),
+            hessian: array_of(|a| array_of(|b| curvature(a, b))),
+        }
+    }
+}
+
+impl<const D: usize> Around<D> {
+    /// Taylor expansions of the branches with the given numbers in the order of a value of `omega^2`; `None` if there are fewer branches, or if the
+    /// eigenvectors cannot be computed.
+    pub(super) fn branches(
+        self,
+        order: &dyn Fn(Complex) -> f64,
+        numbers: &[usize],
+    ) -> Option<Vec<Taylor<Complex, D>>> {
+        let expansion = match self {
+            Self::Turned(turned) => {
+                return of_numbered(&turned.values, order, numbers, |own| turned.branch(own));
+            }
+            Self::Complex(expansion) => expansion,
+            Self::Real(expansion) => expansion.into(),
+        };
+        let all = Decomposition::new(expansion.value.clone())?;
+        of_numbered(&all.values, order, numbers, |own| {
+            expansion.branch(&all, own)
+        })
+    }
+}
+
+/// Results for the eigenvalues with the given numbers in increasing order; `None` if there are fewer eigenvalues.
+pub(super) fn of_numbered<T>(
+    values: &[Complex],
+    order: &dyn Fn(Complex) -> f64,
+    numbers: &[usize],
+    result: impl Fn(usize) -> T,
+) -> Option<Vec<T>> {
+    let mut sorted: Vec<usize> = (0..values.len()).collect();
+    sort_by_value(&mut sorted, |n| order(values[*n]));
+    let chosen = numbers.iter();
+    chosen
+        .map(|n| sorted.get(*n).map(|own| result(*own)))
+        .collect()
 }
 
 /// Wave vector in a predicted pocket.
@@ -284,10 +358,14 @@ impl<S: Scalar, const D: usize> Crossing<S, D> {
     }
 }
 
+/// Function that expands `D(k)` up to an order at several wave vectors.
+type Expansions<'a, const D: usize> =
+    &'a (dyn Fn(&[SVector<f64, D>], Order) -> Vec<Option<Around<D>>> + Sync);
+
 /// A search for pockets.
 pub(super) struct Pockets<'a, const D: usize> {
-    /// Expansion of `D(k)` up to an order; `None` if the wave vector is not searched.
-    pub(super) around: &'a (dyn Fn(&SVector<f64, D>, Order) -> Option<Around<D>> + Sync),
+    /// Expansions of `D(k)` up to an order at several wave vectors; `None` for those that are not searched.
+    pub(super) around: Expansions<'a, D>,
     /// True if the matrix is so large that each wave vector occupies one core.
     pub(super) is_large: bool,
     /// Grid steps, as columns.
@@ -316,12 +394,11 @@ impl<const D: usize> Pockets<'_, D> {
         for _ in 0..REFINEMENTS {
             self.leave_fastest(&mut all, most);
             most /= 2;
-            let again = |own: Candidate<D>| {
-                self.outlook(&own.wave_vector, REFINEMENT_RATIO * own.share, Order::First)?
-                    .foreseen
-            };
-            let foreseen = of_each_long(self.is_large, all, again);
-            all = foreseen.into_iter().flatten().collect();
+            let places = all.iter();
+            let places = places.map(|own| (own.wave_vector, REFINEMENT_RATIO * own.share));
+            let outlooks = self.outlooks(&places.collect::<Vec<_>>(), Order::First);
+            let foreseen = outlooks.into_iter().flatten().map(|own| own.foreseen);
+            all = foreseen.flatten().collect();
         }
         self.leave_fastest(&mut all, most / 2);
         all.into_iter().map(|own| own.wave_vector).collect()
@@ -339,9 +416,10 @@ impl<const D: usize> Pockets<'_, D> {
         between.truncate(1 << (D - 1));
         for _ in 0..=STEP_HALVINGS {
             let mut unresolved = Vec::new();
-            let outlook = |k| Some((self.outlook(&k, share, Order::Second)?, k));
-            let outlooks = of_each_long(self.is_large, points, outlook);
-            for (outlook, k) in outlooks.into_iter().flatten() {
+            let places: Vec<_> = points.iter().map(|k| (*k, share)).collect();
+            let outlooks = self.outlooks(&places, Order::Second);
+            for (outlook, k) in outlooks.into_iter().zip(points) {
+                let Some(outlook) = outlook else { continue };
                 all.extend(outlook.foreseen);
                 if outlook.unresolved > 0.0 {
                     unresolved.push((outlook.unresolved, k));
@@ -367,15 +445,36 @@ impl<const D: usize> Pockets<'_, D> {
         (0..1 << D).map(at).collect()
     }
 
-    /// Prediction for the neighborhood of a wave vector; `None` if it is not searched, or if its eigenvectors are nearly dependent.
-    fn outlook(&self, k: &SVector<f64, D>, share: f64, order: Order) -> Option<Outlook<D>> {
+    /// Predictions for the neighborhoods of wave vectors with the given shares of the steps; `None` if a wave vector is not searched, or if its eigenvectors
+    /// are nearly dependent.
+    fn outlooks(&self, places: &[(SVector<f64, D>, f64)], order: Order) -> Vec<Option<Outlook<D>>> {
+        let together = if self.is_large { 1 } else { EXPANDED_TOGETHER };
+        let several = |places: &[(SVector<f64, D>, f64)]| -> Vec<Option<Outlook<D>>> {
+            let wave_vectors: Vec<_> = places.iter().map(|(k, _)| *k).collect();
+            let around = (self.around)(&wave_vectors, order).into_iter();
+            let both = around.zip(places);
+            both.map(|(around, (k, share))| self.outlook(around?, k, *share, order))
+                .collect()
+        };
+        let parts = places.chunks(together).collect();
+        let outlooks = of_each_long(self.is_large, parts, several);
+        outlooks.into_iter().flatten().collect()
+    }
+
+    fn outlook(
+        &self,
+        around: Around<D>,
+        k: &SVector<f64, D>,
+        share: f64,
+        order: Order,
+    ) -> Option<Outlook<D>> {
         let steps = self.steps * share;
         let any = |expansion: &MatrixExpansion<D>| {
             Some(
                 Neighborhood::of_any(expansion, &steps, order)?.outlook(self.threshold, self.rival),
             )
         };
-        let mut outlook = match (self.around)(k, order)? {
+        let mut outlook = match around {
             Around::Complex(expansion) => any(&expansion)?,
             Around::Turned(turned) => {
                 Neighborhood::of_turned(turned, &steps, order)?.outlook(self.threshold, self.rival)
@@ -457,11 +556,10 @@ impl<const D: usize> Neighborhood<Vec<Complex>, DMatrix<Complex>, D> {
         order: Order,
     ) -> Option<Self> {
         let all = Decomposition::new(expansion.value.clone())?;
-        let [right, left] = all.vectors();
-        if left.norm() * right.norm() > EIGENVECTOR_CONDITION_LIMIT {
+        if all.condition() > EIGENVECTOR_CONDITION_LIMIT {
             return None;
         }
-        let [right, left] = [right, left].map(Parts::of);
+        let [right, left] = [all.right, all.left].map(Parts::of);
         let turned = |matrix: DMatrix<Complex>| {
             let turned = left.times(&Parts::of(matrix)).times(&right);
             turned.joined()
@@ -595,14 +693,14 @@ where
             let second = second.map(|m| 0.5 * MODEL_RANGE_STEPS * MODEL_RANGE_STEPS * of(m));
             first.sum::<f64>() + second.sum::<f64>()
         };
-        let coupling = within(&|m| m[(i, j)].modulus()) * within(&|m| m[(j, i)].modulus());
+        let coupling = within(&|m| m[(i, j)].size()) * within(&|m| m[(j, i)].size());
         let own = [i, j]
             .iter()
             .all(|n| values[*n].imaginary() == 0.0 && is_real(*n, *n));
         if own {
             // Mean of a complex pair, and the square of its imaginary part.
             let mean = 0.5 * (values[i] + values[j]).real();
-            let change = 0.5 * within(&|m| (m[(i, i)] + m[(j, j)]).modulus());
+            let change = 0.5 * within(&|m| (m[(i, i)] + m[(j, j)]).size());
             return can_beat(rival, mean - 2.0 * change, 4.0 * coupling);
         }
         // From `(z - a)(z - d) = b c`, one factor is at most the square root of the product.
@@ -630,8 +728,8 @@ where
     /// The ratio is zero if the branches cannot meet, or if it is small.
     fn unresolved(&self, second: &[M; D], (i, j): (usize, usize), others: f64) -> f64 {
         let change = |matrix: &M| {
-            let coupling = (matrix[(i, j)] * matrix[(j, i)]).modulus().sqrt();
-            (matrix[(i, i)] - matrix[(j, j)]).modulus() + 2.0 * coupling
+            let coupling = (matrix[(i, j)] * matrix[(j, i)]).size().sqrt();
+            (matrix[(i, i)] - matrix[(j, j)]).size() + 2.0 * coupling
         };
         let first: f64 = self
             .first
@@ -644,7 +742,7 @@ where
             .sum();
         let second = bent + others.max(0.0);
         let values = self.values.as_ref();
-        let may_meet = (values[i] - values[j]).modulus() <= first + second;
+        let may_meet = (values[i] - values[j]).size() <= first + second;
         match may_meet && second > RESOLVED_CURVATURE_RATIO * first {
             true => second / first,
             false => 0.0,
@@ -660,12 +758,10 @@ where
     /// Shift of a branch by one other branch; at most their coupling.
     fn push(&self, own: usize, other: usize) -> f64 {
         let values = self.values.as_ref();
-        let apart = (values[own] - values[other]).modulus();
+        let apart = (values[own] - values[other]).size();
         let coupling = |matrix: &M| {
-            let coupling = MODEL_RANGE_STEPS
-                * (matrix[(own, other)] * matrix[(other, own)])
-                    .modulus()
-                    .sqrt();
+            let coupling =
+                MODEL_RANGE_STEPS * (matrix[(own, other)] * matrix[(other, own)]).size().sqrt();
             coupling * (coupling / apart).min(1.0)
         };
         self.first.iter().map(coupling).sum()

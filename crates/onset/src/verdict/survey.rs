@@ -30,6 +30,8 @@ const ZERO_ENERGY_TEST_LIMIT: f64 = 0.05;
 
 /// Squared frequencies below this fraction of the largest squared frequency are zero to rounding.
 const ZERO_FREQUENCY_FRACTION: f64 = 1e-13;
+/// Difference of the components of two wave vectors, relative to the larger component, that is rounding of a search.
+const SAME_WAVE_TOLERANCE: f64 = 1e-9;
 
 /// Verdict on a state with the measures that are drawn in maps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,12 +126,28 @@ struct Strains<const D: usize> {
     rows: StrainRows<D>,
     /// Wave vectors of strain-free modes in which neighbors alternate, within a cell or between cells.
     alternating: Vec<SVector<f64, D>>,
+    /// Shortest waves without strain that are connected with these.
+    shortest: OnceLock<Vec<SVector<f64, D>>>,
 }
 
 impl<const D: usize> Strains<D> {
     /// Returns true if a strain-free mode exists at or near the wave vector of this mode.
     fn misses(&self, mode: &Mode<D>) -> bool {
         !mode.is_long_wave && self.rows.zero_mode_near(&mode.wave_vector).is_some()
+    }
+
+    /// Shortest wave without strain that is connected with a wave; the wave itself if it has a strain.
+    ///
+    /// No state changes the result. The waves of most states alternate between neighbors, and for these it is computed once.
+    fn shortest(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
+        let mut known = self.alternating.iter();
+        match known.position(|own| (own - k).amax() <= SAME_WAVE_TOLERANCE * own.amax()) {
+            Some(number) => self.shortest.get_or_init(|| {
+                let known = self.alternating.iter();
+                known.map(|k| self.rows.shortest_zero_mode(k)).collect()
+            })[number],
+            None => self.rows.shortest_zero_mode(k),
+        }
     }
 }
 
@@ -447,7 +465,7 @@ impl<'a, const D: usize> Survey<'a, D> {
         f: &DeformationGradient,
     ) -> SpectrumSummary<D> {
         let shortest = |k: &SVector<f64, D>| match (waves, self.strains()) {
-            (StateWaves::System(_), Ok(strains)) => strains.rows.shortest_zero_mode(k),
+            (StateWaves::System(_), Ok(strains)) => strains.shortest(k),
             _ => *k,
         };
         waves.represented(found, self.to_spatial(f), &shortest)
@@ -795,6 +813,7 @@ impl<'a, const D: usize> Survey<'a, D> {
             let alternating = self.alternating().filter(|k| rows.has_zero_mode_at(k));
             Ok(Strains {
                 alternating: alternating.collect(),
+                shortest: OnceLock::new(),
                 rows,
             })
         };

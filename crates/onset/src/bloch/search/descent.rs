@@ -277,44 +277,38 @@ impl<const D: usize> ZoneSearch<D> {
         start: Candidate<D>,
         floor: f64,
     ) -> (Candidate<D>, bool) {
+        let mut descent = Descent::new(start, floor, self.longest());
+        while descent.is_settled.is_none() {
+            descent.take(expansion(&descent.trial));
+        }
+        (descent.place, descent.is_settled == Some(true))
+    }
+
+    /// Like `newton`, for several functions, which are evaluated together; returns the ends.
+    pub(in crate::bloch) fn newton_together<N: Copy>(
+        &self,
+        expansions: &impl Fn(&[(N, SVector<f64, D>)]) -> Vec<Option<Taylor<f64, D>>>,
+        starts: &[(N, Candidate<D>)],
+        floor: f64,
+    ) -> Vec<Candidate<D>> {
         let longest = self.longest();
-        let (mut value, mut k) = start;
-        let Some(mut local) = expansion(&k) else {
-            return (start, false);
-        };
-        for _ in 0..NEWTON_STEPS {
-            let (slope, curvature) = (local.slope(), local.curvature());
-            let smooth = slope.iter().chain(curvature.iter()).all(|x| x.is_finite());
-            if !smooth {
-                return ((value, k), false);
+        let begin = |(own, start): &(N, Candidate<D>)| (*own, Descent::new(*start, floor, longest));
+        let mut all: Vec<(N, Descent<D>)> = starts.iter().map(begin).collect();
+        loop {
+            let mut active: Vec<&mut (N, Descent<D>)> = all
+                .iter_mut()
+                .filter(|(_, descent)| descent.is_settled.is_none())
+                .collect();
+            if active.is_empty() {
+                break;
             }
-            let (step, is_convex) = newton_step(&slope, &curvature, longest);
-            let decrease = -slope.dot(&step);
-            // Quadratic convergence: the next step gains less than rounding.
-            if is_convex
-                && (step.norm() < STEP_TOLERANCE * longest || decrease <= 1e-13 * value.abs())
-            {
-                return ((value, k), true);
-            }
-            // A quadratic well falls by half of the linear decrease; eight times this amount is a safe limit.
-            if is_convex && value - 4.0 * decrease > floor {
-                return ((value, k), true);
-            }
-            let mut length = 1.0;
-            loop {
-                let trial = k + step * length;
-                if let Some(there) = expansion(&trial).filter(|there| there.value < value) {
-                    (value, k, local) = (there.value, trial, there);
-                    break;
-                }
-                length *= 0.25;
-                if length < 1e-4 {
-                    // The remaining decrease may be below rounding.
-                    return ((value, k), is_convex && decrease <= 1e-12 * value.abs());
-                }
+            let trials = active.iter().map(|(own, descent)| (*own, descent.trial));
+            let there = expansions(&trials.collect::<Vec<_>>());
+            for (own, there) in active.iter_mut().zip(there) {
+                own.1.take(there);
             }
         }
-        ((value, k), false)
+        all.into_iter().map(|(_, descent)| descent.place).collect()
     }
 
     /// Objective with its derivatives.
@@ -410,6 +404,89 @@ impl<const D: usize> ZoneSearch<D> {
             Objective::Scaled => self.scaled(&branch, k),
             _ => branch,
         }
+    }
+}
+
+/// A descent by Newton's method.
+struct Descent<const D: usize> {
+    /// Lowest value so far, with its wave vector.
+    place: Candidate<D>,
+    /// Wave vector at which the function is needed next.
+    trial: SVector<f64, D>,
+    /// Step from the lowest place, the fraction of it that is tried, and the linear decrease along it; `None` before the function is known at the start.
+    step: Option<(SVector<f64, D>, f64, f64)>,
+    is_convex: bool,
+    steps: usize,
+    /// Set at the end: true in a smooth minimum, or on the way to a minimum above `floor`.
+    is_settled: Option<bool>,
+    floor: f64,
+    /// Length of the longest reciprocal vector.
+    longest: f64,
+}
+
+impl<const D: usize> Descent<D> {
+    fn new(start: Candidate<D>, floor: f64, longest: f64) -> Self {
+        Self {
+            place: start,
+            trial: start.1,
+            step: None,
+            is_convex: false,
+            steps: 0,
+            is_settled: None,
+            floor,
+            longest,
+        }
+    }
+
+    /// Takes the function at the trial, and plans the next one.
+    #[inline]
+    fn take(&mut self, there: Option<Taylor<f64, D>>) {
+        let Some((step, length, decrease)) = self.step else {
+            match there {
+                Some(local) => self.plan(&local),
+                None => self.is_settled = Some(false),
+            }
+            return;
+        };
+        if let Some(local) = there.filter(|there| there.value < self.place.0) {
+            self.place = (local.value, self.trial);
+            self.plan(&local);
+            return;
+        }
+        let length = 0.25 * length;
+        if length < 1e-4 {
+            // The remaining decrease may be below rounding.
+            self.is_settled = Some(self.is_convex && decrease <= 1e-12 * self.place.0.abs());
+        } else {
+            self.step = Some((step, length, decrease));
+            self.trial = self.place.1 + step * length;
+        }
+    }
+
+    /// Plans a step from the lowest place, where the function is `local`.
+    #[inline]
+    fn plan(&mut self, local: &Taylor<f64, D>) {
+        let (slope, curvature) = (local.slope(), local.curvature());
+        let is_smooth = slope.iter().chain(curvature.iter()).all(|x| x.is_finite());
+        if !is_smooth || self.steps == NEWTON_STEPS {
+            self.is_settled = Some(false);
+            return;
+        }
+        self.steps += 1;
+        let (step, is_convex) = newton_step(&slope, &curvature, self.longest);
+        let decrease = -slope.dot(&step);
+        let value = self.place.0;
+        // Quadratic convergence: the next step gains less than rounding.
+        let gains_nothing =
+            step.norm() < STEP_TOLERANCE * self.longest || decrease <= 1e-13 * value.abs();
+        // A quadratic well falls by half of the linear decrease; eight times this amount is a safe limit.
+        if is_convex && (gains_nothing || value - 4.0 * decrease > self.floor) {
+            self.is_settled = Some(true);
+            return;
+        }
+        self.is_convex = is_convex;
+        self.step = Some((step, 1.0, decrease));
+        self.trial = self.place.1 + step;
     }
 }
 

@@ -893,16 +893,19 @@ impl<const D: usize> ZoneSearch<D> {
             false => 0.0,
         };
         let pockets = Pockets {
-            around: &|k, order| {
-                let is_sought = self.is_sought(Objective::Scaled, k);
-                let real = || match order {
-                    Order::First => matrix.real_expansion_at::<1>(k),
-                    Order::Second => matrix.real_expansion_at::<2>(k),
+            around: &|wave_vectors, order| {
+                let around = |k: &SVector<f64, D>| {
+                    let is_sought = self.is_sought(Objective::Scaled, k);
+                    let real = || match order {
+                        Order::First => matrix.real_expansion_at::<1>(k),
+                        Order::Second => matrix.real_expansion_at::<2>(k),
+                    };
+                    is_sought.then(|| match real() {
+                        Some(expansion) => Around::Real(expansion),
+                        None => Around::Complex(matrix.expansion_at(k).into()),
+                    })
                 };
-                is_sought.then(|| match real() {
-                    Some(expansion) => Around::Real(expansion),
-                    None => Around::Complex(matrix.expansion_at(k).into()),
-                })
+                wave_vectors.iter().map(around).collect()
             },
             is_large: false,
             steps: self.reference().reciprocal() * (stride as f64 / grid.waves.resolution() as f64),

@@ -150,13 +150,13 @@ impl<const D: usize> MatrixExpansion<D> {
     /// `lambda_,a = w D_,a v`, `lambda_,ab = w D_,ab v + sum_m (w D_,a v_m w_m D_,b v + w D_,b v_m w_m D_,a v) / (lambda - lambda_m)`.
     ///
     /// Not finite, or very large, where branches meet.
-    pub(super) fn branch(&self, of: &Decomposition, number: usize) -> Taylor<Complex, D> {
+    pub(in crate::bloch) fn branch(&self, of: &Decomposition, number: usize) -> Taylor<Complex, D> {
         let value = of.values[number];
-        let (row, column) = (of.left(number), of.right(number));
-        let to: [_; D] = std::array::from_fn(|a| of.onto_right(&(&row * &self.gradient[a])));
-        let from: [_; D] = std::array::from_fn(|a| of.onto_left(&(&self.gradient[a] * &column)));
+        let (row, column) = (of.left.row(number), of.right.column(number));
+        let to: [_; D] = std::array::from_fn(|a| row * &self.gradient[a] * &of.right);
+        let from: [_; D] = std::array::from_fn(|a| &of.left * (&self.gradient[a] * column));
         let curvature = |a: usize, b: usize| {
-            let own = (&row * (&self.hessian[a][b] * &column))[(0, 0)];
+            let own = (row * (&self.hessian[a][b] * column))[(0, 0)];
             let others = (0..of.values.len())
                 .filter(|m| *m != number)
                 .map(|m| (to[a][m] * from[b][m] + to[b][m] * from[a][m]) / (value - of.values[m]));

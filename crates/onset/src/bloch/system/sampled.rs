@@ -5,14 +5,12 @@
 //! them. All other systems implement the interface themselves.
 
 use super::expansion::MatrixExpansion;
-use super::spectrum::general_eigenvalues;
 use super::{BlochSum, Mass, WaveSystem};
 use crate::algebra::{
-    Complex, Decomposition, Pair, ROTATED_ROWS, array_of, diagonalize, schur, sort_by_value,
-    without_rounding,
+    Complex, Eigenvectors, Pair, ROTATED_ROWS, array_of, diagonalize, triangular, without_rounding,
 };
 use crate::bloch::branches::Taylor;
-use crate::bloch::pocket::{Around, Turned};
+use crate::bloch::pocket::{Around, Turned, of_numbered};
 use crate::cancel::checkpoint;
 use crate::cores::of_each_long;
 use crate::real::{LANES, Lanes, Real, Work};
@@ -30,16 +28,16 @@ pub(super) trait Sampled<const D: usize>: Send + Sync {
     /// All `omega^2` at each wave vector by increasing real part.
     fn spectra(&self, wave_vectors: &[SVector<f64, D>]) -> Spectra;
 
-    /// `D(k)` with its derivatives, for the prediction of pockets; `None` if entries are not finite.
-    fn around(&self, k: &SVector<f64, D>) -> Option<Around<D>>;
+    /// `D(k)` with its derivatives at each wave vector.
+    fn around(&self, wave_vectors: &[SVector<f64, D>]) -> Vec<Around<D>>;
 
-    /// Taylor expansion of the branch with a number in the order of a value of `omega^2`.
-    fn branch(
+    /// Taylor expansions of the branches with the given numbers in the order of a value of `omega^2`.
+    fn branches(
         &self,
         k: &SVector<f64, D>,
         order: &dyn Fn(Complex) -> f64,
-        number: usize,
-    ) -> Option<Taylor<Complex, D>>;
+        numbers: &[usize],
+    ) -> Option<Vec<Taylor<Complex, D>>>;
 }
 
 /// Values of `omega^2` at several wave vectors.
@@ -53,13 +51,6 @@ impl Spectra {
     pub(super) fn iter(&self) -> impl Iterator<Item = &[Complex]> {
         self.values.chunks_exact(self.size)
     }
-}
-
-/// Index of the value with the given number in increasing order.
-fn numbered(count: usize, value: impl Fn(usize) -> f64, number: usize) -> Option<usize> {
-    let mut numbers: Vec<usize> = (0..count).collect();
-    sort_by_value(&mut numbers, |n| value(*n));
-    numbers.get(number).copied()
 }
 
 impl<const D: usize> WaveSystem<D> {
@@ -83,20 +74,22 @@ impl<const D: usize> Sampled<D> for &WaveSystem<D> {
         }
     }
 
-    fn around(&self, k: &SVector<f64, D>) -> Option<Around<D>> {
-        Some(Around::Complex(self.expansion_at(k)))
+    fn around(&self, wave_vectors: &[SVector<f64, D>]) -> Vec<Around<D>> {
+        let around = |k| Around::Complex(self.expansion_at(k));
+        wave_vectors.iter().map(around).collect()
     }
 
-    fn branch(
+    fn branches(
         &self,
         k: &SVector<f64, D>,
         order: &dyn Fn(Complex) -> f64,
-        number: usize,
-    ) -> Option<Taylor<Complex, D>> {
+        numbers: &[usize],
+    ) -> Option<Vec<Taylor<Complex, D>>> {
         let expansion = self.expansion_at(k);
         let all = self.decomposed(&expansion)?;
-        let own = numbered(all.values.len(), |n| order(all.values[n]), number)?;
-        Some(expansion.branch(&all, own))
+        of_numbered(&all.values, order, numbers, |own| {
+            expansion.branch(&all, own)
+        })
     }
 }
 
@@ -241,13 +234,13 @@ impl<'a, const D: usize> FlatSum<'a, D> {
         })
     }
 
-    /// Matrices at up to eight wave vectors, diagonalized if they are Hermitian.
-    fn matrices(&self, wave_vectors: &[SVector<f64, D>]) -> Vec<Pair<Lanes>> {
+    /// Eigenvalues at up to eight wave vectors, and the norms of the matrices; `None` if the iteration does not converge.
+    fn eigenvalues(&self, wave_vectors: &[SVector<f64, D>]) -> Option<(Vec<Pair<Lanes>>, Lanes)> {
         let drift = self
             .drift
             .as_ref()
             .map(|drift| (&**drift, drift.phases(wave_vectors)));
-        Lanes::vectorized(Matrices {
+        Lanes::vectorized(Eigenvalues {
             sum: self,
             phases: &self.phases(wave_vectors),
             drift,
@@ -282,6 +275,27 @@ impl<'a, const D: usize> FlatSum<'a, D> {
             true => Lanes::vectorized(Sums(self, &factors[pack])),
             false => Vec::new(),
         })
+    }
+
+    /// Eigenvectors at up to eight wave vectors, and the derivatives in their basis; `None` if the eigenvalue iteration does not converge.
+    fn turned(&self, wave_vectors: &[SVector<f64, D>]) -> Option<Vec<Turned<D>>> {
+        checkpoint();
+        let phases = self.phases(wave_vectors);
+        let (all, parts) = Lanes::vectorized(TurnedSums(self, &phases))?;
+        let n = self.size;
+        let condition = all.condition();
+        let lanes = 0..wave_vectors.len();
+        let of_lane = |lane: usize| {
+            let at = |z: &Pair<Lanes>| Complex::new(z[0].0[lane], z[1].0[lane]);
+            let matrix =
+                |part: &Vec<Pair<Lanes>>| DMatrix::from_row_iterator(n, n, part.iter().map(at));
+            Turned {
+                values: all.values.iter().map(at).collect(),
+                condition: condition.0[lane],
+                parts: parts.iter().map(matrix).collect(),
+            }
+        };
+        Some(lanes.map(of_lane).collect())
     }
 
     /// One of the matrices that [`Self::derivatives`] returns; the lower triangle of Hermitian ones follows from the upper one.
@@ -377,60 +391,83 @@ impl<const D: usize> Work for Sums<'_, D> {
     }
 }
 
-/// Product of a matrix in lanes with two plain ones; empty if it is.
-struct Turn<'a>(
-    &'a DMatrix<Complex>,
-    &'a [Pair<Lanes>],
-    &'a DMatrix<Complex>,
-);
+/// Eigenvectors of sums in lanes, and the derivatives of the sums in their basis: first derivatives, then second ones by `a` and `b <= a`.
+struct TurnedSums<'a, const D: usize>(&'a FlatSum<'a, D>, &'a [Pair<Lanes>]);
 
-impl Work for Turn<'_> {
-    type Output = Vec<Pair<Lanes>>;
+impl<const D: usize> Work for TurnedSums<'_, D> {
+    type Output = Option<(Eigenvectors<Lanes>, Vec<Vec<Pair<Lanes>>>)>;
 
     #[inline(always)]
-    fn done(self) -> Vec<Pair<Lanes>> {
-        let Self(left, matrix, right) = self;
-        let n = left.nrows();
+    fn done(self) -> Self::Output {
+        let Self(sum, phases) = self;
+        let n = sum.size;
         let zero = [Lanes::constant(0.0); 2];
-        if matrix.is_empty() {
-            return Vec::new();
-        }
-        let times =
-            |x: Pair<Lanes>, z: Complex| [x[0] * z.re - x[1] * z.im, x[0] * z.im + x[1] * z.re];
-        let (mut half, mut whole) = (vec![zero; n * n], vec![zero; n * n]);
-        for i in 0..n {
-            for l in 0..n {
-                for j in 0..n {
-                    let term = times(matrix[l * n + j], left[(i, l)]);
-                    let entry = &mut half[i * n + j];
-                    *entry = [entry[0] + term[0], entry[1] + term[1]];
-                }
+        let mut matrix = vec![zero; n * n];
+        sum.summed(phases, &mut matrix);
+        let all = Eigenvectors::of(n, &matrix)?;
+        let mut half = vec![zero; n * n];
+        let count = D + D * (D + 1) / 2;
+        let mut parts = vec![vec![zero; n * n]; count];
+        let mut weighted = phases.to_vec();
+        for (number, part) in parts.iter_mut().enumerate() {
+            for (place, (_, vector)) in sum.cells.iter().enumerate() {
+                let [re, im] = phases[place];
+                weighted[place] = if number < D {
+                    [im * -vector[number], re * vector[number]]
+                } else {
+                    let (a, b) = pair_of(number - D);
+                    let square = -vector[a] * vector[b];
+                    [re * square, im * square]
+                };
             }
+            sum.summed(&weighted, &mut matrix);
+            multiply(n, &all.left, &matrix, &mut half);
+            multiply(n, &half, &all.right, part);
         }
-        for i in 0..n {
-            for l in 0..n {
-                for j in 0..n {
-                    let term = times(half[i * n + l], right[(l, j)]);
-                    let entry = &mut whole[i * n + j];
-                    *entry = [entry[0] + term[0], entry[1] + term[1]];
-                }
-            }
-        }
-        whole
+        Some((all, parts))
     }
 }
 
-struct Matrices<'a, const D: usize> {
+/// Axes `a` and `b <= a` of the second derivative with a number.
+#[inline(always)]
+fn pair_of(number: usize) -> (usize, usize) {
+    let a = if number == 0 {
+        0
+    } else if number < 3 {
+        1
+    } else {
+        2
+    };
+    (a, number - a * (a + 1) / 2)
+}
+
+/// Product of two matrices by rows.
+#[inline(always)]
+fn multiply(n: usize, left: &[Pair<Lanes>], right: &[Pair<Lanes>], into: &mut [Pair<Lanes>]) {
+    for i in 0..n {
+        for j in 0..n {
+            let mut entry = [Lanes::constant(0.0); 2];
+            for l in 0..n {
+                let term = product(left[i * n + l], right[l * n + j]);
+                entry = [entry[0] + term[0], entry[1] + term[1]];
+            }
+            into[i * n + j] = entry;
+        }
+    }
+}
+
+/// Eigenvalues of matrices in lanes, and the norms of the matrices; `None` if the iteration does not converge.
+struct Eigenvalues<'a, const D: usize> {
     sum: &'a FlatSum<'a, D>,
     phases: &'a [Pair<Lanes>],
     drift: Option<(&'a FlatSum<'a, D>, Vec<Pair<Lanes>>)>,
 }
 
-impl<const D: usize> Work for Matrices<'_, D> {
-    type Output = Vec<Pair<Lanes>>;
+impl<const D: usize> Work for Eigenvalues<'_, D> {
+    type Output = Option<(Vec<Pair<Lanes>>, Lanes)>;
 
     #[inline(always)]
-    fn done(self) -> Vec<Pair<Lanes>> {
+    fn done(self) -> Self::Output {
         let n = self.sum.size;
         let zero = [Lanes::constant(0.0); 2];
         let mut matrix = vec![zero; n * n];
@@ -438,21 +475,21 @@ impl<const D: usize> Work for Matrices<'_, D> {
         if let Some((drift, phases)) = &self.drift {
             let (mut smoothing, stiffness) = (vec![zero; n * n], matrix.clone());
             drift.summed(phases, &mut smoothing);
-            for i in 0..n {
-                for j in 0..n {
-                    let mut entry = zero;
-                    for l in 0..n {
-                        let term = product(stiffness[i * n + l], smoothing[l * n + j]);
-                        entry = [entry[0] + term[0], entry[1] + term[1]];
-                    }
-                    matrix[i * n + j] = entry;
-                }
-            }
+            multiply(n, &stiffness, &smoothing, &mut matrix);
         }
-        if self.sum.is_hermitian {
+        let mut squares = zero[0];
+        for z in &matrix {
+            squares = squares + z[0] * z[0] + z[1] * z[1];
+        }
+        let norm = squares.sqrt();
+        let is_found = if self.sum.is_hermitian {
             diagonalize(n, &mut matrix, &mut []);
-        }
-        matrix
+            true
+        } else {
+            // The rows are taken for columns: the transposed matrix has the same eigenvalues.
+            triangular(n, &mut matrix, &mut [])
+        };
+        is_found.then(|| ((0..n).map(|i| matrix[i * n + i]).collect(), norm))
     }
 }
 
@@ -460,32 +497,23 @@ impl<const D: usize> Sampled<D> for FlatSum<'_, D> {
     fn spectra(&self, wave_vectors: &[SVector<f64, D>]) -> Spectra {
         let n = self.size;
         let mut values = Vec::with_capacity(n * wave_vectors.len());
-        if let ([k], true) = (wave_vectors, n > LONE_ROWS && self.is_hermitian) {
+        if let ([k], true) = (wave_vectors, n > LONE_ROWS) {
             let values = self.system.omega_squared(k);
             return Spectra { size: n, values };
         }
-        let mut own = vec![Complex::default(); n * n];
         for several in wave_vectors.chunks(LANES) {
             checkpoint();
-            let matrices = self.matrices(several);
+            let Some((all, norm)) = self.eigenvalues(several) else {
+                values.extend(several.iter().flat_map(|k| self.system.omega_squared(k)));
+                continue;
+            };
             for lane in 0..several.len() {
-                let entry = |i: usize, j: usize| {
-                    let [re, im] = &matrices[i * n + j];
-                    Complex::new(re.0[lane], im.0[lane])
-                };
                 let start = values.len();
                 if self.is_hermitian {
-                    values.extend((0..n).map(|i| Complex::from(entry(i, i).re)));
+                    values.extend(all.iter().map(|z| Complex::from(z[0].0[lane])));
                 } else {
-                    (0..n * n).for_each(|e| own[e] = entry(e % n, e / n));
-                    let norm = own.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
-                    if norm.is_finite() && schur(n, &mut own, &mut []) {
-                        values.extend((0..n).map(|i| own[i * n + i]));
-                        without_rounding(&mut values[start..], norm, self.noise);
-                    } else {
-                        let matrix = DMatrix::from_fn(n, n, entry);
-                        values.extend(general_eigenvalues(matrix, self.noise));
-                    }
+                    values.extend(all.iter().map(|z| Complex::new(z[0].0[lane], z[1].0[lane])));
+                    without_rounding(&mut values[start..], norm.0[lane], self.noise);
                 }
                 values[start..].sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
             }
@@ -493,38 +521,27 @@ impl<const D: usize> Sampled<D> for FlatSum<'_, D> {
         Spectra { size: n, values }
     }
 
-    fn around(&self, k: &SVector<f64, D>) -> Option<Around<D>> {
-        if self.drift.is_some() {
-            return Some(Around::Complex(self.expansion(k)));
+    fn around(&self, wave_vectors: &[SVector<f64, D>]) -> Vec<Around<D>> {
+        let whole = |k: &SVector<f64, D>| Around::Complex(self.expansion(k));
+        if self.drift.is_some() || self.is_hermitian {
+            return wave_vectors.iter().map(whole).collect();
         }
-        let n = self.size;
-        let packs = self.derivatives(k);
-        let all = Decomposition::new(DMatrix::from_fn(n, n, self.part(&packs, 0)))?;
-        let [right, left] = all.vectors();
-        let condition = left.norm() * right.norm();
-        let turned = packs.map(|pack| Lanes::vectorized(Turn(&left, &pack, &right)));
-        let parts = 1..1 + D + D * (D + 1) / 2;
-        Some(Around::Turned(Turned {
-            values: all.values,
-            condition,
-            parts: parts
-                .map(|part| DMatrix::from_fn(n, n, self.part(&turned, part)))
-                .collect(),
-        }))
+        let of_several = |several: &[SVector<f64, D>]| match self.turned(several) {
+            Some(all) => all.into_iter().map(Around::Turned).collect(),
+            None => several.iter().map(whole).collect::<Vec<_>>(),
+        };
+        wave_vectors.chunks(LANES).flat_map(of_several).collect()
     }
 
-    fn branch(
+    fn branches(
         &self,
         k: &SVector<f64, D>,
         order: &dyn Fn(Complex) -> f64,
-        number: usize,
-    ) -> Option<Taylor<Complex, D>> {
+        numbers: &[usize],
+    ) -> Option<Vec<Taylor<Complex, D>>> {
         let n = self.size;
         if !self.is_hermitian {
-            let expansion = self.expansion(k);
-            let all = Decomposition::new(expansion.value.clone())?;
-            let own = numbered(n, |m| order(all.values[m]), number)?;
-            return Some(expansion.branch(&all, own));
+            return Around::Complex(self.expansion(k)).branches(order, numbers);
         }
         // Second-order perturbation theory, as in `MatrixExpansion::branch`, with left vectors that are the adjoints of the right ones.
         let packs = self.derivatives(k);
@@ -535,45 +552,46 @@ impl<const D: usize> Sampled<D> for FlatSum<'_, D> {
         let mut vectors: Vec<_> = (0..n * n).map(unit).collect();
         diagonalize(n, &mut matrix, &mut vectors);
         let values: Vec<f64> = (0..n).map(|m| matrix[m * n + m][0]).collect();
-        let own = numbered(n, |m| order(Complex::from(values[m])), number)?;
         let vector =
             |i: usize, m: usize| Complex::new(vectors[i * n + m][0], vectors[i * n + m][1]);
-        // A derivative of the matrix, applied to the vector of the branch.
-        let mut applied = vec![Complex::default(); n];
-        let mut onto = vec![[Complex::default(); D]; n];
-        let apply = |part: usize, applied: &mut Vec<Complex>| {
+        // A derivative of the matrix, applied to the vector of a branch.
+        let applied = |part: usize, own: usize| -> Vec<Complex> {
             let entry = self.part(&packs, part);
-            for (i, sum) in applied.iter_mut().enumerate() {
-                *sum = (0..n).map(|j| entry(i, j) * vector(j, own)).sum();
-            }
+            let row = |i: usize| (0..n).map(|j| entry(i, j) * vector(j, own)).sum();
+            (0..n).map(row).collect()
         };
         let along = |m: usize, applied: &[Complex]| -> Complex {
             let parts = applied.iter().enumerate();
             parts.map(|(i, x)| vector(i, m).conj() * x).sum()
         };
-        for a in 0..D {
-            apply(1 + a, &mut applied);
-            for (m, onto) in onto.iter_mut().enumerate() {
-                onto[a] = along(m, &applied);
+        let taylor = |own: usize| {
+            let mut onto = vec![[Complex::default(); D]; n];
+            for a in 0..D {
+                let applied = applied(1 + a, own);
+                for (m, onto) in onto.iter_mut().enumerate() {
+                    onto[a] = along(m, &applied);
+                }
             }
-        }
-        let mut hessian = [[Complex::default(); D]; D];
-        for a in 0..D {
-            for b in 0..=a {
-                apply(1 + D + a * (a + 1) / 2 + b, &mut applied);
-                let others = (0..n)
-                    .filter(|m| *m != own)
-                    .map(|m| 2.0 * (onto[m][a].conj() * onto[m][b]).re / (values[own] - values[m]));
-                let bent = along(own, &applied).re + others.sum::<f64>();
-                hessian[a][b] = Complex::from(bent);
-                hessian[b][a] = hessian[a][b];
+            let mut hessian = [[Complex::default(); D]; D];
+            for a in 0..D {
+                for b in 0..=a {
+                    let applied = applied(1 + D + a * (a + 1) / 2 + b, own);
+                    let others = (0..n).filter(|m| *m != own).map(|m| {
+                        2.0 * (onto[m][a].conj() * onto[m][b]).re / (values[own] - values[m])
+                    });
+                    let bent = along(own, &applied).re + others.sum::<f64>();
+                    hessian[a][b] = Complex::from(bent);
+                    hessian[b][a] = hessian[a][b];
+                }
             }
-        }
-        Some(Taylor {
-            value: Complex::from(values[own]),
-            gradient: array_of(|a| Complex::from(onto[own][a].re)),
-            hessian,
-        })
+            Taylor {
+                value: Complex::from(values[own]),
+                gradient: array_of(|a| Complex::from(onto[own][a].re)),
+                hessian,
+            }
+        };
+        let values: Vec<Complex> = values.iter().map(|value| (*value).into()).collect();
+        of_numbered(&values, order, numbers, taylor)
     }
 }
 
@@ -639,15 +657,16 @@ mod tests {
         for k in &waves[..3] {
             for number in [0, D * sites - 1] {
                 let order = |z: Complex| z.re;
-                let own = sum.branch(k, &order, number).expect("a branch");
-                let known = (&system).branch(k, &order, number).expect("a branch");
+                let own = &sum.branches(k, &order, &[number]).expect("a branch")[0];
+                let known = (&system).branches(k, &order, &[number]);
+                let known = &known.expect("a branch")[0];
                 let parts = |of: &Taylor<Complex, D>| {
                     let gradient = of.gradient.into_iter();
                     let hessian = of.hessian.as_flattened().to_vec();
                     std::iter::once(of.value).chain(gradient).chain(hessian)
                 };
-                let size = parts(&known).fold(scale, |most, z| most.max(z.norm()));
-                for (own, known) in parts(&own).zip(parts(&known)) {
+                let size = parts(known).fold(scale, |most, z| most.max(z.norm()));
+                for (own, known) in parts(own).zip(parts(known)) {
                     assert!(
                         (own - known).norm() < 1e-7 * size,
                         "{D} {seed} {own} {known}"

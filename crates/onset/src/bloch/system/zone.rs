@@ -19,7 +19,7 @@ use super::sampled::{LARGE_CELL_SIZE, Sampled, Spectra};
 use crate::algebra::{Complex, Decomposition, Each, array_of, lowest_between, sort_by_value};
 use crate::bloch::bound::{BUDGET, Covered, GAP, Measure, Question, WIDEST_GAP, cover_system};
 use crate::bloch::branches::Taylor;
-use crate::bloch::pocket::{HALVED_STEP_POINTS, Pockets};
+use crate::bloch::pocket::{Around, HALVED_STEP_POINTS, Pockets};
 use crate::bloch::search::{
     Flutter, LONG_WAVE_FRACTION, RELAXED_RAY_STEPS, is_well, neighbors, settled, settled_along,
 };
@@ -27,6 +27,7 @@ use crate::bloch::short_range::ShortRange;
 use crate::bloch::{Judgment, Mode, SpectrumSummary, Stability, ZoneSearch, growth_rate};
 use crate::continuum::{AcousticMinimum, Stiffness};
 use crate::lattice::{WaveGrid, grid_coordinates};
+use crate::real::LANES;
 use nalgebra::{DVector, SMatrix, SVector};
 use std::convert::Infallible;
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -75,8 +76,8 @@ const DAMPED_GRID_POINTS: usize = 12;
 const DAMPED_WELLS: usize = 4;
 /// Sizes of rings around `k = 0` for the search for crossings of branches, in units of the largest shell of long waves.
 const RING_SIZES: [f64; 8] = [1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 0.06];
-/// Accuracy of the crossing of two branches along a ray, in the same units.
-const CROSSING_TOLERANCE: f64 = 1e-5;
+/// Number of times that eight points along a ray narrow the interval around a crossing of two branches, each time to two ninths.
+const CROSSING_ROUNDS: usize = 6;
 /// Ratios of short to long steps in a narrow valley.
 const VALLEY_WIDTHS: [f64; 3] = [0.1, 1e-2, 1e-3];
 /// Half the side of the cube of points around `k = 0`, in grid steps: the largest shell of long waves.
@@ -748,7 +749,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
         };
         let distance = |n: &usize| (all.values[*n] - mode.omega_squared).norm();
         let nearest = (0..all.values.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let condition = nearest.map_or(1.0, |n| all.left(n).norm() * all.right(n).norm());
+        let condition =
+            nearest.map_or(1.0, |n| all.left.row(n).norm() * all.right.column(n).norm());
         let noise = ROUNDING_FACTOR * self.system.noise() * condition;
         noise / (self.search.speed_squared() * self.search.reference().laplacian(&k))
     }
@@ -756,11 +758,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
     /// Wave vectors in pockets of complex `omega^2` in which waves may grow faster than `rival`.
     fn pockets(&self, rival: f64) -> Vec<SVector<f64, D>> {
         let pockets = Pockets {
-            around: &|k, _| {
-                (!self.is_long(k))
-                    .then(|| self.sampled().around(k))
-                    .flatten()
-            },
+            around: &|wave_vectors, _| self.around(wave_vectors),
             is_large: self.effort.is_large,
             steps: self.search.reference().reciprocal() / self.waves.resolution() as f64,
             threshold: self.search.flutter_threshold(self.system.sites()),
@@ -786,7 +784,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .iter()
             .map(|ring| self.sampled().spectra(ring))
             .collect();
-        let mut starts: Vec<(f64, usize, Candidate<D>)> = Vec::new();
+        let mut starts: Vec<(f64, usize, Candidate<D>, Option<[f64; 2]>)> = Vec::new();
         for upper in 1..self.system.size() {
             let square = |k: &SVector<f64, D>, spectrum: &[Complex]| {
                 let apart = (spectrum[upper] - spectrum[upper - 1]) * 0.5;
@@ -808,7 +806,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 .collect();
             let wells = self.wells(&squares).into_iter();
             starts.extend(wells.map(|(square, relief, index)| {
-                (square / relief, upper, (square, wave_vectors[index]))
+                let start = (square, wave_vectors[index]);
+                (square / relief, upper, start, None)
             }));
             let along: Vec<Vec<f64>> = rings
                 .iter()
@@ -822,11 +821,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 for (place, own) in three[1].iter().enumerate() {
                     let beside = [three[0][place], three[2][place]];
                     if own.is_finite() && beside.iter().all(|other| own <= other) {
-                        // A descent would leave the crossing along the ring, toward another pocket.
-                        let ray = rings[n][place] / RING_SIZES[n];
-                        let around = [2, 1, 0].each(|i| RING_SIZES[n + i]);
-                        let start = self.crossing(upper, &ray, around, *own);
-                        starts.push((own / beside[0], upper, start));
+                        let start = (*own, rings[n + 1][place]);
+                        let ends = [2, 0].each(|i| RING_SIZES[n + i] / RING_SIZES[n + 1]);
+                        starts.push((own / beside[0], upper, start, Some(ends)));
                     }
                 }
             }
@@ -834,32 +831,46 @@ impl<'a, const D: usize> Sweep<'a, D> {
         // Squares that are small relative to their neighbors lie near a crossing.
         sort_by_value(&mut starts, |start| start.0);
         starts.truncate(self.effort.pockets);
-        let met = |(_, upper, start): (f64, usize, Candidate<D>)| {
-            let square = |k: &SVector<f64, D>| self.squared_difference(upper, k);
-            let (end, _) = self.search.newton(&square, start, 0.0);
-            // A start within a pocket counts too: the descent can end in another pocket.
-            let both = [start, end].into_iter();
-            both.filter(|(square, _)| *square < 0.0).map(|(_, k)| k)
-        };
-        starts.into_iter().flat_map(met).collect()
+        let starts: Vec<(usize, Candidate<D>)> = starts
+            .into_iter()
+            .map(|(_, upper, start, ends)| {
+                // A descent would leave a crossing along its ring, toward another pocket.
+                let crossing = ends.map(|ends| self.crossing(upper, start, ends));
+                (upper, crossing.unwrap_or(start))
+            })
+            .collect();
+        let squares = |places: &[(usize, SVector<f64, D>)]| self.squared_differences(places);
+        let ends = self.search.newton_together(&squares, &starts, 0.0);
+        // A start within a pocket counts too: the descent can end in another pocket.
+        let both = starts.into_iter().zip(ends);
+        both.flat_map(|((_, start), end)| [start, end])
+            .filter(|(square, _)| *square < 0.0)
+            .map(|(_, k)| k)
+            .collect()
     }
 
-    /// Smallest squared half difference of two neighboring branches on a ray, given three sizes around it and the value at the middle one.
+    /// Smallest squared half difference of two neighboring branches on the ray through a wave vector, between two multiples of it.
     fn crossing(
         &self,
         upper: usize,
-        ray: &SVector<f64, D>,
-        around: [f64; 3],
-        value: f64,
+        start: Candidate<D>,
+        [mut low, mut high]: [f64; 2],
     ) -> Candidate<D> {
-        let square = |size: f64| {
-            let spectra = self.sampled().spectra(&[ray * size]);
-            let own = spectra.iter().next();
-            let apart = own.map(|own| (own[upper] - own[upper - 1]) * 0.5);
-            Ok::<f64, Infallible>(apart.map_or(f64::INFINITY, |apart| (apart * apart).re))
-        };
-        let Ok((size, value)) = lowest_between(square, around, value, CROSSING_TOLERANCE);
-        (value, ray * size)
+        let mut best = (start.0, 1.0);
+        for _ in 0..CROSSING_ROUNDS {
+            let step = (high - low) / (LANES + 1) as f64;
+            let sizes: [f64; LANES] = array_of(|n| low + step * (n + 1) as f64);
+            let spectra = self.sampled().spectra(&sizes.each(|size| start.1 * size));
+            for (own, size) in spectra.iter().zip(sizes) {
+                let apart = (own[upper] - own[upper - 1]) * 0.5;
+                let square = (apart * apart).re;
+                if square < best.0 {
+                    best = (square, size);
+                }
+            }
+            (low, high) = (low.max(best.1 - step), high.min(best.1 + step));
+        }
+        (best.0, start.1 * best.1)
     }
 
     /// Wave vectors on cubes around `k = 0`, largest first, with the same directions on each. Acoustic and soft optical branches of a cell cross on rings
@@ -870,13 +881,29 @@ impl<'a, const D: usize> Sweep<'a, D> {
         RING_SIZES.map(ring).to_vec()
     }
 
-    /// Squared half difference of a branch and the one below, by increasing real part, with its derivatives; `None` for long waves.
-    fn squared_difference(&self, upper: usize, k: &SVector<f64, D>) -> Option<Taylor<f64, D>> {
-        if self.is_long(k) {
-            return None;
-        }
-        let branch = |number| self.sampled().branch(k, &|value| value.re, number);
-        Some(branch(upper)?.squared_half_difference(&branch(upper - 1)?))
+    /// Squared half differences of branches and those below, numbered by increasing real part, with their derivatives; `None` for long waves.
+    fn squared_differences(
+        &self,
+        places: &[(usize, SVector<f64, D>)],
+    ) -> Vec<Option<Taylor<f64, D>>> {
+        let wave_vectors: Vec<_> = places.iter().map(|(_, k)| *k).collect();
+        let around = self.around(&wave_vectors).into_iter().zip(places);
+        let square = |(around, (upper, _)): (Option<Around<D>>, &(usize, _))| {
+            let branches = around?.branches(&|value| value.re, &[*upper, upper - 1])?;
+            Some(branches[0].squared_half_difference(&branches[1]))
+        };
+        around.map(square).collect()
+    }
+
+    /// `D(k)` with its derivatives; `None` for long waves.
+    fn around(&self, wave_vectors: &[SVector<f64, D>]) -> Vec<Option<Around<D>>> {
+        let short = wave_vectors.iter().filter(|k| !self.is_long(k));
+        let mut around = self
+            .sampled()
+            .around(&short.copied().collect::<Vec<_>>())
+            .into_iter();
+        let own = |k| if self.is_long(k) { None } else { around.next() };
+        wave_vectors.iter().map(own).collect()
     }
 
     fn sampled(&self) -> &dyn Sampled<D> {
@@ -1493,7 +1520,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             Objective::Growth => -growth_rate(omega_squared),
             _ => omega_squared.re,
         };
-        let value = self.sampled().branch(k, &order, branch)?;
+        let value = self.sampled().branches(k, &order, &[branch])?.pop()?;
         Some(match objective {
             Objective::Scaled => self.search.scaled(&value.map(|z| z.re), k),
             Objective::Highest => value.map(|z| -z.re),
