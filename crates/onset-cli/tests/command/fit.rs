@@ -847,7 +847,7 @@ fn tests_listed_in_toml_give_the_constants_of_their_tables() {
         ),
         (
             "[[tests]]\nmode = \"planar\"\nstress = [0.1, 0.2, 0.3]\nstrain = [10, 20, 30]",
-            ["test 1, point 2", "strain [%]"],
+            ["test 1, point 1", "strain [%]"],
         ),
         (
             "[[tests]]\nmode = \"planar\"\nweight = [1]",

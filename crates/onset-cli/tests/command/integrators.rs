@@ -21,7 +21,7 @@ fn a_state_has_the_step_of_the_chosen_integrator() {
     assert_eq!(plain["discretization"]["integrator"], "kick-drift-kick");
     let text = onset_line(&format!("state --stretch 1.05,0.98 {SPH}")).stdout;
     assert!(
-        text.contains("(kick-drift-kick, infinite lattice)"),
+        text.contains("kick-drift-kick needs a time step below"),
         "{text}"
     );
     // Limits of omega dt relative to central differences.
