@@ -70,7 +70,7 @@ fn a_rotation_of_the_state_does_not_change_the_step_of_finite_bodies() {
 
 #[test]
 fn a_body_has_no_step_of_an_integrator_that_is_unstable_without_damping() {
-    let file = Written::new("small.toml", &BLOCK.replace("[20, 20]", "[6, 6]"));
+    let file = Written::new("small.toml", BLOCK.replace("[20, 20]", "[6, 6]"));
     let line = format!("state {} --stretch 1,1 --set time.integrator=heun", &*file);
     assert_eq!(document(&line)["discretization"]["body"]["time_step"], 0.0);
     let short = onset(&line.split_whitespace().collect::<Vec<_>>()).stdout;
