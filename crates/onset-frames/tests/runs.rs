@@ -270,7 +270,7 @@ fn rows_of_a_table_are_sorted_into_frames() {
 fn a_table_whose_times_begin_again_is_refused_with_the_line() {
     let folder = tempfile::tempdir().expect("a folder");
     let rows = "0,1,0,0\n0,2,1,0\n1,1,0,0\n1,2,1,0\n";
-    let path = written(&folder, "a.csv", &format!("time,id,x,y\n{rows}{rows}"));
+    let path = written(&folder, "a.csv", format!("time,id,x,y\n{rows}{rows}"));
     let mut series = Series::open(&[path], &Reading::default()).expect("a series");
     let error = series.frame(0).expect_err("two rows of a particle");
     let error = error.to_string();
