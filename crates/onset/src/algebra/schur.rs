@@ -53,7 +53,7 @@ pub(crate) fn triangular<R: Selected>(n: usize, a: &mut [Pair<R>], q: &mut [Pair
 /// Eigenvalues with right eigenvectors, the columns of a matrix `V`, and left ones, the rows of its inverse; one matrix or one in each lane.
 pub(crate) struct Eigenvectors<R> {
     pub(crate) values: Vec<Pair<R>>,
-    /// Matrices by rows.
+    /// Matrix `V`, stored by rows like its inverse `left`.
     pub(crate) right: Vec<Pair<R>>,
     pub(crate) left: Vec<Pair<R>>,
 }
@@ -470,7 +470,7 @@ mod tests {
         }
     }
 
-    /// In each lane the eigenvalues and vectors are those of its matrix, whatever the other lanes contain.
+    /// Each lane has the eigenvalues and eigenvectors of its own matrix, independent of the matrices in the other lanes.
     fn assert_lanes_are_alike(matrices: &[DMatrix<Complex>]) {
         let n = matrices[0].nrows();
         let of_lane = |lane: usize| &matrices[lane % matrices.len()];

@@ -364,7 +364,7 @@ type Expansions<'a, const D: usize> =
 
 /// A search for pockets.
 pub(super) struct Pockets<'a, const D: usize> {
-    /// Expansions of `D(k)` up to an order at several wave vectors; `None` for those that are not searched.
+    /// Expansions of `D(k)` up to an order at several wave vectors; `None` at long waves, which are not searched.
     pub(super) around: Expansions<'a, D>,
     /// True if the matrix is so large that each wave vector occupies one core.
     pub(super) is_large: bool,

@@ -31,7 +31,7 @@ const ZERO_ENERGY_TEST_LIMIT: f64 = 0.05;
 /// Squared frequencies below this fraction of the largest squared frequency are zero to rounding.
 const ZERO_FREQUENCY_FRACTION: f64 = 1e-13;
 /// Difference of the components of two wave vectors, relative to the larger component, that is rounding of a search.
-const SAME_WAVE_TOLERANCE: f64 = 1e-9;
+const WAVE_VECTOR_TOLERANCE: f64 = 1e-9;
 
 /// Verdict on a state with the measures that are drawn in maps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -141,7 +141,7 @@ impl<const D: usize> Strains<D> {
     /// No state changes the result. The waves of most states alternate between neighbors, and for these it is computed once.
     fn shortest(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
         let mut known = self.alternating.iter();
-        match known.position(|own| (own - k).amax() <= SAME_WAVE_TOLERANCE * own.amax()) {
+        match known.position(|own| (own - k).amax() <= WAVE_VECTOR_TOLERANCE * own.amax()) {
             Some(number) => self.shortest.get_or_init(|| {
                 let known = self.alternating.iter();
                 known.map(|k| self.rows.shortest_zero_mode(k)).collect()

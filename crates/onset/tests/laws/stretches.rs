@@ -454,3 +454,32 @@ fn library_law(name: &str, given: &[(&str, f64)]) -> Box<dyn Hyperelastic> {
         .build(given)
         .expect("admissible")
 }
+
+/// A bulk modulus multiplies the error of the change of volume. The sum of the logarithms of stretches from `F^T F` has 90 times the error of the
+/// determinant here.
+#[test]
+fn changes_of_volume_are_accurate_although_stretches_differ_by_a_factor_of_ninety() {
+    let mut random = Random::new(3);
+    let stretches = [9.0, 0.5, 0.1];
+    let exact = stretches.iter().map(|x: &f64| x.ln()).sum::<f64>();
+    for (name, bulk_energy) in [
+        ("hencky", 0.5 * exact * exact),
+        (
+            "exponentiated-hencky",
+            ((0.125 * exact * exact).exp() - 1.0) / 0.25,
+        ),
+        ("ogden", 0.5 * (exact.exp() - 1.0).powi(2)),
+    ] {
+        let [stiff, soft] = [1e12, 1.0].map(|kappa| library_law(name, &[("kappa", kappa)]));
+        for _ in 0..50 {
+            let diagonal = Matrix3::from_diagonal(&Vector3::from(stretches));
+            let f = of(&(random.rotation() * diagonal * random.rotation()));
+            let energy = |law: &dyn Hyperelastic| law.response(&f).expect("finite").energy;
+            let bulk = energy(&*stiff) - energy(&*soft);
+            assert!(
+                (bulk / ((1e12 - 1.0) * bulk_energy) - 1.0).abs() < 5e-13,
+                "{name} {bulk}"
+            );
+        }
+    }
+}

@@ -409,7 +409,7 @@ impl<const D: usize> ZoneSearch<D> {
 
 /// A descent by Newton's method.
 struct Descent<const D: usize> {
-    /// Lowest value so far, with its wave vector.
+    /// Lowest known value, with its wave vector.
     place: Candidate<D>,
     /// Wave vector at which the function is needed next.
     trial: SVector<f64, D>,

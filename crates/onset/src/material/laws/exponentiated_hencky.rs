@@ -6,7 +6,8 @@
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{LaneStress, PrincipalEnergy, StrainEnergy, energy_of_stretches};
-use super::hencky::logarithmic_invariants;
+use super::hencky::logarithmic_shape;
+use super::volumetric::logarithmic;
 use crate::kinematics::DeformationGradient;
 use crate::real::{Lanes, Real};
 
@@ -61,17 +62,19 @@ struct ExponentiatedHencky {
     volume: f64,
 }
 
+/// Energy of the change of shape.
 impl PrincipalEnergy for ExponentiatedHencky {
     fn of_stretches<R: Real>(&self, stretches: [R; 3]) -> R {
-        let (shape, volume) = logarithmic_invariants(stretches);
+        let shape = logarithmic_shape(stretches);
         ((shape * self.shape).exp() - 1.0) * (self.mu / self.shape)
-            + ((volume * volume * self.volume).exp() - 1.0) * (0.5 * self.kappa / self.volume)
     }
 }
 
 impl StrainEnergy for ExponentiatedHencky {
     fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
+        let volume = logarithmic(f);
         energy_of_stretches(self, f)
+            + ((volume * volume * self.volume).exp() - 1.0) * (0.5 * self.kappa / self.volume)
     }
 
     fn lane_stress(&self, states: &DeformationGradient<Lanes>, dimension: usize) -> LaneStress {

@@ -4,6 +4,7 @@
 
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{LaneStress, PrincipalEnergy, StrainEnergy, energy_of_stretches};
+use super::volumetric::logarithmic;
 use crate::algebra::Each;
 use crate::kinematics::DeformationGradient;
 use crate::real::{Lanes, Real};
@@ -40,24 +41,25 @@ struct Hencky {
     kappa: f64,
 }
 
-/// Invariants `|dev h|^2` and `tr h` of the logarithmic strain.
-pub(super) fn logarithmic_invariants<R: Real>(stretches: [R; 3]) -> (R, R) {
+/// Invariant `|dev h|^2` of the logarithmic strain.
+pub(super) fn logarithmic_shape<R: Real>(stretches: [R; 3]) -> R {
     let h = stretches.map(R::ln);
     let trace = h[0] + h[1] + h[2];
     let [a, b, c] = h.each(|h| h - trace / 3.0);
-    (a * a + b * b + c * c, trace)
+    a * a + b * b + c * c
 }
 
+/// Energy of the change of shape.
 impl PrincipalEnergy for Hencky {
     fn of_stretches<R: Real>(&self, stretches: [R; 3]) -> R {
-        let (shape, volume) = logarithmic_invariants(stretches);
-        shape * self.mu + volume * volume * (0.5 * self.kappa)
+        logarithmic_shape(stretches) * self.mu
     }
 }
 
 impl StrainEnergy for Hencky {
     fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
-        energy_of_stretches(self, f)
+        let volume = logarithmic(f);
+        energy_of_stretches(self, f) + volume * volume * (0.5 * self.kappa)
     }
 
     fn lane_stress(&self, states: &DeformationGradient<Lanes>, dimension: usize) -> LaneStress {

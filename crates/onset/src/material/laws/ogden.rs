@@ -6,6 +6,7 @@
 use super::super::law::{Admitted, Law, Parameter, Symmetry, boxed, hooke};
 use super::super::{LaneStress, MaterialError, PrincipalEnergy, StrainEnergy, energy_of_stretches};
 use super::exponentials::beyond_linear;
+use super::volumetric::logarithmic;
 use crate::algebra::Each;
 use crate::kinematics::DeformationGradient;
 use crate::real::{Lanes, Real};
@@ -81,24 +82,26 @@ impl Ogden {
     }
 }
 
+/// Energy of the change of shape.
 impl PrincipalEnergy for Ogden {
     fn of_stretches<R: Real>(&self, [a, b, c]: [R; 3]) -> R {
         let logs = [a.ln(), b.ln(), c.ln()];
         let volume = logs[0] + logs[1] + logs[2];
         let deviators = logs.each(|log| log - volume / 3.0);
-        let change = volume.exp() - 1.0;
-        let volumetric = change * change * (0.5 * self.kappa);
-        self.terms.iter().fold(volumetric, |sum, (mu, alpha)| {
-            // The deviators sum to zero, so linear terms cancel and small exponents keep their digits.
-            let [a, b, c] = deviators.each(|log| beyond_linear(log * *alpha));
-            sum + (a + b + c) * (mu / alpha)
-        })
+        self.terms
+            .iter()
+            .fold(R::constant(0.0), |sum, (mu, alpha)| {
+                // The deviators sum to zero, so linear terms cancel and small exponents keep their digits.
+                let [a, b, c] = deviators.each(|log| beyond_linear(log * *alpha));
+                sum + (a + b + c) * (mu / alpha)
+            })
     }
 }
 
 impl StrainEnergy for Ogden {
     fn energy<R: Real>(&self, f: &DeformationGradient<R>) -> R {
-        energy_of_stretches(self, f)
+        let change = logarithmic(f).exp() - 1.0;
+        energy_of_stretches(self, f) + change * change * (0.5 * self.kappa)
     }
 
     fn lane_stress(&self, states: &DeformationGradient<Lanes>, dimension: usize) -> LaneStress {

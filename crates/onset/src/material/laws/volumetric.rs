@@ -1,7 +1,16 @@
 //! Volumetric and isochoric parts of nearly incompressible laws.
 
-use crate::kinematics::Invariants;
+use crate::kinematics::{DeformationGradient, Invariants};
 use crate::real::Real;
+
+/// Logarithm `ln |J|` of the change of volume, from the determinant.
+///
+/// The sum of the logarithms of the principal stretches has an error that is larger by the ratio of the largest to the smallest stretch, because
+/// the stretches come from the eigenvalues of `F^T F`. Bulk moduli of nearly incompressible laws multiply this error.
+pub(super) fn logarithmic<R: Real>(f: &DeformationGradient<R>) -> R {
+    let jacobian = f.determinant();
+    (jacobian * jacobian).ln() * 0.5
+}
 
 /// Volumetric energy `(J^2 - 1)/2 - ln J`: convex in `J`, unbounded toward both ends, with second derivative 2 at `J = 1`. Source: Simo and Taylor,
 /// Comput. Methods Appl. Mech. Eng. 85 (1991) 273.
