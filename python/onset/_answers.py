@@ -189,7 +189,11 @@ class Answer(Record):
 
     def _frame(self, table: str) -> pandas.DataFrame:
         """Data frame of a table of the answer."""
-        frame = _frames().read_csv(io.StringIO(table), float_precision="round_trip", keep_default_na=False, na_values=[""])
+        library = _frames()
+        # Numbers are read exactly by default since pandas 3.1, which deprecates the option.
+        is_exact = tuple(int(part) for part in library.__version__.split(".")[:2]) >= (3, 1)
+        options: Any = {} if is_exact else {"float_precision": "round_trip"}
+        frame = library.read_csv(io.StringIO(table), keep_default_na=False, na_values=[""], **options)
         frame.attrs["text"] = self._answer.text
         return cast("pandas.DataFrame", frame)
 
