@@ -470,7 +470,7 @@ mod tests {
         }
     }
 
-    /// Each lane has the eigenvalues and eigenvectors of its own matrix, independent of the matrices in the other lanes.
+    /// The eigenvalues and eigenvectors in a lane are independent of the matrices in the other lanes.
     fn assert_lanes_are_alike(matrices: &[DMatrix<Complex>]) {
         let n = matrices[0].nrows();
         let of_lane = |lane: usize| &matrices[lane % matrices.len()];
