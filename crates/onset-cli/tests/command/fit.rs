@@ -821,6 +821,10 @@ fn tests_listed_in_toml_give_the_constants_of_their_tables() {
     for (list, facts) in [
         ("", ["line 1", "missing field `tests`"]),
         ("tests = []", ["line 1", "the list has no tests"]),
+        (
+            "\n[[tests]]\nfile = \"absent.csv\"",
+            ["line 2: test 1: cannot read", "absent.csv"],
+        ),
         ("[material]\nmu = 1", ["line 1", "unknown field `material`"]),
         (
             "\n[[tests]]\nstretch = [1.1]",

@@ -62,7 +62,8 @@ pub(super) fn tests<'a>(path: &Path, text: &str) -> Result<Vec<Opened<'a>>, Tabl
                     return Err(wrong(format!("the keys `file` and `{key}` exclude each other, because the file has the columns")));
                 }
                 let folder = path.parent().unwrap_or(Path::new(""));
-                Opened::file(&folder.join(file), mode)?
+                let opened = Opened::file(&folder.join(file), mode);
+                opened.map_err(|error| wrong(format!("cannot read {error}")))?
             }
             (None, None) => return Err(wrong("it has neither a file nor a loading".to_owned())),
             (None, Some(mode)) => Opened {

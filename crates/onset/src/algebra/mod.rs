@@ -33,7 +33,7 @@ pub(crate) use lowest::lowest_between;
 pub(crate) use pack::{LARGEST_LANES, Mask, Pack};
 pub(crate) use parts::Parts;
 pub use random::uniform;
-pub(crate) use schur::{Eigenvectors, triangular};
+pub(crate) use schur::{Eigenvectors, times, triangular};
 pub(crate) use sort::sort_by_value;
 pub(crate) use symmetric::{is_positive_definite, symmetric_eigen};
 pub use trigonometric::TrigonometricPolynomial;

@@ -136,8 +136,9 @@ fn square<R: Selected>(z: Pair<R>) -> R {
     z[0] * z[0] + z[1] * z[1]
 }
 
+/// Product of two complex numbers.
 #[inline(always)]
-fn times<R: Selected>(x: Pair<R>, y: Pair<R>) -> Pair<R> {
+pub(crate) fn times<R: Selected>(x: Pair<R>, y: Pair<R>) -> Pair<R> {
     [x[0] * y[0] - x[1] * y[1], x[0] * y[1] + x[1] * y[0]]
 }
 

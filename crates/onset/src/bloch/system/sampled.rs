@@ -7,7 +7,8 @@
 use super::expansion::MatrixExpansion;
 use super::{BlochSum, Mass, WaveSystem};
 use crate::algebra::{
-    Complex, Eigenvectors, Pair, ROTATED_ROWS, array_of, diagonalize, triangular, without_rounding,
+    Complex, Eigenvectors, Pair, ROTATED_ROWS, array_of, diagonalize, times, triangular,
+    without_rounding,
 };
 use crate::bloch::branches::Taylor;
 use crate::bloch::pocket::{Around, Turned, of_numbered};
@@ -345,11 +346,6 @@ struct Phases<'a, const D: usize> {
     reach: usize,
 }
 
-#[inline(always)]
-fn product(x: Pair<Lanes>, y: Pair<Lanes>) -> Pair<Lanes> {
-    [x[0] * y[0] - x[1] * y[1], x[0] * y[1] + x[1] * y[0]]
-}
-
 impl<const D: usize> Work for Phases<'_, D> {
     type Output = Vec<Pair<Lanes>>;
 
@@ -358,7 +354,7 @@ impl<const D: usize> Work for Phases<'_, D> {
         let one = [Lanes::constant(1.0), Lanes::constant(0.0)];
         let mut powers = vec![one; D * (self.reach + 1)];
         for n in D..powers.len() {
-            powers[n] = product(powers[n - D], self.steps[n % D]);
+            powers[n] = times(powers[n - D], self.steps[n % D]);
         }
         let mut phases = Vec::with_capacity(self.cells.len());
         for (cell, _) in self.cells {
@@ -370,7 +366,7 @@ impl<const D: usize> Work for Phases<'_, D> {
                     1.. => power,
                     _ => [power[0], -power[1]],
                 };
-                phase = product(phase, turn);
+                phase = times(phase, turn);
             }
             phases.push(phase);
         }
@@ -448,7 +444,7 @@ fn multiply(n: usize, left: &[Pair<Lanes>], right: &[Pair<Lanes>], into: &mut [P
         for j in 0..n {
             let mut entry = [Lanes::constant(0.0); 2];
             for l in 0..n {
-                let term = product(left[i * n + l], right[l * n + j]);
+                let term = times(left[i * n + l], right[l * n + j]);
                 entry = [entry[0] + term[0], entry[1] + term[1]];
             }
             into[i * n + j] = entry;

@@ -5,8 +5,8 @@ use crate::real::Real;
 
 /// Logarithm `ln |J|` of the change of volume, from the determinant.
 ///
-/// The sum of the logarithms of the principal stretches has an error that is larger by the ratio of the largest to the smallest stretch, because
-/// the stretches come from the eigenvalues of `F^T F`. Bulk moduli of nearly incompressible laws multiply this error.
+/// The logarithms of the principal stretches add up to the same value, with a rounding error that is larger by the ratio of the largest to the smallest
+/// stretch: the stretches follow from the eigenvalues of `F^T F`. The bulk modulus multiplies the error.
 pub(super) fn logarithmic<R: Real>(f: &DeformationGradient<R>) -> R {
     let jacobian = f.determinant();
     (jacobian * jacobian).ln() * 0.5
