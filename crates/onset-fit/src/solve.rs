@@ -80,7 +80,7 @@ pub(crate) struct Solution {
 const MOST_STEPS: usize = 200;
 /// The iteration ends with a step that lowers the sum of squares by less than this fraction.
 const LEAST_GAIN: f64 = 1e-13;
-/// Largest sum of violated constraints, relative to the constants.
+/// Largest violation of a constraint of a linear law, and largest sum of violations of other laws, relative to the constants.
 const MOST_VIOLATED: f64 = 1e-6;
 /// Constraints with smaller values, relative to the sum of the magnitudes of their terms, count as equalities.
 const ACTIVE: f64 = 1e-6;
@@ -147,7 +147,8 @@ impl Problem<'_> {
         if self.family.is_linear() {
             let mut found = self.of_moduli(&constants, &is_free)?;
             found.active = self.active(&found.constants);
-            return (self.violation(&found.constants) < MOST_VIOLATED).then_some(found);
+            let most = self.violations(&found.constants).into_iter();
+            return (most.fold(0.0, f64::max) < MOST_VIOLATED).then_some(found);
         }
         // If no moduli satisfy the constraints with these exponents, the exponents change from moduli that violate them.
         let unconstrained = Problem { cuts: &[], ..*self };
@@ -231,10 +232,16 @@ impl Problem<'_> {
         active.map(|n| slopes.row(n).transpose()).collect()
     }
 
-    fn violation(&self, constants: &[f64]) -> f64 {
+    /// Violations of the constraints, relative to the constants.
+    fn violations(&self, constants: &[f64]) -> Vec<f64> {
         let (values, _) = self.demands(constants);
         let scale = constants.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-        values.iter().map(|value| (-value / scale).max(0.0)).sum()
+        let violations = values.iter().map(|value| (-value / scale).max(0.0));
+        violations.collect()
+    }
+
+    fn violation(&self, constants: &[f64]) -> f64 {
+        self.violations(constants).iter().sum()
     }
 
     fn confine(&self, constants: &mut [f64]) {

@@ -223,6 +223,21 @@ fn the_cost_of_stability_agrees_with_independent_programs() -> Outcome {
 }
 
 #[test]
+fn the_stable_optimum_of_constants_that_the_tests_do_not_determine_is_global() -> Outcome {
+    // Nine constants from one test: the constraints nearly depend on each other at the optimum.
+    let tests = &data("treloar")?[..1];
+    for weights in [Weights::Absolute, Weights::Relative(0.0)] {
+        let options = Options {
+            weights,
+            ..Options::default()
+        };
+        let found = fit(tests, &of("polynomial-3")?, &options)?;
+        assert!(found.is_global(), "{weights:?}: {:?}", found.bound);
+    }
+    Ok(())
+}
+
+#[test]
 fn fitted_laws_are_stable_at_random_states_according_to_the_tangent_of_the_library() -> Outcome {
     let tests = data("treloar")?;
     let range = Range::Box(0.25, 4.0);
