@@ -44,7 +44,7 @@ use onset_study::output::{Files, Output, OutputError, picture};
 use onset_study::reproduce;
 use onset_study::settings::{
     MaterialSettings, Program, Reading, SettingError, Settings, Study, Trust, did_you_mean, law_of,
-    preset_names,
+    is_preset, preset_names,
 };
 use onset_study::zoo::is_entry;
 use std::fmt::Display;
@@ -484,7 +484,7 @@ impl SetArguments {
     fn all(&self) -> Result<Vec<String>, Failure> {
         let mut assignments = with_energy(&self.assignments, self.energy.as_deref())?;
         if let Some(preset) = &self.preset {
-            if !preset_names().any(|name| name == preset) {
+            if !is_preset(preset) {
                 let known: Vec<&str> = preset_names().collect();
                 return Err(Failure::input(format!(
                     "--preset {preset}: unknown code\n  hint: expected {} (onset list presets)",

@@ -91,6 +91,14 @@ fn ambiguous_words_list_their_meanings_and_typos_the_nearest_name() {
             vec!["did you mean `material.young`?"],
         ),
         ("--set young=3", vec!["did you mean `material.young`?"]),
+        (
+            "--set material.type=blatz-ko",
+            vec!["did you mean `material.model`?"],
+        ),
+        (
+            "--as pysph-gtvf",
+            vec!["\"pysph-gtvf\" is not available", "method=pysph-solid"],
+        ),
     ] {
         let answer = onset_line(&format!("state --stretch 1,1 {line}"));
         assert_eq!(answer.code, Some(2), "{line}");

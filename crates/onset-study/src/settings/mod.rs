@@ -51,6 +51,7 @@ pub use model::{HandedLaw, Model, OwnModel};
 pub use needs::{Cases, Need, Unmet};
 pub use notes::notes_on_settings;
 pub use onset::material::Admitted;
+pub use aliases::is_preset;
 pub use presets::preset_names;
 pub(crate) use renamed::topic as renamed_topic;
 pub use renamed::{renamed_command, verdict as verdict_named};

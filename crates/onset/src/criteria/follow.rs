@@ -82,6 +82,8 @@ const RESOLUTION: f64 = 1e-14;
 const AT_REFERENCE: f64 = 1e-9;
 /// Finite-difference step of the slope of a measure, in `ln lambda`.
 const SLOPE_STEP: f64 = 1e-5;
+/// Smallest change of the excess of a jump from which its slope is computed, in units of its rounding.
+const SIGNIFICANT: f64 = 4.0;
 /// Distance beyond a kink, in `ln lambda`, at which the law beyond the kink is evaluated.
 const BEHIND_KINK: f64 = 1e-10;
 /// Tolerance of a local minimum, relative to the interval.
@@ -456,7 +458,7 @@ impl Jumps<'_, '_> {
             .into_iter()
             .chain(across.flatten())
             .min_by(|a, b| a.excess.total_cmp(&b.excess));
-        found.filter(Jump::gains).or_else(|| {
+        found.filter(|jump| self.gains(&state, jump)).or_else(|| {
             let longest = is_beside.then(|| self.search.longest(&state.response));
             longest.flatten()
         })
@@ -466,7 +468,12 @@ impl Jumps<'_, '_> {
     fn followed(&self, s: f64, jump: &Jump) -> Option<Jump> {
         let state = self.path.at(s)?;
         let found = self.search.descend(&state.response, jump);
-        found.filter(Jump::gains)
+        found.filter(|jump| self.gains(&state, jump))
+    }
+
+    /// Returns true if a jump lowers the energy by more than rounding, or provably. The estimate of rounding is far above the enclosures of most laws.
+    fn gains(&self, state: &super::PathState, jump: &Jump) -> bool {
+        jump.gains() || (jump.excess < 0.0 && self.search.proves(&state.response, jump))
     }
 
     /// Follows a jump that lowers the energy back to the state at which it no longer lowers the energy. The states at `places` are nearer to the
@@ -510,37 +517,50 @@ impl Jumps<'_, '_> {
     /// Brackets the break-even point of a jump between a state at which the jump does not lower the energy and a state at which it does: the ends of the bracket, and the
     /// jump at its outer end.
     fn bracketed(&self, before: f64, (behind, jump): (f64, Jump)) -> (f64, f64, Jump) {
-        let loss = |jump: &Jump| jump.excess + jump.rounding;
+        // A gain below the estimate of rounding, which is proved, counts as itself.
+        let gain = |jump: &Jump| match jump.excess + jump.rounding {
+            loss if loss < 0.0 => loss,
+            _ => jump.excess,
+        };
         let mut last = (behind, jump);
         let mut value = |s: f64| {
             let state = self.path.at(s)?;
             let found = self.search.descend(&state.response, &last.1);
             // Without a jump that lowers the energy the value is positive. If the descent finds no jump at all, the gain of the given jump replaces the
             // unknown loss.
-            let Some(gaining) = found.filter(Jump::gains) else {
-                let lost = found.map_or(-loss(&jump), |found| loss(&found));
+            let Some(gaining) = found.filter(|jump| self.gains(&state, jump)) else {
+                let lost = found.map_or(-gain(&jump), |found| found.excess + found.rounding);
                 return Some(lost.max(f64::MIN_POSITIVE));
             };
             last = (s, gaining);
-            Some(loss(&gaining))
+            Some(gain(&gaining))
         };
         let at_start = value(before).filter(|loss| *loss > 0.0);
-        let start = (before, at_start.unwrap_or(-loss(&jump)));
-        let end = (behind, loss(&jump));
+        let start = (before, at_start.unwrap_or(-gain(&jump)));
+        let end = (behind, gain(&jump));
         let (low, _) = bracket_zero(&mut value, start, end, RESOLUTION);
         (low, last.0, last.1)
     }
 
-    /// Shift of the limit, in `ln lambda`, caused by rounding of the change of energy: the rounding divided by the slope of this change along the path.
+    /// Shift of the limit, in `ln lambda`, caused by rounding of the change of energy: the rounding divided by the slope of this change along the path,
+    /// or the distance to the reference configuration if the change does not exceed its rounding anywhere.
     fn undetermined(&self, s: f64, jump: &Jump) -> f64 {
-        let step = SLOPE_STEP.min(0.5 * s.abs());
-        let beside = self.path.at(s - step.copysign(s));
-        let beside = beside.and_then(|state| self.search.descend(&state.response, jump));
-        let slope = beside.map_or(0.0, |beside| (beside.excess - jump.excess) / step);
-        match slope > 0.0 {
-            true => (jump.rounding / slope).min(s.abs()),
-            false => 0.0,
+        let mut shift = 0.0;
+        let mut step = SLOPE_STEP.min(0.5 * s.abs());
+        while step <= 0.5 * s.abs() {
+            for side in [-1.0, 1.0] {
+                let state = self.path.at(s + side * step.copysign(s));
+                let beside = state.and_then(|own| self.search.descend(&own.response, jump));
+                let Some(beside) = beside else { continue };
+                let change = side * (jump.excess - beside.excess);
+                if change > SIGNIFICANT * jump.rounding {
+                    return (jump.rounding * step / change).min(s.abs());
+                }
+                shift = s.abs();
+            }
+            step *= 4.0;
         }
+        shift
     }
 
     /// Moves the state outward in small steps until interval arithmetic proves that the jump lowers the energy. Returns the jump unchanged if no proof is found.

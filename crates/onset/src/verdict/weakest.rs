@@ -15,8 +15,13 @@ use std::sync::OnceLock;
 const GRID: [usize; 3] = [96, 24, 12];
 /// Smallest number of grid points with several particles in a cell.
 const MIN_GRID: usize = 6;
-/// Number of the deepest wells that are followed to their bottom, weakly controlled or not.
+/// Number of the deepest wells that are followed to their bottom, weakly controlled or not. Of more wells with equal values, which are images of
+/// each other, one is followed.
 const FOLLOWED_WELLS: usize = 4;
+/// Number of different values of wells that are followed.
+const FOLLOWED_VALUES: usize = 8;
+/// Largest relative difference of the values of images.
+const EQUAL_VALUES: f64 = 1e-9;
 /// Largest distance from a kink, in grid steps: for a grid minimum, and for the end of a descent.
 const KINK_DISTANCES: [f64; 2] = [1.0, 0.1];
 /// Largest number of kinks near a well that are combined.
@@ -99,15 +104,18 @@ impl<const D: usize> WeakestSearch<'_, D> {
             wave_vector: self.zone.folded(k),
         });
         let mut bottoms: Vec<Bottom<D>> = alternating.collect();
-        let mut followed = 0;
+        let (mut followed, mut values, mut last) = (0, 0, 0.0);
         for &(value, k) in self.wells.get_or_init(|| self.wells()) {
             if let Some(zero) = self.zero(value, &k) {
                 bottoms.push(zero);
                 continue;
             }
+            let is_new = value > last * (1.0 + EQUAL_VALUES);
             let is_followed = followed < FOLLOWED_WELLS || value < 1.5 * limit;
-            if is_followed {
+            if is_followed || (is_new && values < FOLLOWED_VALUES) {
                 followed += 1;
+                values += usize::from(is_new);
+                last = value;
                 let (ratio, k) = self.bottom((value, k), &steps);
                 let bottom = Bottom {
                     ratio,

@@ -335,6 +335,29 @@ fn a_limit_at_the_reference_configuration_stays_there_at_any_bulk_modulus() {
     }
 }
 
+/// In uniaxial strain the energy of a jump is a small difference of volumetric energies. The tolerance of the limit contains their rounding.
+#[test]
+fn the_tolerance_of_a_limit_of_finite_jumps_contains_the_rounding_of_the_volumetric_energy() {
+    let event = |kappa: f64, mode: Mode| {
+        let own = law("hencky", &[("mu", 1.0), ("kappa", kappa)]);
+        let path = path(&*own, mode, Lateral::Held);
+        let elliptic = follow(&path, Criterion::StrongEllipticity, false).expect("defined");
+        let track = follow_jumps(&path, &elliptic, 10.0, false);
+        *track.events.first().expect("a limit")
+    };
+    for mode in [Mode::Uniaxial, Mode::Equibiaxial] {
+        let exact = event(1e7, mode).stretch;
+        for kappa in [1e9, 1e10, 1e11, 1e12] {
+            let own = event(kappa, mode);
+            let distance = (own.stretch / exact).ln().abs();
+            assert!(
+                distance < own.tolerance + 1e-4,
+                "{mode:?} {kappa:e}: {distance} {own:?}"
+            );
+        }
+    }
+}
+
 /// Limits of finite jumps differ from the limits of the incompressible law by `mu/kappa`: the valleys of the energy among volume-preserving jumps become narrow, and
 /// are followed.
 #[test]
