@@ -49,6 +49,7 @@ mod relaxation;
 mod renamed;
 mod screen;
 mod settings;
+mod softening;
 mod space;
 #[cfg(target_os = "linux")]
 mod terminal;

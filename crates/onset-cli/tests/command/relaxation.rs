@@ -71,8 +71,31 @@ fn a_wave_that_grows_only_as_the_stress_relaxes_has_its_delayed_rate() {
     }
     let fast = document(&format!("{state} --set material.loading=fast"));
     assert!(fast["relaxation"].is_null(), "{fast}");
-    let sheet = document(&format!("{state} --set material.plane=stress"));
-    assert!(sheet["relaxation"]["growth_rate"].is_null(), "{sheet}");
+}
+
+/// The rate of a sheet tends to the rate of the relaxed law for fast relaxation, and is inversely proportional to the relaxation time for slow
+/// relaxation.
+#[test]
+fn a_wave_of_a_sheet_grows_as_its_stress_relaxes() {
+    let sheet = |time: &str| {
+        document(&format!(
+            "state --stretch 0.5,1 set method=fem --set material.model=saint-venant-kirchhoff --set material.plane=stress --set material.prony=0.8,0.8,{time}"
+        ))
+    };
+    let fast = sheet("1e-7");
+    let elastic = number(&fast, "/discretization/growth_rate");
+    let rate = number(&fast, "/relaxation/growth_rate");
+    assert!((rate / elastic - 1.0).abs() < 1e-5, "{rate} {elastic}");
+    let [slow, slower] = ["1e4", "1e6"].map(sheet);
+    let [slow, slower] = [slow, slower].map(|own| {
+        assert_eq!(own["relaxation"]["fast"]["verdict"], "stable", "{own}");
+        number(&own, "/relaxation/growth_rate")
+    });
+    assert!(slow > 0.0 && slow < 1e-2 * elastic, "{slow} {elastic}");
+    assert!(
+        (slow / slower / 100.0 - 1.0).abs() < 1e-3,
+        "{slow} {slower}"
+    );
 }
 
 #[test]

@@ -30,6 +30,7 @@ pub fn notes_on_law(settings: &MaterialSettings, material: &dyn Hyperelastic) ->
         fluid(material),
         auxetic(settings, material),
         note_on_path(settings.model),
+        note_on_softening(settings),
     ];
     let read = settings.notes().iter().cloned();
     read.chain(notes.into_iter().flatten()).collect()
@@ -175,6 +176,35 @@ fn note_on_path(model: Model) -> Option<String> {
             }
         )
     })
+}
+
+/// Note on laws that soften by previous loading.
+fn note_on_softening(settings: &MaterialSettings) -> Option<String> {
+    settings.softens().then(|| match settings.is_primary() {
+        true => "the law softens by previous loading (Mullins effect): without material.mullins-energy, the largest energy of the past, every state is reached by \
+                 primary loading, and waves follow from the tangent of continued loading, which is the tangent of the law without softening. Unloading is stiffer at \
+                 first"
+            .to_owned(),
+        false => "the law softens by previous loading (Mullins effect): states with less energy than material.mullins-energy are unloaded or reloaded, with one \
+                  tangent for both; states with more energy are reached by primary loading"
+            .to_owned(),
+    })
+}
+
+/// Note on the energy of a state of a law that softens by previous loading, and on the factor of its stress.
+pub(super) fn softening(
+    settings: &MaterialSettings,
+    response: &Response,
+    units: Units,
+) -> Option<String> {
+    let law = settings.softening().ok()??;
+    let f = &response.deformation;
+    let (energy, factor) = (law.softening_energy(f).ok()?, law.factor(f).ok()?);
+    Some(format!(
+        "the energy of the softening part is {} at this state, and the factor of its stress is eta = {}",
+        units.of(told(energy), "Pa"),
+        told(factor)
+    ))
 }
 
 /// Note on laws with stress at `F = 1`.

@@ -8,7 +8,7 @@ use super::implicit::ImplicitAnswer;
 use super::mode::{critical_mode, finite_wave_vector};
 use super::mode_name;
 use super::next::next;
-use super::notes::{buckling, note_on_upwinding, notes};
+use super::notes::{buckling, note_on_upwinding, notes, softening};
 use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
 use super::stiffer::{RelaxationAnswer, StifferAnswer, band};
@@ -451,6 +451,11 @@ fn answer(
     notes.extend(note_on_upwinding(
         &problem.settings,
         problem.analysis.sites(),
+    ));
+    notes.extend(softening(
+        &problem.settings.material,
+        response,
+        problem.settings.units(),
     ));
     notes.extend(buckling(
         &*problem.material,

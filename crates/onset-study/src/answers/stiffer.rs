@@ -10,6 +10,7 @@ use crate::number::{told, vector};
 use crate::settings::Units;
 use nalgebra::{SVector, SymmetricEigen};
 use onset::kinematics::DeformationGradient;
+use onset::material::Viscoelastic;
 use onset::method::MethodError;
 use onset::verdict::{Assessment, Mechanism, Verdict};
 use serde::Serialize;
@@ -39,7 +40,7 @@ pub struct StifferAnswer {
 pub struct RelaxationAnswer {
     /// The state for disturbances that are faster than relaxation, with the instantaneous tangent.
     pub fast: StifferAnswer,
-    /// Growth rate of the fastest growing wave while the material relaxes; zero if no wave grows, `null` in plane stress. 1/time.
+    /// Growth rate of the fastest growing wave while the material relaxes; zero if no wave grows, `null` in plane stress with damping or flutter. 1/time.
     pub growth_rate: Option<f64>,
     /// Reference wave vector of the fastest growing wave, zero if no wave grows; 1/length.
     pub wave_vector: Vec<f64>,
@@ -58,10 +59,9 @@ impl RelaxationAnswer {
         let Some((law, fast)) = law.map_err(MethodError::from)?.zip(disturbed) else {
             return Ok(None);
         };
-        // The thickness of a sheet follows the disturbance, so that its tangent is not a sum over the terms of the series.
         let fastest = match problem.material.dimension() {
             3 => Some(problem.analysis.relaxing(f, &law)?.fastest()),
-            _ => None,
+            _ => growth_of_sheet(problem, &law, f)?,
         };
         let k = fastest.as_ref().map_or(&[][..], |(_, k)| k);
         let k = SVector::from_fn(|i, _| k.get(i).copied().unwrap_or(0.0));
@@ -91,6 +91,85 @@ impl RelaxationAnswer {
         };
         format!("before relaxation {}{growth}", self.fast.words(units))
     }
+}
+
+/// Relative accuracy of the growth rate of a sheet, and number of decades below the rate of the relaxed state in which it is searched for.
+const RATE_ACCURACY: f64 = 1e-7;
+const DECADES: i32 = 24;
+
+/// Growth rate of the fastest wave of a sheet or bar while the material relaxes, with its wave vector; `None` with damping or flutter.
+///
+/// The thickness follows the disturbance, so that the tangent is not a sum over the terms of the series. The rate is the root of
+/// `s^2 + omega^2(s) = 0`, where `omega^2(s)` is the lowest value over the zone for the tangent of disturbances `exp(s t)`, which increases with `s`.
+fn growth_of_sheet(
+    problem: &Problem,
+    law: &Viscoelastic,
+    f: &DeformationGradient,
+) -> Result<Option<(f64, Vec<f64>)>, ProblemError> {
+    let settings = &problem.settings;
+    let assessed = |rate: f64| {
+        let parts = law.terms().iter().fold([0.0; 2], |sums, term| {
+            let lag = rate * term.time / (1.0 + rate * term.time);
+            [sums[0] + term.shear * lag, sums[1] + term.bulk * lag]
+        });
+        let own = settings
+            .material
+            .in_dimension(law.disturbed(parts), settings.dimension());
+        let own = Problem::with_law(settings.clone(), own.map_err(MethodError::from)?)?;
+        Ok::<_, ProblemError>(own.analysis.assess(f)?.spectrum)
+    };
+    let at_rest = assessed(0.0)?;
+    if problem.analysis.is_damped() || at_rest.flutters {
+        return Ok(None);
+    }
+    let elastic = at_rest.growth_rate();
+    if elastic == 0.0 {
+        return Ok(Some((0.0, Vec::new())));
+    }
+    let residual = |rate: f64| {
+        let spectrum = assessed(rate)?;
+        let (lowest, softest) = (spectrum.lowest, spectrum.softest);
+        let mode = match softest.omega_squared.re < lowest.omega_squared.re {
+            true => softest,
+            false => lowest,
+        };
+        let omega_squared = match mode.omega_squared.re < 0.0 {
+            true => mode.omega_squared.re,
+            // A pocket of long waves that the search does not resolve: dispersion limits their growth to about this rate.
+            false if !spectrum.is_stable() => -(softest.scaled * spectrum.maximum_omega).powi(2),
+            false => 0.0,
+        };
+        Ok::<_, ProblemError>((rate * rate + omega_squared, mode))
+    };
+    // The rate of the relaxed state bounds the rate, unless overstress has a negative stiffness.
+    let mut high = elastic;
+    while residual(high)?.0 < 0.0 && high.is_finite() {
+        high *= 2.0;
+    }
+    let mut found = None;
+    for _ in 0..DECADES {
+        let low = 0.1 * high;
+        let (value, mode) = residual(low)?;
+        if value < 0.0 {
+            found = Some((low, mode));
+            break;
+        }
+        high = low;
+    }
+    let Some((mut low, mut mode)) = found else {
+        return Ok(Some((0.0, Vec::new())));
+    };
+    // Bisection: the value is small above the root and may be large below it.
+    while high - low > RATE_ACCURACY * high {
+        let middle = 0.5 * (low + high);
+        let (value, own) = residual(middle)?;
+        match value < 0.0 {
+            true => (low, mode) = (middle, own),
+            false => high = middle,
+        }
+    }
+    let k = finite_wave_vector(&mode);
+    Ok(Some((low, k.iter().copied().collect())))
 }
 
 impl StifferAnswer {

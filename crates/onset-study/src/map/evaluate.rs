@@ -45,7 +45,7 @@ impl Evaluator {
         let mut stiffer = None;
         let analysis = match Problem::new(settings.clone()) {
             Ok(problem) => {
-                if settings.material.model.yields() || settings.material.is_relaxed() {
+                if settings.material.has_stiffer_increments() {
                     stiffer = Some(prepared(problem.stiffer()?.analysis)?);
                 }
                 Some(problem.analysis)

@@ -76,7 +76,7 @@ fn of_material(error: &MaterialError) -> Vec<String> {
         MaterialError::External { .. } => vec![key("energy"), key("model")],
         // Conditions on several parameters contain the names of these parameters.
         MaterialError::Parameter { name, .. } => {
-            let is_apart = |c: char| !c.is_alphanumeric() && c != '_';
+            let is_apart = |c: char| !c.is_alphanumeric() && !['_', '-'].contains(&c);
             let words = name.split(is_apart).filter(|word| !word.is_empty());
             let own = words.flat_map(parameters);
             own.chain([key("model")]).collect()

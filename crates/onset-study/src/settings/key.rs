@@ -8,6 +8,7 @@ use super::moduli::{MODULI, is_modulus};
 use super::needs::{Cases, is, is_not};
 use super::relaxation::{self, RELAXATION_KEYS};
 use super::renamed;
+use super::softening::{is_of_softening, softening_keys};
 use super::time::TIME_KEYS;
 use super::{
     MapSettings, Model, OUTPUTS, Plane, StateSettings, TimeIntegrator, Units, Value, aliases,
@@ -182,6 +183,7 @@ pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
         ),
     ];
     keys.extend(RELAXATION_KEYS);
+    keys.extend(softening_keys());
     keys.extend(parameter_keys());
     for key in Model::all().flat_map(Model::keys) {
         // Models may share keys.
@@ -582,7 +584,8 @@ impl Key {
 
     /// Returns true for a parameter of a law.
     pub fn is_parameter(&self) -> bool {
-        self.parts().0 == "material" && self.unit().is_some()
+        let (section, name) = self.parts();
+        section == "material" && self.unit().is_some() && !is_of_softening(name)
     }
 
     pub(super) const fn only_with(mut self, cases: Cases) -> Self {

@@ -4,6 +4,7 @@ use super::error::{Origin, SettingError, nearest};
 use super::key::ANY_DIMENSION;
 use super::model::{LIBRARY, sum};
 use super::relaxation::is_of_relaxation;
+use super::softening::is_of_softening;
 use super::{
     HandedLaw, Key, Kind, Model, Settings, TRUST_VARIABLE, Trust, Units, Value, aliases, moduli,
     units, word_of,
@@ -52,6 +53,11 @@ pub struct MaterialSettings {
     notes: Vec<String>,
     /// Title of the law, if it differs from the name of its model.
     title: Option<String>,
+}
+
+/// Returns true if a key, without its section, belongs to no model because every hyperelastic law can have it.
+fn is_of_any_law(name: &str) -> bool {
+    is_of_relaxation(name) || is_of_softening(name)
 }
 
 impl MaterialSettings {
@@ -142,15 +148,18 @@ impl MaterialSettings {
             .map(|parameter| parameter.name);
         let names = parameters
             .filter(move |name| !of_moduli.contains(name))
-            .chain(moduli);
+            .chain(moduli)
+            .chain(self.softening_stresses());
         let values = self.entries();
         let stresses = match self.model {
             Model::Own(model) => model.stresses,
             Model::Law(_) => &[],
         };
         let measured = self.with_units.iter().copied();
-        let measured = measured.filter(|name| !stresses.contains(name));
-        let own = measured.chain(stresses.iter().copied());
+        let measured = measured.filter(|name| !stresses.contains(name) && !is_of_softening(name));
+        let own = measured
+            .chain(stresses.iter().copied())
+            .chain(self.softening_stresses());
         names
             .filter(move |_| is_law)
             .chain(own.filter(move |_| !is_law))
@@ -245,6 +254,7 @@ impl MaterialSettings {
     pub(super) fn check(&self, open: &[&str]) -> Result<(), SettingError> {
         self.check_names()?;
         self.check_relaxation()?;
+        self.check_softening(open)?;
         let is_open = open
             .iter()
             .filter_map(|name| name.strip_prefix("material."))
@@ -274,9 +284,14 @@ impl MaterialSettings {
         set.try_for_each(|(name, (_, origin))| self.check_taken(name, origin))
     }
 
+    /// Returns true for keys, without the section, that the law reads.
+    pub(super) fn takes(&self, name: &str) -> bool {
+        self.model.takes(name) || self.reads_modulus(name) || is_of_any_law(name)
+    }
+
     /// Checks that the model has a parameter, or that it is a modulus of the law.
     pub(super) fn check_taken(&self, name: &str, origin: &Origin) -> Result<(), SettingError> {
-        match self.model.takes(name) || self.reads_modulus(name) || is_of_relaxation(name) {
+        match self.takes(name) {
             true => Ok(()),
             false => Err(self.stray(name, origin.clone())),
         }
@@ -390,23 +405,25 @@ impl MaterialSettings {
         let free = self
             .set
             .iter()
-            .filter(|(name, _)| self.model.takes(name) && !known(name) && !is_of_relaxation(name))
+            .filter(|(name, _)| self.model.takes(name) && !known(name) && !is_of_any_law(name))
             .map(|(name, (value, _))| (*name, value.clone()));
-        let relaxation = self
+        let of_any_law = self
             .set
             .iter()
-            .filter(|(name, _)| is_of_relaxation(name))
+            .filter(|(name, _)| is_of_any_law(name))
             .map(|(name, (value, _))| (*name, value.clone()));
         let plane =
             (self.plane() != Plane::Strain).then(|| (PLANE, Value::Word(word_of(&self.plane()))));
-        let others = own.chain(free).chain(relaxation).chain(plane);
+        let others = own.chain(free).chain(of_any_law).chain(plane);
         parameters.chain(others).collect()
     }
 
-    /// Returns all numeric parameters with their values.
+    /// Returns all numeric parameters of the model with their values.
     pub fn values(&self) -> Vec<(&'static str, f64)> {
         let number = |(name, value): (&'static str, Value)| Some((name, value.number()?));
-        self.entries().into_iter().filter_map(number).collect()
+        let entries = self.entries().into_iter();
+        let own = entries.filter(|(name, _)| !is_of_softening(name));
+        own.filter_map(number).collect()
     }
 
     /// Marks the files that a request of the browser page names as possibly not chosen by the user.
@@ -546,7 +563,7 @@ impl MaterialSettings {
     }
 
     /// Law for a body of the given dimension.
-    pub(super) fn in_dimension(
+    pub(crate) fn in_dimension(
         &self,
         law: Arc<dyn Hyperelastic>,
         dimension: usize,
@@ -566,7 +583,7 @@ impl MaterialSettings {
         self.as_loaded()
     }
 
-    /// Builds the law of the model, without relaxation.
+    /// Builds the law of the model, without relaxation and softening.
     pub(super) fn of_model(&self) -> Result<Box<dyn Hyperelastic>, MaterialError> {
         match self.model {
             // Moduli that an axis varies may be inadmissible at some states.

@@ -26,6 +26,7 @@ mod relaxation;
 mod renamed;
 mod schema;
 mod sections;
+mod softening;
 mod state;
 mod study;
 mod time;

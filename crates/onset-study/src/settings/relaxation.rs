@@ -141,7 +141,7 @@ impl MaterialSettings {
     /// Law of the states: relaxed, or with instantaneous moduli.
     pub(super) fn as_loaded(&self) -> Result<Arc<dyn Hyperelastic>, MaterialError> {
         Ok(match self.viscoelastic()? {
-            None => Arc::from(self.of_model()?),
+            None => self.softened()?,
             Some(law) if self.is_slow() => law.relaxed(),
             Some(law) => law.instantaneous(),
         })

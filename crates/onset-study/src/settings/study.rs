@@ -222,10 +222,7 @@ impl Study {
             ("material", "model") => true,
             // Plane strain is the default.
             ("material", PLANE) => self.settings.material.plane() != Plane::Strain,
-            ("material", name) => {
-                self.settings.material.model.takes(name)
-                    || self.settings.material.reads_modulus(name)
-            }
+            ("material", name) => self.settings.material.takes(name),
             _ => self.unmet(key).is_none(),
         }
     }

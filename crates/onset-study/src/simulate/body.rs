@@ -110,8 +110,14 @@ pub fn run_body(
     watch: &dyn Watch,
 ) -> Result<BodyAnswer, SimulateError> {
     problem.settings.material.check_moves()?;
+    let material = &problem.settings.material;
+    if material.is_primary() {
+        return Err(refused(
+            "particles of a body unload, and without `material.mullins-energy` every state of the law is reached by primary loading".to_owned(),
+            "set material.mullins-energy, the largest energy of the past, which stays constant in the run",
+        ));
+    }
     if problem.material.is_path_dependent() {
-        let material = &problem.settings.material;
         return Err(refused(
             format!(
                 "`{}` cannot be run in a body: its particles do not store the path that determines their stress",

@@ -976,6 +976,70 @@ fn prony_series_of_decks_are_read() {
     );
 }
 
+/// Constants `r`, `m`, `beta` of the Mullins effect. Without them, and for forms that are not read, the keyword is listed.
+#[test]
+fn constants_of_the_mullins_effect_of_decks_are_read() {
+    let read = |program: Program, text: &str| {
+        let read = law_of(program, "a deck", text, None, &[]).expect("a law");
+        let own = read.assignments.iter();
+        let softening: Vec<_> = own
+            .filter_map(|own| own.strip_prefix("material.mullins-"))
+            .map(str::to_owned)
+            .collect();
+        let settings = MaterialSettings::of_file("", "", &read.assignments).expect("settings");
+        assert_eq!(settings.softens(), !softening.is_empty());
+        settings.build().expect("a material");
+        (softening.join(" "), read.notes.join("\n"))
+    };
+    let abaqus = "*HYPERELASTIC, YEOH\n0.5, -0.01, 0.001, 0.02\n*MULLINS EFFECT\n1.5, 0.05, 0.1\n";
+    let ansys = "TB,HYPER,1,1,1,NEO\nTBDATA,1,0.8,0.02\nTB,CDM,1,1,3,PSE2\nTBDATA,1,1.5,0.05,0.1\n";
+    let foam = abaqus.replace("ELASTIC, YEOH", "FOAM, N=1");
+    let foam = foam.replace("0.5, -0.01, 0.001, 0.02", "0.2, 8.0, 0.3");
+    for (program, text) in [
+        (Program::Abaqus, abaqus),
+        (Program::Abaqus, &foam),
+        (Program::Ansys, ansys),
+        (
+            Program::Ansys,
+            &ansys.replace("TBDATA,1,1.5,0.05,0.1", "TBDATA,1,1.5\nTBDATA,2,0.05,0.1"),
+        ),
+    ] {
+        let (softening, notes) = read(program, text);
+        assert_eq!(softening, "r=1.5 m=0.05 beta=0.1", "{text}");
+        assert!(!notes.contains("not read"), "{notes}");
+    }
+    for (program, text, words) in [
+        (
+            Program::Abaqus,
+            abaqus.replace("EFFECT", "EFFECT, TEST DATA INPUT"),
+            "*MULLINS EFFECT (line 3)",
+        ),
+        (
+            Program::Abaqus,
+            format!("{abaqus}2, 0.05, 0.1, 100.\n"),
+            "*MULLINS EFFECT (line 3)",
+        ),
+        (
+            Program::Ansys,
+            ansys.replace("1,3,PSE2", "1,3,PSE1"),
+            "TB,CDM,1 (line 3)",
+        ),
+        (
+            Program::Ansys,
+            format!("{ansys}TB,PRONY,1,1,1,SHEAR\nTBDATA,1,0.3,0.1\n"),
+            "TB,CDM with PSE2 (line 3)",
+        ),
+    ] {
+        let (softening, notes) = read(program, &text);
+        assert_eq!(softening, "", "{text}");
+        assert!(notes.contains(&format!("not read: {words}")), "{notes}");
+    }
+    let warm = abaqus.replace("0.05, 0.1", "0.05, 0.1, 60.");
+    let (softening, notes) = read(Program::Abaqus, &warm);
+    assert_eq!(softening, "r=1.5 m=0.05 beta=0.1");
+    assert!(notes.contains("temperature 60 (line 4)"), "{notes}");
+}
+
 #[test]
 fn messages_quote_at_most_the_beginning_of_one_word_of_a_deck() {
     let long = "SECRET".repeat(3000);

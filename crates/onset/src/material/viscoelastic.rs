@@ -169,7 +169,7 @@ impl Viscoelastic {
 }
 
 /// Returns true if the mean stress depends on the volume ratio alone, as for the sum of an isochoric and a volumetric energy, and for laws in rate form.
-fn has_own_mean_stress(law: &dyn Hyperelastic) -> bool {
+pub(super) fn has_own_mean_stress(law: &dyn Hyperelastic) -> bool {
     if law.is_path_dependent() {
         return true;
     }

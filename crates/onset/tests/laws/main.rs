@@ -8,6 +8,7 @@ mod extremes;
 mod intervals;
 mod lanes;
 mod library;
+mod mullins;
 mod numbers;
 mod plane_stress;
 #[path = "../shared/random.rs"]

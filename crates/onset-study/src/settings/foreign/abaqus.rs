@@ -152,8 +152,13 @@ fn unread(blocks: &[Block<'_>]) -> Result<Unread, Trouble> {
                 .iter()
                 .for_each(|(name, value)| add(name, value));
         }
-        let is_prony = block.keyword == "VISCOELASTIC" && block.value("TIME") == Some("PRONY");
-        if block.keyword == "MATERIAL" || is_table || is_prony {
+        // A law with a Prony series does not soften here.
+        if block.is_softening() && !blocks.iter().any(Block::is_series) {
+            let constants = block.constants(3, &mut unread)?;
+            unread.softening = constants.try_into().ok();
+            continue;
+        }
+        if block.keyword == "MATERIAL" || is_table || block.is_series() {
             continue;
         }
         if block.line != line {
@@ -181,7 +186,7 @@ fn unread(blocks: &[Block<'_>]) -> Result<Unread, Trouble> {
             }
         }
         if let Some(viscous) = viscous {
-            let is_prony = viscous.value("TIME") == Some("PRONY");
+            let is_prony = viscous.is_series();
             let mut terms = Vec::new();
             for (line, text) in viscous.data.iter().filter(|_| is_prony) {
                 let mut fields = text.split(',').map(|field| number(field, *line));
@@ -320,6 +325,19 @@ impl Block<'_> {
     fn value(&self, parameter: &str) -> Option<&str> {
         let found = self.parameters.iter().find(|(name, _)| name == parameter);
         found?.1.as_deref()
+    }
+
+    /// Returns true for viscoelasticity with a Prony series.
+    fn is_series(&self) -> bool {
+        self.keyword == "VISCOELASTIC" && self.value("TIME") == Some("PRONY")
+    }
+
+    /// Returns true for the Mullins effect with constants at one temperature.
+    fn is_softening(&self) -> bool {
+        self.program == Program::Abaqus
+            && self.keyword == "MULLINSEFFECT"
+            && self.data.len() == 1
+            && !["TESTDATAINPUT", "USER"].iter().any(|form| self.has(form))
     }
 
     /// Value of a parameter that is a small integer; 1 if it is missing.

@@ -175,6 +175,9 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
     let mut is_open = false;
     // Part of the stress, shear or bulk, whose table of relaxation is open.
     let mut relaxing: Option<&str> = None;
+    // Line and constants of the Mullins effect, and whether their table is open.
+    let mut softening: Option<(usize, [f64; 3])> = None;
+    let mut is_softening = false;
     for (line, fields) in commands(text) {
         let field = |place: usize| fields.get(place).map_or("", String::as_str);
         let is_of_own = |own: &str| field(2) == own || field(2).is_empty();
@@ -183,6 +186,7 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
                 && found.is_none()
                 && material.is_none_or(|wanted| field(2) == wanted);
             relaxing = None;
+            is_softening = false;
             if field(1) == "HYPER" {
                 if is_open {
                     at = with_law.len();
@@ -207,6 +211,27 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
                     by: "the convention of ANSYS",
                 });
             }
+            let has_form = |table: &Table| !["BLATZ", "FOAM"].contains(&table.form.as_str());
+            if field(1) == "CDM"
+                && field(5) == "PSE2"
+                && found.as_ref().is_some_and(has_form)
+                && is_of_own(&own_material)
+                && softening.is_none()
+            {
+                is_softening = true;
+                softening = Some((line, [0.0; 3]));
+                unread.parts.pop();
+            }
+        } else if let (true, "TBDATA", Some((_, constants))) =
+            (is_softening, field(0), &mut softening)
+        {
+            let start = field(1).parse().unwrap_or(1_usize).max(1) - 1;
+            for (place, text) in fields.iter().skip(2).enumerate() {
+                if let Some(own) = constants.get_mut(start.saturating_add(place)) {
+                    *own = number(text, line)?;
+                }
+            }
+            continue;
         } else if field(0) == "TBDATA" && !is_open {
             if let (Some(part), Some(relaxation)) = (relaxing, &mut unread.relaxation) {
                 let pairs = fields.get(2..).unwrap_or_default().chunks(2);
@@ -296,6 +321,13 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
             }
             _ => {}
         }
+    }
+    match softening {
+        // A law with a Prony series does not soften here.
+        Some((line, _)) if unread.relaxation.is_some() => {
+            unread.parts.push(("TB,CDM with PSE2".to_owned(), line));
+        }
+        other => unread.softening = other.map(|(_, constants)| constants),
     }
     unread.material = Some(Chosen {
         name: own_material,

@@ -3,6 +3,7 @@
 use super::marlow::Table;
 use super::unread::{Chosen, Relaxation};
 use super::{Reading, Trouble, Unread};
+use crate::settings::softening::assignments as softening_assignments;
 use crate::shell::quoted;
 
 /// Law that was read from a block.
@@ -363,7 +364,9 @@ impl ForeignLaw {
             }
         }
         let relaxation = self.unread.relaxation.iter();
-        for assignment in relaxation.flat_map(Relaxation::assignments) {
+        let softening = self.unread.softening.iter();
+        let relaxation = relaxation.flat_map(Relaxation::assignments);
+        for assignment in relaxation.chain(softening.flat_map(softening_assignments)) {
             if !is_set(&key_of(&assignment)) {
                 assignments.push(assignment);
             }

@@ -14,6 +14,8 @@ pub(super) struct Unread {
     pub material: Option<Chosen>,
     /// Viscoelasticity of the law, which is read if it is a Prony series; `None` for an elastic law.
     pub relaxation: Option<Relaxation>,
+    /// Constants `[r, m, beta]` of the Mullins effect; `None` for a law without it.
+    pub softening: Option<[f64; 3]>,
 }
 
 /// Material that is read, of the materials with a law in a deck.

@@ -128,7 +128,7 @@ impl MaterialSettings {
             settings.assign(assignment)?;
         }
         study.check_nothing_is_left_open(|key| {
-            !key.is_parameter() || settings.origin(key.name).is_some()
+            key.parts().0 != "material" || settings.origin(key.name).is_some()
         })?;
         settings.material.check(&[])?;
         settings.material.check_in_space()?;

@@ -528,6 +528,8 @@ fn writing_a_study_out_in_full_does_not_change_it() {
             "[1.5, 2]",
         ),
         with_axis("material.model = 'blatz-ko'\n", "material.mu", "[1, 1e16]"),
+        format!("material.prony = '{PRONY}'\n{PLANE}"),
+        format!("material.mullins-r = 2\nmaterial.mullins-m = 0.1\n{PLANE}"),
         format!("map.adaptive = true\nmap.certify = true\nmap.tolerance = 1e-7\n{PLANE}"),
     ];
     for text in &texts {
@@ -539,8 +541,8 @@ fn writing_a_study_out_in_full_does_not_change_it() {
         assert_eq!((again.state, again.map), (study.state, study.map));
         assert_eq!(again.settings.discretization, study.settings.discretization);
         assert_eq!(
-            again.settings.material.values(),
-            study.settings.material.values()
+            again.settings.material.entries(),
+            study.settings.material.entries()
         );
     }
     let overridden = study(PLANE).override_with(&["map.tile=8"]).expect("valid");
@@ -553,6 +555,7 @@ fn setting(key: &Key) -> (String, serde_json::Value) {
     let owner = Model::all().find(|model| model.takes(key.parts().1));
     let model = match (key.parts(), owner) {
         (("material", "model" | "prony" | "moduli" | "loading"), _) => String::new(),
+        _ if is_of_softening(key) => String::new(),
         (("material", own), Some(model)) => {
             let needed = ["energy", "library"].map(|name| {
                 let is_needed = own != name && model.keys().iter().any(|key| key.parts().1 == name);
@@ -569,7 +572,7 @@ fn setting(key: &Key) -> (String, serde_json::Value) {
         Kind::Text => "J \" \\ \n".into(),
         Kind::Numbers(..) => vec![1.5, -2.0].into(),
         Kind::Whole(least, _) if key.parts().0 == "material" => least.into(),
-        _ if key.is_parameter() => default_of(key).into(),
+        _ if key.is_parameter() || is_of_softening(key) => default_of(key).into(),
         // Some numbers have no default: they are computed unless set.
         _ if key.default_json().is_null() => 0.5.into(),
         _ => key.default_json(),
@@ -584,6 +587,14 @@ fn needed(key: &Key) -> String {
     }
     if ["material.moduli", "material.loading"].contains(&key.name) {
         return format!("material.prony = \"{PRONY}\"\n");
+    }
+    if is_of_softening(key) {
+        let constants = [("r", 2.0), ("m", 0.1), ("beta", 0.1)];
+        let named = constants.map(|(own, value)| (format!("material.mullins-{own}"), value));
+        let others = named.iter().filter(|(name, _)| name != key.name);
+        return others
+            .map(|(name, value)| format!("{name} = {value}\n"))
+            .collect();
     }
     let cases = key.all_needs();
     let line = |need: &Need| {
@@ -628,8 +639,14 @@ fn needed(key: &Key) -> String {
 fn default_of(key: &Key) -> f64 {
     Model::all()
         .flat_map(Model::parameters)
+        .chain(&onset::material::MULLINS)
         .find(|parameter| parameter.name == key.parts().1)
         .map_or(f64::NAN, |parameter| parameter.default)
+}
+
+/// Returns true for keys of the Mullins effect.
+fn is_of_softening(key: &Key) -> bool {
+    key.name.starts_with("material.mullins-")
 }
 
 /// Returns true for moduli, which are set in pairs and have separate tests.
@@ -695,8 +712,9 @@ fn every_quantity_can_be_an_axis() {
         let range = |low: f64| format!("[{low:?}, {:?}]", low + 0.01 + 0.02 * low.abs());
         let (before, other, range) = match quantity {
             Quantity::Stretch(1) => (String::new(), "stretch-2", range(1.1)),
-            Quantity::Setting(key) if key.is_parameter() => {
-                (setting(key).0, "stretch-1", range(default_of(key)))
+            Quantity::Setting(key) if key.is_parameter() || is_of_softening(key) => {
+                let before = format!("{}{}", setting(key).0, needed(key));
+                (before, "stretch-1", range(default_of(key)))
             }
             Quantity::Setting(key) => {
                 // A fraction is at most one.
