@@ -934,7 +934,13 @@ class Verdicts:
     #: Names of the verdicts, in the order of `codes`.
     names: tuple[str, ...] = tuple(_onset.verdict_names())
 
-    def __init__(self, columns: Mapping[str, bytes], shape: tuple[int, ...], dimension: int) -> None:
+    def __init__(
+        self,
+        columns: Mapping[str, bytes],
+        shape: tuple[int, ...],
+        dimension: int,
+        steps: Callable[[], bytes] | None = None,
+    ) -> None:
         def of(name: str) -> Floats:
             return received(columns[name], shape)
 
@@ -946,15 +952,30 @@ class Verdicts:
         self.lowest_omega_squared: Floats = of("lowest_omega_squared")
         #: Growth rate of the fastest growing wave, zero if no wave grows, shape (...); 1/time.
         self.growth_rate: Floats = of("growth_rate")
-        #: Critical time step of the infinite lattice, ``2/omega_max`` for central differences, shape (...); time. Free faces and distorted cells need a
-        #: smaller step.
-        self.critical_time_step: Floats = of("critical_time_step")
+        #: Mechanisms of numerical instabilities by name, empty for other verdicts, shape (...).
+        self.mechanism: NDArray[np.str_] = np.array(_onset.mechanism_names())[of("mechanism").astype(np.int8)]
+        self._steps: Floats | None = None if steps else of("critical_time_step")
+        self._searched = steps
         #: Smallest acoustic eigenvalue of the continuum, shape (...); stress.
         self.acoustic_minimum: Floats = of("acoustic_minimum")
         #: Reference wave vector of `scaled_minimum`, shape (..., D); 1/length.
         self.wave_vector: Floats = received(columns["wave_vector"], (*shape, dimension))
         #: Reference direction of `acoustic_minimum`, a unit vector, shape (..., D).
         self.acoustic_direction: Floats = received(columns["acoustic_direction"], (*shape, dimension))
+
+    @property
+    def critical_time_step(self) -> Floats:
+        """Critical time step of the infinite lattice, ``2/omega_max`` for central differences, shape (...); time.
+
+        Free faces and distorted cells need a smaller step. With damping the steps are searched for when they are first asked for.
+        """
+        if self._steps is None:
+            steps = cast("Callable[[], bytes]", self._searched)
+            self._steps, self._searched = received(steps(), self.codes.shape), None
+        return self._steps
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_steps": self.critical_time_step, "_searched": None}
 
     @property
     def verdict(self) -> NDArray[np.str_]:
@@ -984,7 +1005,7 @@ class Verdicts:
             for name in ("scaled_minimum", "lowest_omega_squared", "growth_rate", "critical_time_step", "acoustic_minimum")
         }
         vectors = _components("wave_vector", self.wave_vector) | _components("acoustic_direction", self.acoustic_direction)
-        columns = {"verdict": self.verdict, **numbers, **vectors}
+        columns = {"verdict": self.verdict, "mechanism": self.mechanism, **numbers, **vectors}
         return cast("pandas.DataFrame", _frames().DataFrame({name: np.ravel(column) for name, column in columns.items()}))
 
     def count(self) -> dict[str, int]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 import os
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 from uuid import uuid4
@@ -470,7 +471,8 @@ def verdicts(
     """
     problem = problem_of(material, method)
     states, shape = deformations(F, stretch, problem.dimension)
-    return Verdicts(problem.verdicts(states), shape, problem.dimension)
+    steps = partial(problem.critical_time_steps, states) if problem.is_damped else None
+    return Verdicts(problem.verdicts(states), shape, problem.dimension, steps)
 
 
 @asks

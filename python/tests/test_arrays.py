@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import threading
 import time
 
@@ -27,10 +28,23 @@ def test_array_verdicts_agree_with_single_states(method: onset.Method) -> None:
             continue
         one = onset.state(RUBBER, method, F=F[place][:dimension, :dimension])
         assert many.verdict[place] == one.verdict
+        assert many.mechanism[place] == (one.mechanism or "")
         np.testing.assert_allclose(many.growth_rate[place], one.growth_rate, rtol=1e-9, atol=1e-12)
         np.testing.assert_allclose(many.acoustic_minimum[place], one.minimum_acoustic_eigenvalue, rtol=1e-9, atol=1e-9)
         if one.critical_time_step is not None:
             np.testing.assert_allclose(many.critical_time_step[place], one.critical_time_step, rtol=1e-9)
+
+
+def test_damping_costs_verdicts_nothing_and_time_steps_are_searched_for_when_asked_for() -> None:
+    viscous = onset.Method("updated-sph", lattice="square", kernel="cubic-spline", support=2.6, viscosity=0.1)
+    stretches = [(1.0, 1.0), (1.1, 0.95)]
+    many, plain = (onset.verdicts(RUBBER, method, stretch=stretches) for method in (viscous, SPH))
+    assert many.verdict.tolist() == plain.verdict.tolist()
+    assert many._steps is None
+    again = pickle.loads(pickle.dumps(many))
+    for n, stretch in enumerate(stretches):
+        step = onset.state(RUBBER, viscous, stretch=stretch).discretization.damped_time_steps.kick_drift_kick
+        np.testing.assert_allclose([many.critical_time_step[n], again.critical_time_step[n]], step, rtol=1e-6)
 
 
 def test_results_do_not_depend_on_the_batch_size() -> None:

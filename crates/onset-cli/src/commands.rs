@@ -43,8 +43,8 @@ use onset_study::kernels;
 use onset_study::output::{Files, Output, OutputError, picture};
 use onset_study::reproduce;
 use onset_study::settings::{
-    MaterialSettings, Program, Reading, SettingError, Settings, Study, Trust, did_you_mean, law_of,
-    is_preset, preset_names,
+    MaterialSettings, Program, Reading, SettingError, Settings, Study, Trust, did_you_mean,
+    is_preset, law_of, preset_names,
 };
 use onset_study::zoo::is_entry;
 use std::fmt::Display;

@@ -36,7 +36,7 @@ mod _onset {
     #[pymodule_export]
     use crate::methods::{compare, modes, recommend, tune};
     #[pymodule_export]
-    use crate::names::{check, keys, models, notes, verdict_names, version};
+    use crate::names::{check, keys, mechanism_names, models, notes, verdict_names, version};
     #[pymodule_export]
     use crate::plastic::localize;
     #[pymodule_export]

@@ -1,6 +1,8 @@
 //! Names and descriptions of keys, laws and verdicts for the Python package.
 
 use crate::failure::Failure;
+use crate::problem::MECHANISMS;
+use onset::verdict::Mechanism;
 use onset_study::Verdict;
 use onset_study::settings::{self, Key, Model, Settings};
 use pyo3::prelude::*;
@@ -37,6 +39,13 @@ pub fn check(assignments: Vec<String>) -> Result<(), Failure> {
 #[pyfunction]
 pub fn notes() -> Vec<String> {
     settings::notes_on_settings()
+}
+
+/// Names of the mechanisms in the order of their numbers; the last name is empty, for states without one.
+#[pyfunction]
+pub fn mechanism_names() -> Vec<&'static str> {
+    let names = MECHANISMS.into_iter().map(Mechanism::name);
+    names.chain([""]).collect()
 }
 
 /// Names of the verdicts in the order of their numbers; the last name is for states where the method cannot be evaluated.

@@ -8,6 +8,7 @@ use crate::interrupt::{self, Interrupt};
 use onset::analysis::PlaneWaves;
 use onset::cancel::Scope;
 use onset::kinematics::DeformationGradient;
+use onset::verdict::Mechanism;
 use onset_study::Verdict;
 use onset_study::answers::{
     self, Course, Diagram, PathAnswer, PathSamples, ProblemError, StateAnswer, StateQuestion,
@@ -306,7 +307,7 @@ impl Problem {
         interrupt::answer(py, move || along(problem, course))
     }
 
-    /// Verdicts on states of nine components each, computed as in a map: one column of bytes for each quantity.
+    /// Verdicts on states of nine components each, computed as in a map: one column of bytes for each quantity. The time steps of damped waves are NaN.
     fn verdicts<'py>(
         &self,
         py: Python<'py>,
@@ -314,10 +315,14 @@ impl Problem {
     ) -> PyResult<Bound<'py, PyDict>> {
         let components = numbers(py, &components)?;
         let problem = Arc::clone(&self.0);
-        let records = interrupt::answer(py, move || records(&problem, &components))?;
+        let records = interrupt::answer(py, move || {
+            records(&problem, &components, Evaluator::for_verdicts)
+        })?;
         let columns = PyDict::new(py);
         let flags: Vec<f64> = records.iter().map(flag).collect();
         columns.set_item("verdict", bytes(py, &flags))?;
+        let mechanisms: Vec<f64> = records.iter().map(mechanism).collect();
+        columns.set_item("mechanism", bytes(py, &mechanisms))?;
         let number = |take: fn(&Record) -> f64| -> Vec<f64> { records.iter().map(take).collect() };
         for (name, take) in NUMBERS {
             columns.set_item(name, bytes(py, &number(*take)))?;
@@ -331,6 +336,25 @@ impl Problem {
             columns.set_item(name, bytes(py, &vectors))?;
         }
         Ok(columns)
+    }
+
+    /// Critical time steps of states of nine components each, as in a map.
+    fn critical_time_steps<'py>(
+        &self,
+        py: Python<'py>,
+        components: PyBuffer<f64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let components = numbers(py, &components)?;
+        let problem = Arc::clone(&self.0);
+        let records = interrupt::answer(py, move || records(&problem, &components, |own| own))?;
+        let steps: Vec<f64> = records.iter().map(|own| own.critical_time_step).collect();
+        Ok(bytes(py, &steps).into_any())
+    }
+
+    /// Whether the critical time steps of damped waves need a search of their own.
+    #[getter]
+    fn is_damped(&self) -> bool {
+        self.0.analysis.is_damped()
     }
 
     /// Squared frequencies of the particles, real and imaginary parts, for each state, each reference wave vector and each branch; 1/time^2.
@@ -606,11 +630,31 @@ fn flag(record: &Record) -> f64 {
     place.unwrap_or(Verdict::ALL.len()) as f64
 }
 
+/// Number of a mechanism, or the number of mechanisms if there is none.
+fn mechanism(record: &Record) -> f64 {
+    let place = |own| MECHANISMS.iter().position(|other| *other == own);
+    let place = record.mechanism.and_then(place);
+    place.unwrap_or(MECHANISMS.len()) as f64
+}
+
+/// Mechanisms in the order of their numbers.
+pub const MECHANISMS: [Mechanism; 4] = [
+    Mechanism::Tensile,
+    Mechanism::Compressive,
+    Mechanism::Flutter,
+    Mechanism::LongWave,
+];
+
 /// Records of states as computed by a map, on all cores.
-fn records(problem: &answers::Problem, components: &[f64]) -> Result<Vec<Record>, Failure> {
+fn records(
+    problem: &answers::Problem,
+    components: &[f64],
+    prepared: fn(Evaluator) -> Evaluator,
+) -> Result<Vec<Record>, Failure> {
     let states = states(problem, components)?;
     let map = MapSettings::default();
     let evaluator = Evaluator::new(problem.settings.clone(), &map, states.len() >= MANY_STATES)?;
+    let evaluator = prepared(evaluator);
     let shares = 4 * rayon::current_num_threads();
     let part = states.len().div_ceil(shares).clamp(1, BATCH_STATES);
     let scope = Scope::current();

@@ -8,9 +8,11 @@ use onset::analysis::Analysis;
 use onset::certificate::{Certainty, Certificate};
 use onset::continuum::AcousticMinimum;
 use onset::kinematics::DeformationGradient;
+use onset::material::Hyperelastic;
 use onset::method::MethodError;
 use onset::time_step::Integrator;
-use onset::verdict::SurveyedState;
+use onset::verdict::{Mechanism, SurveyedState, Verdict};
+use std::sync::Arc;
 
 /// Material and discretization, prepared for the evaluation of states.
 pub struct Evaluator {
@@ -28,6 +30,10 @@ pub struct Evaluator {
     is_damped: bool,
     /// Whether the method defines its time step.
     is_transferred: bool,
+    /// Law of the problem, for the mean stress that names a mechanism.
+    material: Option<Arc<dyn Hyperelastic>>,
+    /// Whether mechanisms are named, and the time steps of damped waves omitted.
+    is_for_verdicts: bool,
 }
 
 impl Evaluator {
@@ -42,9 +48,10 @@ impl Evaluator {
             true => analysis.for_many_states(),
             false => Ok(analysis),
         };
-        let mut stiffer = None;
+        let (mut stiffer, mut material) = (None, None);
         let analysis = match Problem::new(settings.clone()) {
             Ok(problem) => {
+                material = Some(Arc::clone(&problem.material));
                 if settings.material.has_stiffer_increments() {
                     stiffer = Some(prepared(problem.stiffer()?.analysis)?);
                 }
@@ -63,6 +70,8 @@ impl Evaluator {
             integrator,
             is_damped: false,
             is_transferred: false,
+            material,
+            is_for_verdicts: false,
         };
         let Some(analysis) = analysis else {
             return Ok(evaluator);
@@ -72,6 +81,23 @@ impl Evaluator {
         evaluator.is_transferred = analysis.is_transferred();
         evaluator.analysis = Some(prepared(analysis)?);
         Ok(evaluator)
+    }
+
+    /// Names the mechanism of each numerical instability, and omits the time steps of damped waves, whose search takes most of the time.
+    pub fn for_verdicts(self) -> Self {
+        Self {
+            is_for_verdicts: true,
+            ..self
+        }
+    }
+
+    /// Mechanism of a numerical instability, as [`Assessment::mechanism`](onset::verdict::Assessment::mechanism).
+    fn mechanism(&self, f: &DeformationGradient, state: &SurveyedState<3>) -> Option<Mechanism> {
+        let material = self.material.as_ref()?;
+        let cauchy = material.response(f).ok()?.cauchy();
+        let dimension = self.settings.dimension();
+        let mean = (0..dimension).map(|i| cauchy[(i, i)]).sum::<f64>() / dimension as f64;
+        Some(Mechanism::of(state.stability, state.long_waves_grow, mean))
     }
 
     /// Returns the record of each state, in order. The record of a state does not depend on the other states.
@@ -114,6 +140,9 @@ impl Evaluator {
         f: &DeformationGradient,
         state: &SurveyedState<3>,
     ) -> Result<f64, MethodError> {
+        if self.is_damped && self.is_for_verdicts {
+            return Ok(f64::NAN);
+        }
         if self.is_damped {
             return analysis.critical_time_step(f, self.integrator);
         }
@@ -131,6 +160,9 @@ impl Evaluator {
         match surveyed {
             Ok(state) => {
                 let mut record = self.surveyed(&state);
+                if self.is_for_verdicts && state.verdict == Verdict::Numerical {
+                    record.mechanism = self.mechanism(f, &state);
+                }
                 let step = self.time_step(analysis, f, &state)?;
                 record.critical_time_step = if step.is_finite() { step } else { f64::NAN };
                 if self.is_transferred {

@@ -2,7 +2,7 @@
 
 use onset::bloch::Stability;
 use onset::certificate::{self, Certificate, Reason};
-use onset::verdict::Verdict;
+use onset::verdict::{Mechanism, Verdict};
 
 /// Verdict and stability of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -148,6 +148,8 @@ pub struct Record {
     pub measures: [f64; 3],
     /// Proved facts about the state.
     pub proof: Proof,
+    /// Mechanism of a numerical instability; `None` in maps, which do not store it.
+    pub mechanism: Option<Mechanism>,
 }
 
 impl Record {
@@ -164,6 +166,7 @@ impl Record {
         critical_time_step: f64::NAN,
         measures: [f64::NAN; 3],
         proof: Proof::NONE,
+        mechanism: None,
     };
 }
 

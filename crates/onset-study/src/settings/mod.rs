@@ -35,6 +35,7 @@ mod trust;
 pub(crate) mod units;
 
 pub(crate) use aliases::all as aliases;
+pub use aliases::is_preset;
 pub use axis::{Axis, Quantity};
 pub use body::{BODY_KEYS, BodySettings, GRIP_KEYS};
 pub use comparison::{COMPARISON_KEYS, Candidate, CompareSettings, Comparison};
@@ -52,7 +53,6 @@ pub use model::{HandedLaw, Model, OwnModel};
 pub use needs::{Cases, Need, Unmet};
 pub use notes::notes_on_settings;
 pub use onset::material::Admitted;
-pub use aliases::is_preset;
 pub use presets::preset_names;
 pub(crate) use renamed::topic as renamed_topic;
 pub use renamed::{renamed_command, verdict as verdict_named};

@@ -15,6 +15,8 @@ const UNDAMPED_TOLERANCE: f64 = 1e-10;
 const STEPS_TO_BOUND: usize = 24;
 const STEP_GROWTH: f64 = 1.05;
 const MAX_RAY_LENGTH: f64 = 1e4;
+/// Growth rate that an integrator may add to a wave, as a fraction of the fastest growth in the state.
+const SLACK: f64 = 0.01;
 /// Number of halvings of the interval that contains the loss of stability, and number of halvings within which a first stable step must be found.
 const HALVINGS: usize = 28;
 const MAX_STEP_HALVINGS: usize = 40;
@@ -145,6 +147,8 @@ struct DampedWave {
     rates: Vec<Complex>,
     /// Scale of steps: the largest step without damping, or the fastest decay if nothing oscillates.
     bound: f64,
+    /// Rate of growth that an integrator may add, zero in stable states; 1/time.
+    slack: f64,
 }
 
 /// Source of the amplification factors of a step.
@@ -187,6 +191,18 @@ impl DampedWave {
             },
             rates,
             bound: 2.0 / fastest,
+            slack: 0.0,
+        }
+    }
+
+    /// The wave in a state whose fastest wave grows at a given rate.
+    ///
+    /// Beside the waves that grow are waves that hardly decay, and an integrator that is accurate to second order makes some of them grow at any step.
+    /// This growth counts if it is not small against the growth of the state.
+    fn beside(self, growth: f64) -> Self {
+        Self {
+            slack: SLACK * growth,
+            ..self
         }
     }
 
@@ -211,7 +227,7 @@ impl DampedWave {
                 None => f64::INFINITY,
             },
         };
-        modulus - 1.0 - rounding
+        modulus - 1.0 - rounding - self.slack * step
     }
 
     fn rounding(&self) -> f64 {
@@ -225,7 +241,7 @@ impl DampedWave {
     /// Largest stable step of the wave.
     fn critical_step(&self) -> f64 {
         match &self.factors {
-            Factors::Polynomial(polynomial) => {
+            Factors::Polynomial(polynomial) if self.slack == 0.0 => {
                 let bounded = self.rates.iter().filter(|rate| rate.re <= 0.0);
                 let oscillating = bounded
                     .map(|rate| (rate, rate.norm()))
@@ -234,7 +250,7 @@ impl DampedWave {
                     .map(|(rate, size)| runge_kutta::reach(polynomial, rate / size) / size);
                 steps.fold(f64::INFINITY, f64::min)
             }
-            Factors::Matrix(..) => self.first_loss(1.02 * self.bound),
+            _ => self.first_loss(1.02 * self.bound),
         }
     }
 
@@ -303,16 +319,22 @@ pub fn undamped_time_step(integrator: Integrator, largest_frequency: f64) -> f64
 
 /// Returns the largest stable step of an integrator at a state: the minimum over the zone. Time.
 ///
-/// In an unstable state only the waves that do not grow are considered. The result is infinite if nothing oscillates, and zero if no step is stable.
-/// Without damping the largest frequency over the zone determines the step. With damping the search minimizes the step over all waves.
+/// In an unstable state only the waves that do not grow are considered; with damping the integrator may let them grow at 1 % of the rate of the fastest
+/// wave. The result is infinite if nothing oscillates, and zero if no step is stable. Without damping the largest frequency over the zone determines the
+/// step. With damping the search minimizes the step over all waves.
 pub fn critical_time_step<const D: usize>(
     system: &WaveSystem<D>,
     integrator: Integrator,
     search: &ZoneSearch<D>,
 ) -> f64 {
+    let summary = search.summary_of(system);
     if system.damping().is_none() {
-        return undamped_time_step(integrator, search.summary_of(system).maximum_omega);
+        return undamped_time_step(integrator, summary.maximum_omega);
     }
-    let at = |k: &SVector<f64, D>| critical_time_step_at(system, integrator, k);
+    let growth = summary.growth_rate();
+    let at = |k: &SVector<f64, D>| {
+        let wave = DampedWave::new(system, integrator, k);
+        wave.beside(growth).critical_step()
+    };
     search.least_of(system, &at).0
 }

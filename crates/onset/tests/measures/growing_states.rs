@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, SVector};
 use onset::algebra::Complex;
 use onset::bloch::WaveSystem;
 use onset::kinematics::DeformationGradient;
-use onset::lattice::{Crystal, LatticeKind};
+use onset::lattice::{BravaisLattice, Crystal, LatticeKind};
 use onset::material::ModifiedMooneyRivlin;
 use onset::scheme::Discretization;
 use onset::scheme::sph::{UpdatedSph, UpdatedSphChoices};
@@ -17,22 +17,22 @@ fn moduli(matrix: DMatrix<Complex>) -> Vec<f64> {
     values.iter().map(|z| z.norm()).collect()
 }
 
-/// Number of growing solutions of the equations of a wave, and of an integrator.
+/// Number of growing solutions of the equations of a wave, and of an integrator, which may add a small part of the growth of the state.
 fn growing(
     waves: &WaveSystem<2>,
     integrator: Integrator,
-    step: f64,
+    (step, growth): (f64, f64),
     k: &SVector<f64, 2>,
 ) -> (usize, usize) {
     let exact = waves.frequencies(k).into_iter();
     let exact = exact.filter(|omega| omega.im > 1e-7).count();
     let matrix = Amplification::new(waves, k).matrix(integrator, step);
     let discrete = moduli(matrix).into_iter();
-    (exact, discrete.filter(|z| *z > 1.0 + 1e-6).count())
+    let most = 1.0 + 1e-6 + 0.01 * growth * step;
+    (exact, discrete.filter(|z| *z > most).count())
 }
 
-#[test]
-fn the_damped_step_of_a_growing_state_is_the_step_of_its_waves_that_do_not_grow() {
+fn viscous() -> (BravaisLattice<2>, UpdatedSph<2>) {
     let lattice = LatticeKind::Hexagonal.lattice::<2>(1.0).expect("a lattice");
     let choices = UpdatedSphChoices {
         viscosity: Some(ArtificialViscosity {
@@ -41,11 +41,39 @@ fn the_damped_step_of_a_growing_state_is_the_step_of_its_waves_that_do_not_grow(
         }),
         ..UpdatedSphChoices::default()
     };
-    let sph = UpdatedSph::new(Crystal::of_lattice(lattice), choices).expect("a method");
+    let crystal = Crystal::of_lattice(lattice);
+    (
+        lattice,
+        UpdatedSph::new(crystal, choices).expect("a method"),
+    )
+}
+
+/// Among the waves between those that grow and those that decay are some that an integrator makes grow very slowly at any step.
+#[test]
+fn waves_that_hardly_decay_beside_growing_waves_do_not_limit_the_step() {
+    let (_, sph) = viscous();
+    let law = ModifiedMooneyRivlin::default();
+    let survey = Survey::new(&sph, &law).expect("a survey");
+    for n in 0..12 {
+        let stretch = 1.1 + 0.02 * f64::from(n);
+        let state = DeformationGradient::from_stretches([stretch, 1.0, 1.0]).expect("a state");
+        let undamped = 2.0 / survey.spectrum(&state).expect("a spectrum").maximum_omega;
+        for integrator in [Integrator::CentralDifferences, Integrator::KickDriftKick] {
+            let step = survey.critical_time_step(&state, integrator);
+            let share = step.expect("a step") / undamped;
+            assert!(share > 0.8, "{integrator:?} at {stretch}: {share}");
+        }
+    }
+}
+
+#[test]
+fn the_damped_step_of_a_growing_state_is_the_step_of_its_waves_that_do_not_grow() {
+    let (lattice, sph) = viscous();
     let law = ModifiedMooneyRivlin::default();
     let survey = Survey::new(&sph, &law).expect("a survey");
     let state = DeformationGradient::from_stretches([1.1, 0.95, 1.0]).expect("a state");
-    assert!(survey.spectrum(&state).expect("a spectrum").growth_rate() > 0.0);
+    let growth = survey.spectrum(&state).expect("a spectrum").growth_rate();
+    assert!(growth > 0.0);
     let waves = sph.waves(&law, &state).expect("waves");
     let grid: Vec<SVector<f64, 2>> = (0..41 * 41)
         .map(|n| {
@@ -66,7 +94,9 @@ fn the_damped_step_of_a_growing_state_is_the_step_of_its_waves_that_do_not_grow(
         assert!(step > least, "{integrator:?}: {step}");
         // Slightly below the step no wave has a growing solution; clearly above it some waves do.
         let gained = |step: f64| {
-            let counts = grid.iter().map(|k| growing(&waves, integrator, step, k));
+            let counts = grid
+                .iter()
+                .map(|k| growing(&waves, integrator, (step, growth), k));
             counts.filter(|(exact, discrete)| discrete > exact).count()
         };
         assert_eq!(gained(0.99 * step), 0, "{integrator:?} at {step}");
