@@ -275,7 +275,7 @@ mod tests {
         let text = answer.text(false);
         assert_eq!(text.lines().count(), LINES, "{text}");
         for fact in [
-            "line 3\n",
+            "line 2\n",
             "limits      in tension\n",
             "one modulus\nnote: word word",
             "note: a third\n",
