@@ -815,11 +815,8 @@ def card(
     return Card(material_of(material)._law().card(_two(range, "range"), names(modes, "modes"), switch(incompressible, "incompressible")))
 
 
-#: Test: arrays of stretches, nominal stresses and, if measured, lateral stretches, or a table with columns of these names, or the path of a table.
+#: Test: arrays of stretches, nominal stresses and, if measured, lateral stretches, or a table with the names of columns of a file, or the path of a table.
 Test = Sequence[ArrayLike] | Mapping[str, ArrayLike] | str | os.PathLike[str] | Any
-
-#: Columns of a table of a test.
-COLUMNS = ("stretch", "nominal_stress", "lateral_stretch")
 
 
 @asks
@@ -853,10 +850,10 @@ def fit(
     ----------
     tests
         Mapping from the loading (``uniaxial``, ``equibiaxial``, ``planar``, ``simple-shear``, ``volumetric``) to a test, or paths of tables whose
-        names or comments contain the loading, or of a list of tests (TOML). A test is the path of a table, a pair of arrays of shape (n,), or a table with the columns ``stretch``,
-        ``nominal_stress`` and, if measured, ``lateral_stretch``, for example of pandas; ``stress [MPa]`` names the unit. The arrays are stretch (dimensionless) and nominal stress
-        (stress), and may be followed by the lateral stretch. Simple shear has the amount of shear as stretch, and a volumetric test the volume ratio
-        and the pressure.
+        names or comments contain the loading, or of a list of tests (TOML). A test is the path of a table, a pair of arrays of shape (n,), or a table, for
+        example of pandas, with the names of columns of a file: ``stretch`` or ``strain [%]``, ``nominal_stress [MPa]``, ``true_stress`` or ``force``,
+        and ``lateral_stretch`` if it was measured. The arrays are stretch (dimensionless) and nominal stress (stress), and may be followed by the lateral
+        stretch. Simple shear has the amount of shear as stretch, and a volumetric test the volume ratio and the pressure.
     law
         Names of laws, or ``all``.
     weights
@@ -916,7 +913,7 @@ def fit(
         fix=[(name, _finite(value, f"fix[{name!r}]")) for name, value in (fix or {}).items()],
         bound=[(name, _limits(value, f"bound[{name!r}]")) for name, value in (bound or {}).items()],
         bulk=None if bulk is None else positive(bulk, "bulk"),
-        unit=_stress_unit(tests, unit),
+        unit=unit,
         area=None if area is None else positive(area, "area"),
         range=None if range is None else pair(range, "range"),
         material=material,
@@ -938,103 +935,57 @@ def _limits(given: ArrayLike, what: str) -> tuple[float, float]:
     return low, high
 
 
-def _tests(tests: Any) -> list[tuple[str | None, str | None, list[list[float]]]]:
-    """Returns the loading, the path and the arrays of each test."""
+#: Loading, path, arrays, and columns by name of a test.
+_Given = tuple[str | None, str | None, list[list[float]], list[tuple[str, list[str]]]]
+
+
+def _tests(tests: Any) -> list[_Given]:
+    """Returns the loading of each test with its path, its arrays or its columns."""
     if isinstance(tests, (str, os.PathLike)):
         tests = [tests]
     if hasattr(tests, "columns"):
         raise TypeError('tests is a table; expected the loading of each test, for example {"uniaxial": table}')
+    found: list[_Given] = []
     if not isinstance(tests, Mapping):
-        found: list[tuple[str | None, str | None, list[list[float]]]] = [(None, place(path, "tests"), []) for path in listed(tests, "tests")]
+        found = [(None, place(path, "tests"), [], []) for path in listed(tests, "tests")]
     else:
-        found = []
         for mode, test in tests.items():
             if not isinstance(mode, str):
                 raise TypeError(f"tests has the key {mode!r}; expected the name of a loading")
-            is_path = isinstance(test, (str, os.PathLike))
-            found.append((mode, place(test, f"tests[{mode!r}]"), []) if is_path else (mode, None, _columns(test, mode, f"tests[{mode!r}]")))
+            found.append(_test(test, mode, f"tests[{mode!r}]"))
     if not found:
         raise InputError('tests is empty\n  hint: for example {"uniaxial": (stretch, stress)}')
     return found
 
 
-#: Other names of the columns of a table, as in files.
-OTHER_COLUMNS = {"stress": "nominal_stress", "engineering_stress": "nominal_stress", "gamma": "stretch", "shear_stress": "nominal_stress",
-                 "volume_ratio": "stretch", "pressure": "nominal_stress", "engineering_strain": "strain", "nominal_strain": "strain"}  # fmt: skip
+def _cells(values: Any, what: str) -> list[str]:
+    """Returns the cells of a column of a table; texts are read, or ignored, with the names of the columns."""
+    try:
+        array = numbers(values, what)
+    except TypeError:
+        return [str(value) for value in np.asarray(values).tolist()]
+    if array.ndim != 1:
+        raise InputError(f"{what} has the shape {array.shape}; expected (n,)")
+    return [repr(value) for value in array.tolist()]
 
 
-def _named(name: object) -> tuple[str, str]:
-    """Returns the meaning of a column as in ``COLUMNS``, and its unit in brackets or parentheses; empty without a unit."""
-    plain, _, unit = str(name).replace("(", "[").partition("[")
-    plain = plain.strip().lower().replace(" ", "_")
-    unit = unit.strip(" ])")
-    return OTHER_COLUMNS.get(plain, plain), "" if unit in ("-", "1") else unit
-
-
-def _is_table(test: object) -> bool:
-    return isinstance(test, Mapping) or hasattr(test, "columns")
-
-
-def _names(test: Any) -> list[Any]:
-    return list(test if isinstance(test, Mapping) else test.columns)
-
-
-def _stress_unit(tests: Any, unit: str | None) -> str | None:
-    """Returns the unit of stress that all tests have, from the names of their columns or as given."""
-    if not isinstance(tests, Mapping):
-        return unit
-    units: dict[str, str | None] = {}
-    for mode, test in tests.items():
-        if not isinstance(test, (str, os.PathLike)):
-            named = [_named(name) for name in _names(test)] if _is_table(test) else []
-            units[mode] = next((own for plain, own in named if plain == "nominal_stress" and own), unit)
-    for mode, own in units.items():
-        first = next(iter(units))
-        for other, known in ((f"tests[{first!r}]", units[first]), ("unit", unit or own)):
-            if own != known:
-                raise InputError(
-                    f"the stresses of tests[{mode!r}] have {f'the unit {own}' if own else 'no unit'}, {other} has {known or 'none'}\n"
-                    "  hint: convert one of them, or give tables as files, whose stresses are converted"
-                )
-    return next(iter(units.values()), unit)
-
-
-def _renamed(test: Any, mode: str, what: str) -> dict[str, Any]:
-    """Returns the columns of a table by their names in ``COLUMNS``. Strains, also in percent, become stretches, or amounts of shear."""
-    parts: dict[str, Any] = {}
-    for name in _names(test):
-        plain, unit = _named(name)
-        values = test[name]
-        is_strain = plain in ("strain", "lateral_strain")
-        if (is_strain or plain in ("stretch", "lateral_stretch")) and unit not in ("", "mm/mm", "m/m", "in/in", "%"[: int(is_strain)]):
-            raise InputError(f"the column {name!r} of {what} has the unit {unit}\n  hint: stretches have no unit; strains have no unit, or %")
-        if is_strain:
-            part = 0.01 if unit == "%" else 1.0
-            values = numbers(values, f"{name} of {what}") * part + (0.0 if mode == "simple-shear" else 1.0)
-            plain = "stretch" if plain == "strain" else "lateral_stretch"
-        parts.setdefault(plain, values)
-    return parts
-
-
-def _columns(test: Any, mode: str, what: str) -> list[list[float]]:
-    """Returns the arrays of a test."""
-    if _is_table(test):
-        named = [str(name) for name in _names(test)]
-        test = _renamed(test, mode, what)
-        if not set(COLUMNS[:2]) <= set(test):
-            raise InputError(f"{what} has the columns {', '.join(named)}; expected {' and '.join(COLUMNS[:2])}")
-        named = list(test)
-        parts = {name: test[name] for name in COLUMNS if name in named}
-    else:
-        items = listed(test, what)
-        if len(items) not in (2, 3):
-            raise InputError(f"{what} has {len(items)} parts; expected two arrays, stretch and nominal stress, or three with the lateral stretch")
-        parts = dict(zip(COLUMNS, items, strict=False))
-    arrays = {name: numbers(values, f"{name} of {what}") for name, values in parts.items()}
-    for name, array in arrays.items():
+def _test(test: Any, mode: str, what: str) -> _Given:
+    """Returns a test that is a path, a table with names of columns, or arrays."""
+    if isinstance(test, (str, os.PathLike)):
+        return mode, place(test, what), [], []
+    if isinstance(test, Mapping) or hasattr(test, "columns"):
+        names = list(test if isinstance(test, Mapping) else test.columns)
+        return mode, None, [], [(str(name), _cells(test[name], f"{name} of {what}")) for name in names]
+    items = listed(test, what)
+    if len(items) not in (2, 3):
+        raise InputError(f"{what} has {len(items)} parts; expected two arrays, stretch and nominal stress, or three with the lateral stretch")
+    arrays = []
+    for name, values in zip(("stretch", "nominal_stress", "lateral_stretch"), items, strict=False):
+        array = numbers(values, f"{name} of {what}")
         if array.ndim != 1:
             raise InputError(f"{name} of {what} has the shape {array.shape}; expected (n,)")
-    return [array.tolist() for array in arrays.values()]
+        arrays.append(array.tolist())
+    return mode, None, arrays, []
 
 
 def _two(given: ArrayLike, what: str) -> tuple[float, float]:

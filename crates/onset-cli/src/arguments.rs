@@ -1,6 +1,6 @@
 //! The arguments of the command line.
 
-use crate::drawing::DrawingArguments;
+use crate::drawing::{DrawingArguments, LookArguments};
 use crate::fail_on::FailOn;
 use crate::printing::PrintingArguments;
 use clap::{ArgGroup, Args, Parser, Subcommand};
@@ -326,6 +326,9 @@ pub enum Command {
         /// alone; nothing is written without it.
         #[arg(long, value_name = "DIR", conflicts_with = "wave_vector")]
         out: Option<PathBuf>,
+        /// Limit of the waves that the diagram marks as weakly controlled.
+        #[command(flatten)]
+        weak: WeakArgument,
         /// Options of the figure.
         #[command(flatten)]
         drawing: DrawingArguments,
@@ -511,6 +514,9 @@ pub enum Command {
         /// Folder for figures, data and the report.
         #[arg(long, value_name = "DIR", default_value = "reproduction")]
         out: PathBuf,
+        /// Options of the figures.
+        #[command(flatten)]
+        look: LookArguments,
     },
 }
 
@@ -719,6 +725,9 @@ pub struct ScreenArguments {
     /// Find the lowest modes of the body, with the tangent of all forces, in the frame nearest to this time: structural, localized, or short waves.
     #[arg(long, value_name = "TIME", value_parser = time, allow_negative_numbers = true)]
     pub actual: Option<f64>,
+    /// Limit of weak control: weaker waves explain short waves that do not grow.
+    #[command(flatten)]
+    pub weak: WeakArgument,
     /// Exit with code 3 if the first cause is one of these: physical, numerical, time-step, zero-energy, forced.
     #[arg(
         long,
@@ -1162,6 +1171,9 @@ pub struct CompareArguments {
     /// Libraries that the file may load.
     #[command(flatten)]
     pub trust: TrustArguments,
+    /// Limit of weak control: largest frequency relative to the slowest material wave.
+    #[command(flatten)]
+    pub weak: WeakArgument,
     /// Length of the printed answer.
     #[command(flatten)]
     pub detail: DetailArguments,

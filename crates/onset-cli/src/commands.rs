@@ -38,6 +38,7 @@ use onset_study::boundary::Tracing;
 use onset_study::catalog::{self, KeyList};
 use onset_study::compare::Thresholds;
 use onset_study::criteria::{Lateral, Mode};
+use onset_study::figure::Sheet;
 use onset_study::input;
 use onset_study::kernels;
 use onset_study::output::{Files, Output, OutputError, picture};
@@ -135,6 +136,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             wave_vector,
             path,
             out,
+            weak,
             drawing,
         } => {
             let output = drawing.output(
@@ -145,11 +147,17 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
             let problem = problem.build()?;
             let strain = strain.build(&problem)?;
             match wave_vector {
+                Some(_) if weak.share != Thresholds::default().weak => Err(Failure::input(
+                    "--weak has no effect: it marks waves in the diagram\n  hint: draw the diagram with --path",
+                )),
                 Some(wave_vector) => {
                     let waves = Waves::new(&problem, &strain, &wave_vector)?;
                     printing::print(&waves, waves.to_string().trim_end(), || waves.csv())
                 }
-                None => diagram(&problem, &strain, path.flatten().as_deref(), output),
+                None => {
+                    let path = path.flatten();
+                    diagram(&problem, &strain, path.as_deref(), weak.share, output)
+                }
             }
         }
         Command::Path {
@@ -222,7 +230,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
         Command::Fit(arguments) => fit::fit(&arguments),
         Command::Simulate(arguments) => simulate::simulate(&arguments),
         Command::Zoo(arguments) => zoo::zoo(&arguments),
-        Command::Reproduce { out } => reproduce(&out),
+        Command::Reproduce { out, look } => reproduce(&out, look.sheet()),
     }
 }
 
@@ -567,9 +575,10 @@ fn diagram(
     problem: &Problem,
     strain: &Strain,
     path: Option<&str>,
+    weak: f64,
     output: Option<Output>,
 ) -> Result<ExitCode, Failure> {
-    let diagram = Diagram::new(problem, strain, path)?;
+    let diagram = Diagram::new(problem, strain, path)?.weak_below(weak);
     let written = match output {
         Some(output) => output.write(&diagram.files())?,
         None => Vec::new(),
@@ -785,9 +794,9 @@ fn progress(steps: usize, what: &'static str) -> ProgressBar {
     bar
 }
 
-fn reproduce(out: &Path) -> Result<ExitCode, Failure> {
+fn reproduce(out: &Path, sheet: Sheet) -> Result<ExitCode, Failure> {
     let bar = progress(reproduce::STEP_COUNT, "steps:");
-    let report = reproduce::run(out, &|step| {
+    let report = reproduce::run(out, sheet, &|step| {
         bar.set_message(step.to_owned());
         bar.inc(1);
     })

@@ -18,16 +18,13 @@ pub fn is_picture(path: &Path) -> bool {
     ending.is_some_and(|own| FIGURE_ENDINGS.contains(&own) || OTHER_PICTURE_ENDINGS.contains(&own))
 }
 
-/// Options of commands that draw a figure.
+/// Options for size, frame and colors of figures.
 #[derive(Debug, Clone, Default, Args)]
-pub struct DrawingArguments {
+pub struct LookArguments {
     /// Width of the picture with a unit, for example 84mm: letters have 8 pt then; or width and height of a panel in pixels (96 per inch), for example
     /// 420,315. With stretches on both axes a panel may be smaller.
     #[arg(long, value_name = "SIZE", help_heading = "Look")]
     pub size: Option<Size>,
-    /// Title of the figure.
-    #[arg(long, value_name = "TEXT", help_heading = "Look")]
-    pub title: Option<String>,
     /// Draw neither title nor caption; NAME.txt has them as one paragraph for LaTeX.
     #[arg(long, help_heading = "Look")]
     pub bare: bool,
@@ -36,19 +33,40 @@ pub struct DrawingArguments {
     pub theme: Option<Theme>,
 }
 
+/// Options of commands that draw one figure.
+#[derive(Debug, Clone, Default, Args)]
+pub struct DrawingArguments {
+    /// Size, frame and colors.
+    #[command(flatten)]
+    pub look: LookArguments,
+    /// Title of the figure.
+    #[arg(long, value_name = "TEXT", help_heading = "Look")]
+    pub title: Option<String>,
+}
+
 fn theme(name: &str) -> Result<Theme, String> {
     let known = Theme::ALL.into_iter().find(|own| own.name() == name);
     known.ok_or_else(|| "expected light or dark".to_owned())
 }
 
-impl DrawingArguments {
-    /// The sheet of the figures.
+impl LookArguments {
+    /// The sheet of figures that keep their titles.
     pub fn sheet(&self) -> Sheet {
         Sheet {
             size: self.size,
-            title: self.title.clone(),
+            title: None,
             bare: self.bare,
             theme: self.theme.unwrap_or_default(),
+        }
+    }
+}
+
+impl DrawingArguments {
+    /// The sheet of the figure.
+    pub fn sheet(&self) -> Sheet {
+        Sheet {
+            title: self.title.clone(),
+            ..self.look.sheet()
         }
     }
 
@@ -58,10 +76,10 @@ impl DrawingArguments {
     /// [`Failure`] with the first option that has no effect.
     pub fn refuse_idle(&self, place: &str) -> Result<(), Failure> {
         let given = [
-            ("--size", self.size.is_some()),
+            ("--size", self.look.size.is_some()),
             ("--title", self.title.is_some()),
-            ("--bare", self.bare),
-            ("--theme", self.theme.is_some()),
+            ("--bare", self.look.bare),
+            ("--theme", self.look.theme.is_some()),
         ];
         match given.iter().find(|(_, is_given)| *is_given) {
             Some((option, _)) => Err(Failure::input(format!(

@@ -291,7 +291,8 @@ impl Iterator for Series {
     }
 }
 
-/// Frames in order of time, or of steps if some frames have no time; a frame whose time occurred before is skipped.
+/// Frames in order of time, or of steps if some frames have no time; a frame whose time occurred before is skipped. `ignored` receives notes on frames
+/// in another order and on repeated times.
 fn ordered(stamps: &[Stamp], ignored: &mut Vec<String>) -> Vec<(usize, Stamp)> {
     let mut frames: Vec<(usize, Stamp)> = stamps.iter().copied().enumerate().collect();
     let by_time = stamps.iter().all(|own| own.time.is_some());
@@ -302,6 +303,18 @@ fn ordered(stamps: &[Stamp], ignored: &mut Vec<String>) -> Vec<(usize, Stamp)> {
         (false, false) => Ordering::Less,
     };
     if by_time || by_step {
+        let is_before = |pair: &[Stamp]| compare(&pair[1], &pair[0]) == Ordering::Less;
+        match stamps.windows(2).filter(|pair| is_before(pair)).count() {
+            0 => {}
+            count => ignored.push(format!(
+                "the frames are not in order of {}, which decreases {}: they are sorted",
+                if by_time { "time" } else { "steps" },
+                match count {
+                    1 => "once".to_owned(),
+                    count => format!("{count} times"),
+                }
+            )),
+        }
         frames.sort_by(|(_, a), (_, b)| compare(a, b));
         let count = frames.len();
         frames.dedup_by(|(_, b), (_, a)| compare(a, b) == Ordering::Equal);

@@ -5,14 +5,19 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::problem::unknown;
 use onset_study::fit::{
-    Arrays, FittingError, Mode, Options, Reading, Source, Tests, criteria, families, fitted,
-    stable_range, weights,
+    Arrays, Columns, FittingError, Mode, Options, Reading, Source, Tests, criteria, families,
+    fitted, stable_range, weights,
 };
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
-/// Loading, with the path of a table or the arrays that replace it: stretches, nominal stresses and lateral stretches.
-type Given = (Option<String>, Option<PathBuf>, Vec<Vec<f64>>);
+/// Loading, with the path of a table, or the arrays that replace it (stretches, nominal stresses and lateral stretches), or its columns by name.
+type Given = (
+    Option<String>,
+    Option<PathBuf>,
+    Vec<Vec<f64>>,
+    Vec<(String, Vec<String>)>,
+);
 
 /// Tests, and the choices of the user.
 #[derive(FromPyObject)]
@@ -49,7 +54,7 @@ fn mode_named(name: &str) -> Result<Mode, Failure> {
     Mode::named(name).ok_or_else(|| unknown("loading", name, Mode::ALL.map(Mode::name)))
 }
 
-fn source((mode, path, arrays): Given) -> Result<Source, Failure> {
+fn source((mode, path, arrays, cells): Given) -> Result<Source, Failure> {
     let known = mode.as_deref().map(mode_named).transpose()?;
     if let Some(path) = path {
         return Ok(Source::File(path, known));
@@ -60,9 +65,13 @@ fn source((mode, path, arrays): Given) -> Result<Source, Failure> {
             "{name}: expected a loading, stretches and stresses"
         ))
     };
+    let mode = known.ok_or_else(missing)?;
+    if !cells.is_empty() {
+        return Ok(Source::Columns(Columns { name, mode, cells }));
+    }
     let mut arrays = arrays.into_iter();
     Ok(Source::Arrays(Arrays {
-        mode: known.ok_or_else(missing)?,
+        mode,
         stretch: arrays.next().ok_or_else(missing)?,
         stress: arrays.next().ok_or_else(missing)?,
         lateral: arrays.next(),

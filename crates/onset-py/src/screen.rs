@@ -106,6 +106,7 @@ pub fn screen(
             seed: asked.seed,
             bin: asked.bin,
             actual: asked.actual,
+            ..Question::default()
         };
         let region = asked.region.as_deref().map(str::parse::<Region>);
         let run = Run {
@@ -120,7 +121,7 @@ pub fn screen(
         let raised = RefCell::new(None);
         let failed = |error: PyErr| {
             *raised.borrow_mut() = Some(error);
-            ScreenError::TooFewFrames { count }
+            ScreenError::TooFewFrames { count, why: None }
         };
         let ended = || {
             failed(pyo3::exceptions::PyRuntimeError::new_err(

@@ -1,14 +1,17 @@
-//! Short form of an answer: at most [`LINES`] lines of at most [`WIDTH`] characters, with at most [`NOTE_LINES`] lines of notes.
+//! Short form of an answer: at most [`LINES`] lines of at most [`WIDTH`] characters, notes included.
 //!
-//! Lines are divided between words; a word longer than a line exceeds the width. The command line prints the short form by default. The full text of
-//! an answer is its `Display`.
+//! Lines are divided between words; a word longer than a line exceeds the width. A note is printed with its first sentence, which therefore gives the
+//! limit of the answer; its other sentences are explanations. The command line prints the short form by default. The full text of an answer is its
+//! `Display`.
 
 use std::fmt::Display;
 
-/// Largest number of lines, without the notes and the settings.
+/// Largest number of lines, without the settings.
 pub const LINES: usize = 12;
 /// Largest number of lines of the notes.
-pub const NOTE_LINES: usize = 6;
+const NOTE_LINES: usize = 4;
+/// Number of lines of a table that notes do not displace: the head, and three rows.
+const TABLE_LINES: usize = 4;
 /// Largest number of characters in a line.
 pub const WIDTH: usize = 100;
 /// Width of the names of rows.
@@ -85,6 +88,9 @@ impl Short {
             let own = own.filter(|(row, _)| row.rank == rank);
             own.map(|(_, lines)| lines.len()).sum::<usize>()
         };
+        let room = left.saturating_sub(kept(0) + self.table.len().min(TABLE_LINES));
+        let notes = self.shown_notes(room.clamp(1, NOTE_LINES));
+        left = left.saturating_sub(notes.len());
         let table = self.cut_table(left.saturating_sub(kept(0)));
         left = left.saturating_sub(table.len());
         let mut is_shown = vec![false; rows.len()];
@@ -107,11 +113,11 @@ impl Short {
                 lines.extend(named(std::mem::take(&mut name), &row.text));
             }
         }
-        lines.extend(self.shown_notes());
+        lines.extend(notes);
         lines.push(
             named(
                 "more",
-                "--all: all numbers; --settings: settings and defaults; --json: all digits",
+                "--all: all numbers and notes; --settings: settings and defaults; --json: all digits",
             )
             .concat(),
         );
@@ -120,26 +126,30 @@ impl Short {
             for (name, text) in self.settings.iter().filter(|(_, text)| !text.is_empty()) {
                 lines.extend(named(name, text));
             }
+            lines.extend(self.commands().map(|note| format!("note: {note}")));
         }
         lines.join("\n")
     }
 
-    /// Notes that fit into [`NOTE_LINES`] lines without being cut, and the number of notes omitted.
-    ///
-    /// A command in a note stays on one line, so that it can be copied.
-    fn shown_notes(&self) -> Vec<String> {
+    /// Notes with a command that is longer than a line. They are printed on one line with the settings, so that the command can be copied.
+    fn commands(&self) -> impl Iterator<Item = &String> {
+        let notes = self.notes.iter();
+        notes.filter(|note| first_sentence(note).contains("--set ") && note_lines(note).len() > 1)
+    }
+
+    /// First sentences of the notes that fit into a number of lines, and the number of omitted notes.
+    fn shown_notes(&self, room: usize) -> Vec<String> {
         let mut lines: Vec<String> = Vec::new();
-        for (n, note) in self.notes.iter().enumerate() {
-            let own = match note.contains("--set ") {
-                true => vec![format!("note: {note}")],
-                false => wrapped(&format!("note: {note}"), "note: ".len()),
-            };
-            let left = self.notes.len() - n;
-            if lines.len() + own.len() + usize::from(left > 1) > NOTE_LINES {
+        let commands: Vec<&String> = self.commands().collect();
+        let notes = self.notes.iter().filter(|note| !commands.contains(note));
+        let notes: Vec<Vec<String>> = notes.map(|note| note_lines(note)).collect();
+        for (n, own) in notes.iter().enumerate() {
+            let left = notes.len() - n;
+            if lines.len() + own.len() + usize::from(left > 1) > room {
                 lines.push(format!("note: {left} more: --all"));
                 break;
             }
-            lines.extend(own);
+            lines.extend_from_slice(own);
         }
         lines
     }
@@ -162,6 +172,19 @@ impl Row {
     fn lines(&self) -> Vec<String> {
         named(self.name, &self.text)
     }
+}
+
+/// Lines of the first sentence of a note.
+fn note_lines(note: &str) -> Vec<String> {
+    wrapped(&format!("note: {}", first_sentence(note)), "note: ".len())
+}
+
+/// First sentence of a text, without its period. The next sentence begins with a capital letter, or with a command.
+fn first_sentence(text: &str) -> &str {
+    let mut ends = text.match_indices(". ").map(|(at, _)| at);
+    let begins = |rest: &str| rest.starts_with(|own: char| own.is_uppercase() || own == '`');
+    ends.find(|at| begins(&text[at + 2..]))
+        .map_or(text, |at| &text[..at])
 }
 
 /// A text with its name, wrapped.
@@ -213,7 +236,7 @@ pub(crate) fn wrapped(text: &str, indent: usize) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{LINES, NOTE_LINES, Short, WIDTH, cut, wrapped};
+    use super::{LINES, Short, WIDTH, cut, first_sentence, wrapped};
 
     #[test]
     fn a_short_answer_never_exceeds_its_lines_and_its_width() {
@@ -225,7 +248,7 @@ mod tests {
             .notes(&["short".to_owned(), long, "another".to_owned()])
             .settings("material", "by default");
         let text = answer.text(false);
-        assert!(text.lines().count() <= LINES + NOTE_LINES, "{text}");
+        assert!(text.lines().count() <= LINES, "{text}");
         assert!(
             text.lines().all(|line| line.chars().count() <= WIDTH),
             "{text}"
@@ -237,21 +260,43 @@ mod tests {
     }
 
     #[test]
-    fn notes_are_not_cut_and_do_not_count_as_lines_of_the_answer() {
-        let answer = |notes: &[String]| {
-            let short = Short::new("One.").table((0..6).map(|n| format!("line {n}")));
-            short.row(0, "limits", "in tension").notes(notes)
-        };
-        let notes = [
-            "word ".repeat(30),
-            format!("run --set {}", "k=v ".repeat(40)),
-        ];
-        let (with, without) = (answer(&notes).text(false), answer(&[]).text(false));
-        let own = with.lines().filter(|line| without.contains(line));
-        assert_eq!(own.count(), without.lines().count(), "{with}");
-        for note in &notes {
-            let words = with.split_whitespace().collect::<Vec<_>>().join(" ");
-            assert!(words.contains(note.trim()), "{with}");
+    fn notes_are_printed_with_their_first_sentence_and_displace_the_end_of_the_table() {
+        let long = format!("run --set {}", "k=v ".repeat(40));
+        let answer = Short::new("One.")
+            .table((0..20).map(|n| format!("line {n}")))
+            .row(0, "limits", "in tension")
+            .row(1, "evidence", "searched")
+            .notes(&[
+                "bonds use one modulus. The forces are linear.".to_owned(),
+                long.clone(),
+                "word ".repeat(30),
+                "a third".to_owned(),
+            ]);
+        let text = answer.text(false);
+        assert_eq!(text.lines().count(), LINES, "{text}");
+        for fact in [
+            "line 2\n",
+            "limits      in tension\n",
+            "one modulus\nnote: word word",
+            "note: a third\n",
+        ] {
+            assert!(text.contains(fact), "{fact}: {text}");
+        }
+        for omitted in ["The forces", "run --set", "line 5", "evidence"] {
+            assert!(!text.contains(omitted), "{omitted}: {text}");
+        }
+        // A command can be copied from the settings.
+        assert!(answer.text(true).contains(long.trim()), "{text}");
+    }
+
+    #[test]
+    fn a_sentence_ends_at_a_period_before_a_capital_letter() {
+        for (text, first) in [
+            ("s11 = 0.5. The term", "s11 = 0.5"),
+            ("read it. `onset modes` shows it", "read it"),
+            ("equation (5). of the paper", "equation (5). of the paper"),
+        ] {
+            assert_eq!(first_sentence(text), first);
         }
     }
 

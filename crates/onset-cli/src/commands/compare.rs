@@ -21,7 +21,7 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
         ));
     }
     let trust = arguments.trust.trust();
-    let comparison = read(
+    let mut comparison = read(
         arguments.file.as_deref(),
         &arguments.block,
         None,
@@ -31,6 +31,7 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
     )?;
     let place = arguments.out.as_deref();
     let output = arguments.drawing.output(place, "compare", &FILES)?;
+    comparison.override_weak(arguments.weak.share);
     let table = evaluated(&comparison)?;
     let shown = arguments.detail.text(&table);
     print_with_files(&table, &shown, output, || Ok(table.files()), || table.csv())

@@ -90,6 +90,7 @@ fn once(arguments: &ScreenArguments, last: &str) -> Result<(ExitCode, bool, Stri
         seed: arguments.seed,
         bin: arguments.bin,
         actual: arguments.actual,
+        weak: arguments.weak.share,
     };
     patience::end();
     let progress = bar(

@@ -79,6 +79,10 @@ fn options_of_a_figure_that_is_not_drawn_are_refused() {
             format!("{LOCALIZE} --out {place}/band.eps"),
             "figures are written as SVG, PNG and PDF",
         ),
+        (
+            format!("reproduce --size 84 --out {place}"),
+            "expected a width from 30 to 1000 mm",
+        ),
     ] {
         let output = onset_line(&line);
         assert_eq!(output.code, Some(2), "{line}: {}", output.stderr);

@@ -1,6 +1,6 @@
 //! `onset screen`: checks, files and refusals.
 
-use super::{Scratch, number, onset};
+use super::{Scratch, Written, number, onset, onset_line};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Command, Stdio};
@@ -151,6 +151,47 @@ fn faults_are_refused_with_a_hint() {
             "{more:?}: {}",
             answer.stderr
         );
+    }
+}
+
+/// A table with a frame of 64 particles at each time, and a second record of particle 5 at some of them.
+fn table(frames: &[(f64, bool)]) -> String {
+    let mut text = "time,id,x,y\n".to_owned();
+    for (time, is_doubled) in frames {
+        for n in (0..64).chain(is_doubled.then_some(5)) {
+            let stretch = 1.0 + 0.01 * time;
+            text += &format!("{time},{n},{},{}\n", f64::from(n / 8) * stretch, n % 8);
+        }
+    }
+    text
+}
+
+#[test]
+fn frames_that_are_sorted_and_records_that_are_repeated_are_named() {
+    for (frames, expected) in [
+        (
+            vec![(0.0, true), (1.0, false)],
+            "line 2: particle 5 occurs twice in the frame at t = 0\n  hint: write each",
+        ),
+        (
+            vec![(0.0, false), (1.0, true), (2.0, false)],
+            "the run has 1 frame; growth needs at least two.",
+        ),
+        (
+            vec![(0.0, false), (1.0, true), (2.0, false)],
+            "particle 5 occurs twice in the frame at t = 1\n  hint: correct the frame",
+        ),
+        (
+            vec![(0.0, false), (2.0, false), (1.0, false)],
+            "the frames are not in order of time, which decreases once: they are sorted",
+        ),
+    ] {
+        let file = Written::new("records.csv", table(&frames));
+        let method = "--set discretization.method=tlsph --set discretization.lattice=square";
+        let line = format!("screen {file} {method} --held none");
+        let answer = onset_line(&line);
+        let told = format!("{}{}", answer.stdout, answer.stderr);
+        assert!(told.contains(expected), "{frames:?}: {told}");
     }
 }
 

@@ -1,6 +1,6 @@
 //! Limits for recommending methods and tuning coefficients.
 
-use super::{document, number, onset_line};
+use super::{document, number, onset, onset_line};
 
 #[test]
 fn limits_are_options_and_their_effect_is_reported() {
@@ -49,6 +49,32 @@ fn limits_are_options_and_their_effect_is_reported() {
         csv.starts_with("place,method,score,cost,rule,why\n1,"),
         "{csv}"
     );
+}
+
+#[test]
+fn every_command_that_marks_weakly_controlled_waves_takes_their_limit() {
+    let compared = |more: &str| {
+        let line = format!(
+            "compare --vary discretization.penalty=0.05,0.5 --set discretization.method=tlsph --set discretization.lattice=square --set compare.states=2 {more}"
+        );
+        let words: Vec<&str> = line.split_whitespace().collect();
+        onset(&words).stdout.matches("zero-energy").count()
+    };
+    assert!(compared("--weak 0.9") > compared("--weak 0.001"));
+    let marked = |more: &str| {
+        let line = format!("dispersion --stretch 1,1 --path {more}");
+        number(&document(&line), "/weak")
+    };
+    assert_eq!([marked(""), marked("--weak 0.3")], [0.1, 0.3]);
+    let idle = onset_line("dispersion --stretch 1,1 --wave-vector 1,0 --weak 0.3");
+    assert_eq!(idle.code, Some(2));
+    assert!(
+        idle.stderr.contains("--weak has no effect"),
+        "{}",
+        idle.stderr
+    );
+    let screened = onset_line("screen --help").stdout;
+    assert!(screened.contains("--weak <SHARE>"), "{screened}");
 }
 
 #[test]

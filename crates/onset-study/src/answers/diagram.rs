@@ -55,6 +55,8 @@ pub struct Diagram {
     pub critical: CriticalWave,
     /// Density of states over the whole zone.
     pub density_of_states: DensityOfStates,
+    /// Largest frequency of waves that the figure marks as weakly controlled, relative to the slowest wave of the continuum.
+    pub weak: f64,
 }
 
 /// Plotted values of one wave vector: frequencies upward, growth rates downward. 1/time.
@@ -140,6 +142,11 @@ impl Diagram {
         path: Option<&str>,
     ) -> Result<Self, ProblemError> {
         diagram(problem, &strain.0, assessment, path)
+    }
+
+    /// Marks waves as weakly controlled below this fraction of the slowest wave of the continuum.
+    pub fn weak_below(self, weak: f64) -> Self {
+        Self { weak, ..self }
     }
 
     /// Text output: critical wave, notes and settings.
@@ -367,7 +374,7 @@ impl Diagram {
     fn kinds(&self) -> [(Kind, String, Color); 3] {
         let physical = palette::verdict("physical").unwrap_or(palette::BLACK);
         let weak = palette::verdict("zero-energy").unwrap_or(palette::PURPLE);
-        let share = percent(WEAK_WAVE_RATIO);
+        let share = percent(self.weak);
         [
             (
                 Kind::Weak,
@@ -390,10 +397,12 @@ impl Diagram {
     /// Parts of a branch with waves of one kind.
     fn branch(&self, n: usize, kind: Kind) -> Vec<(f64, f64)> {
         let noise = RATE_ROUNDING * largest(&self.samples);
-        self.curve(|own| match Kind::of(own, n, noise) == Some(kind) {
-            true => own.particles[n],
-            false => f64::NAN,
-        })
+        self.curve(
+            |own| match Kind::of(own, n, self.weak, noise) == Some(kind) {
+                true => own.particles[n],
+                false => f64::NAN,
+            },
+        )
     }
 
     /// Names of the corners; at a jump one tick carries both names.
@@ -461,8 +470,9 @@ enum Kind {
 }
 
 impl Kind {
-    /// Kind of the `n`-th wave of a sample; `None` for waves that are not marked. Values up to `noise` are rounding errors.
-    fn of(heights: &Heights, n: usize, noise: f64) -> Option<Self> {
+    /// Kind of the `n`-th wave of a sample; `None` for waves that are not marked. Weakly controlled waves are below the fraction `weak` of the slowest
+    /// wave. Values up to `noise` are rounding errors.
+    fn of(heights: &Heights, n: usize, weak: f64, noise: f64) -> Option<Self> {
         let slowest = heights
             .continuum
             .iter()
@@ -471,7 +481,7 @@ impl Kind {
         match heights.particles[n] {
             height if height < -noise && slowest < -noise => Some(Self::Physical),
             height if height < -noise => Some(Self::Numerical),
-            height if slowest > noise && height < WEAK_WAVE_RATIO * slowest => Some(Self::Weak),
+            height if slowest > noise && height < weak * slowest => Some(Self::Weak),
             _ => None,
         }
     }
@@ -583,6 +593,7 @@ fn diagram(
         heights: heights(&samples),
         samples,
         lengths,
+        weak: WEAK_WAVE_RATIO,
     })
 }
 

@@ -68,7 +68,7 @@ pub(super) fn buckling(
     let is_compressed = least < -STRESS_ROUNDING * response.tangent.largest();
     is_compressed.then(|| {
         format!(
-            "the {what} is compressed (smallest principal Cauchy stress {}): if it is thin, it buckles laterally, which waves within it do not show",
+            "the {what} is compressed (smallest principal Cauchy stress {}), and buckles laterally if it is thin. Waves within it do not show this",
             units.of(told(least), "Pa")
         )
     })
@@ -132,7 +132,7 @@ fn auxetic(settings: &MaterialSettings, material: &dyn Hyperelastic) -> Option<S
     });
     (shear.flatten()? > 0.0).then(|| {
         format!(
-            "auxetic: Poisson's ratio at F = 1 is {}, so that the material widens when it is stretched and narrows when it is compressed",
+            "auxetic: Poisson's ratio at F = 1 is {}. The material widens when it is stretched, and narrows when it is compressed",
             told(ratio)
         )
     })
@@ -160,14 +160,14 @@ fn shear_of_plane(response: &Response) -> Option<f64> {
 fn note_on_path(model: Model) -> Option<String> {
     model.is_in_rate_form().then(|| match model.yields() {
         false => format!(
-            "{} is hypoelastic: the state is reached along R U^t, 0 <= t <= 1 (proportional logarithmic strain), and its waves follow from the tangent at the \
-             end of this path. At a stressed state the tangent has no major symmetry, so waves can flutter even where the law is strongly elliptic. A state of \
+            "{} is hypoelastic: states are reached by proportional logarithmic strain. The path is R U^t, 0 <= t <= 1, and waves follow from the tangent at its \
+             end. At a stressed state the tangent has no major symmetry, so waves can flutter even where the law is strongly elliptic. A state of \
              simple shear has another stress, and loses ellipticity elsewhere, if it is reached by shearing",
             model.name()
         ),
         true => format!(
-            "{} {}: the state is reached along R U^t, 0 <= t <= 1 (proportional logarithmic strain), and beyond yield waves follow from the \
-             tangent of continued loading (Hill's linear comparison solid). If flow is associated and this solid is stable, so is the material; if it is \
+            "{} {}: beyond yield, waves follow from the tangent of continued loading. The state is reached along R U^t, 0 <= t <= 1 (proportional \
+             logarithmic strain), and the tangent is that of Hill's linear comparison solid. If flow is associated and this solid is stable, so is the material; if it is \
              unstable, the instability requires that loading continues",
             model.name(),
             match model.name() {
@@ -241,13 +241,12 @@ fn stress_at_rest(material: &dyn Hyperelastic) -> Option<String> {
                 ("+", -pressure)
             };
             let size = told_of(size, stiffness);
-            format!("; the term {sign} {size} ln J in the energy would remove it")
+            format!(". The term {sign} {size} ln J in the energy would remove it")
         }
         false => String::new(),
     };
     Some(format!(
-        "the law has stress at F = 1 ({}): its reference state is stressed, F = 1 is not an unstressed reference configuration, and stretches are \
-         not measured from one{remedy}",
+        "the law has stress at F = 1 ({}): stretches are not measured from an unstressed configuration{remedy}",
         told.join(", ")
     ))
 }
@@ -259,7 +258,7 @@ fn note_on_cell(cell: ReducedCell) -> String {
         primitive,
     } = cell;
     format!(
-        "the cell of {} is not primitive: it repeats a cell of {}, in which the answer is computed; wave vectors refer to its zone",
+        "the cell of {} is not primitive: it repeats a cell of {}. The answer is computed in the smaller cell, and wave vectors refer to its zone",
         counted(described, "particle"),
         counted(primitive, "particle")
     )
@@ -275,7 +274,7 @@ pub fn notes(settings: &Settings, material: &dyn Hyperelastic) -> Vec<String> {
 /// Note that zero-energy modes count as stable, for commands that consider only growing waves.
 pub(crate) fn zero_energy(who_has: &str, place: &str) -> String {
     format!(
-        "{who_has} zero-energy modes (verdict zero-energy), which do not grow by themselves and count as stable {place}; `onset modes` shows them"
+        "{who_has} zero-energy modes, which do not grow and count as stable {place}. Their verdict is zero-energy, and `onset modes` shows them"
     )
 }
 
@@ -298,7 +297,7 @@ fn note_on_pairs(settings: &Settings) -> Option<String> {
         && method.shear_forces == Shear::Pairs
         && method.penalty > 0.0;
     is_needless.then(|| {
-        "shear forces between pairs leave no zero-energy modes: the penalty adds to their stiffness, but there is nothing to control".to_owned()
+        "shear forces between pairs leave no zero-energy modes. The penalty adds to their stiffness, and has nothing to control".to_owned()
     })
 }
 
@@ -330,8 +329,8 @@ fn note_on_knots(settings: &Settings) -> Option<String> {
     };
     let is_at_knots = places.map(|x| x + method.offset).any(is_at);
     is_at_knots.then(|| {
-        "material points lie at knots of the grid functions, where their forces have no derivative; the mean of the two sides is used. Points at any other \
-         position can be unstable earlier: try discretization.offset = 0.05"
+        "material points lie at knots of the grid functions, and can be unstable earlier elsewhere. At knots forces have no derivative, and the mean of the \
+         two sides is used: try discretization.offset = 0.05"
             .to_owned()
     })
 }
@@ -342,8 +341,7 @@ pub(super) fn note_on_upwinding(settings: &Settings, sites: usize) -> Option<Str
     let is_upwinded =
         method.method == Family::TotalLagrangianSph && method.upwinding != Upwinding::None;
     (is_upwinded && sites > 1).then(|| {
-        "with several particles in a cell the two particles of a pair have different areas in the upwinding, each from its neighbors; codes with a single \
-         area for a pair have other damping"
+        "in the upwinding the two particles of a pair have different areas, each from its neighbors. Codes with a single area for a pair have other damping"
             .to_owned()
     })
 }
@@ -356,7 +354,7 @@ fn note_on_transfer(settings: &Settings) -> Option<String> {
         && matches!(method.transfer, Velocities::Xpic | Velocities::Fmpm);
     is_changed.then(|| {
         format!(
-            "frequencies belong to lumped masses in continuous time, for every order of {}; the transfer changes the frequencies of a run, its damping \
+            "frequencies belong to lumped masses in continuous time, for every order of {}. The transfer changes the frequencies of a run, its damping \
              and its largest stable step: growth rates and `onset simulate` take it into account",
             method.transfer.name()
         )
@@ -367,7 +365,7 @@ fn note_on_transfer(settings: &Settings) -> Option<String> {
 pub(crate) fn note_on_mapped_body(study: &Study) -> Option<String> {
     let has_steps = !study.axes.is_empty() && study.map.outputs.hold("critical_time_step");
     (has_steps && study.settings.body.is_some()).then(|| {
-        "the time steps of the map are those of the infinite lattice: the body of the study has free faces and can need a smaller one, which `onset state` \
+        "the time steps of the map are those of the infinite lattice. The body of the study has free faces and can need a smaller one, which `onset state` \
          and `onset limit` compute"
             .to_owned()
     })
@@ -390,15 +388,14 @@ fn notes_on_bonds(settings: &Settings) -> Option<String> {
             (_, false) => " with Poisson's ratio 1/4",
         };
         return Some(format!(
-            "bond-based peridynamics uses one modulus of the law, its bulk modulus at F = 1 (in the dimensions of the particles); \
-             the bonds are linear springs{ratio}, independent of the other properties of the law. The results for the material \
-             use the whole law. With discretization.bonds = correspondence the particles follow the law"
+            "bonds use only the bulk modulus of the law at F = 1. They are linear springs{ratio}, and the modulus is that in the dimensions of the \
+             particles. The results for the material use the whole law. With discretization.bonds = correspondence the particles follow the law"
         ));
     }
     if method.method == Family::Peridynamics && method.bonds == Bonds::Ordinary {
         return Some(
-            "the linear peridynamic solid uses two moduli of the law, its bulk and shear modulus at F = 1; the forces are linear in the \
-             elongations of bonds, independent of the other properties of the law. The results for the material use the whole law. With \
+            "the linear peridynamic solid uses only the bulk and the shear modulus of the law at F = 1. The forces are linear in the elongations of \
+             bonds. The results for the material use the whole law. With \
              discretization.bonds = correspondence the particles follow the law"
                 .to_owned(),
         );

@@ -64,6 +64,19 @@ pub enum Source {
     File(PathBuf, Option<Mode>),
     /// Arrays of the same length.
     Arrays(Arrays),
+    /// Table of columns with the names and units of a file.
+    Columns(Columns),
+}
+
+/// Test as a table: columns of cells with their names, which can have units.
+#[derive(Clone, Debug)]
+pub struct Columns {
+    /// Name of the test in messages.
+    pub name: String,
+    /// Loading of the specimen.
+    pub mode: Mode,
+    /// Name of each column, with its cells.
+    pub cells: Vec<(String, Vec<String>)>,
 }
 
 /// Test as arrays: stretches (amounts of shear in simple shear, ratios of volumes in a volumetric test) and nominal stresses (pressures).
@@ -103,6 +116,17 @@ impl<'a> Opened<'a> {
                 mode: None,
                 is_file: false,
                 arrays: Some(arrays),
+            }],
+            Source::Columns(own) => vec![Self {
+                path: PathBuf::from(&own.name),
+                text: list::joined(&own.cells).map_err(|message| TableError::File {
+                    path: PathBuf::from(&own.name),
+                    message,
+                    hint: "give a number in each column for each point".to_owned(),
+                })?,
+                mode: Some(own.mode),
+                is_file: false,
+                arrays: None,
             }],
             Source::File(path, None) if list::is_list(path) => {
                 list::tests(path, &Self::file(path, None)?.text)?

@@ -83,39 +83,45 @@ pub(super) fn tests<'a>(path: &Path, text: &str) -> Result<Vec<Opened<'a>>, Tabl
 
 /// Columns of numbers as a table with a header.
 fn table(columns: &Table) -> Result<String, String> {
-    let mut numbers: Vec<Vec<f64>> = Vec::new();
+    let mut cells: Vec<(&str, Vec<String>)> = Vec::new();
     for (name, values) in columns {
         let number = |value: &Value| match value {
             Value::Float(number) => Some(*number),
             Value::Integer(number) => Some(*number as f64),
             _ => None,
         };
-        let values = values
+        let values: Option<Option<Vec<f64>>> = values
             .as_array()
             .map(|all| all.iter().map(number).collect());
         let Some(Some(values)) = values else {
             return Err(format!("`{name}` is not a list of numbers"));
         };
-        numbers.push(values);
+        cells.push((name, values.iter().map(f64::to_string).collect()));
     }
-    let rows = numbers.first().map_or(0, Vec::len);
-    if let Some((name, own)) = columns
-        .keys()
-        .zip(&numbers)
-        .find(|(_, own)| own.len() != rows)
-    {
+    joined(&cells)
+}
+
+/// Columns of cells as the text of a table with a header.
+///
+/// # Errors
+/// Message about the first column with another number of cells than the column before it.
+pub(super) fn joined<S: AsRef<str>>(columns: &[(S, Vec<String>)]) -> Result<String, String> {
+    let rows = columns.first().map_or(0, |(_, cells)| cells.len());
+    if let Some((name, own)) = columns.iter().find(|(_, own)| own.len() != rows) {
         return Err(format!(
-            "`{name}` has {} numbers, and the column before it {rows}",
+            "`{}` has {} numbers, and the column before it {rows}",
+            name.as_ref(),
             own.len()
         ));
     }
+    let plain = |text: &str| text.replace([';', '\n', '\r'], " ");
     let names: Vec<String> = columns
-        .keys()
-        .map(|name| name.replace([';', '\n'], " "))
+        .iter()
+        .map(|(name, _)| plain(name.as_ref()))
         .collect();
     let mut text = names.join(";") + "\n";
     for row in 0..rows {
-        let cells: Vec<String> = numbers.iter().map(|own| own[row].to_string()).collect();
+        let cells: Vec<String> = columns.iter().map(|(_, own)| plain(&own[row])).collect();
         let _ = writeln!(text, "{}", cells.join(";"));
     }
     Ok(text)

@@ -8,7 +8,7 @@ mod input;
 mod list;
 
 pub use answer::{ConstantAnswer, FitAnswer, LawAnswer, TestAnswer};
-pub use input::{Arrays, Reading, Source, TableError, Tests};
+pub use input::{Arrays, Columns, Reading, Source, TableError, Tests};
 pub use onset_fit::{Criterion, Mode, Options, Point, Range, Test, Weights};
 
 use crate::settings::{SettingError, Settings};

@@ -530,7 +530,7 @@ impl Brief for LimitAnswer {
             .table([self.head()].into_iter().chain(rows))
             .row(0, "steps", self.of_steps());
         if let Some(present) = self.present_sentence() {
-            short = short.row(0, "present", present);
+            short = short.row(1, "present", present);
         }
         for sentence in self.varied().ends_of_domain().chain(self.verdicts()) {
             short = short.row(3, "range", sentence);

@@ -9,6 +9,7 @@ pub use claims::{Claim, ClaimVerdict};
 pub use report::Report;
 
 use crate::answers::ProblemError;
+use crate::figure::Sheet;
 use crate::output::{Output, OutputError, picture, text};
 use crate::settings::{SettingError, Study};
 use onset::method::MethodError;
@@ -40,12 +41,12 @@ pub const STEP_COUNT: usize = figures::ALL.len() + claims::ALL.len();
 
 /// Computes every figure, checks every claim, and writes figures, data and an HTML report into a folder.
 ///
-/// Files are written after all computations. `progress` receives the name of each finished step.
+/// Files are written after all computations, figures on the given sheet. `progress` receives the name of each finished step.
 ///
 /// # Errors
 /// [`ReproduceError`] if something cannot be computed or written; an unusable folder is reported before the computations.
-pub fn run(out: &Path, progress: &dyn Fn(&str)) -> Result<Report, ReproduceError> {
-    let output = Output::at(out, &[REPORT, CLAIMS])?;
+pub fn run(out: &Path, sheet: Sheet, progress: &dyn Fn(&str)) -> Result<Report, ReproduceError> {
+    let output = Output::at(out, &[REPORT, CLAIMS])?.on(sheet);
     let (mut drawn, mut files) = (Vec::new(), Vec::new());
     for figure in figures::ALL {
         let plate = (figure.make)()?;

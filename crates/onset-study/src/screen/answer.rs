@@ -406,9 +406,7 @@ impl ScreenAnswer {
             (Some((cause, time)), _) => (cause, Some(time)),
             (None, Some(_)) if by_excess.is_some() => (Cause::TimeStep, by_excess),
             (None, Some(_)) if by_growth => (Cause::Numerical, grown),
-            (None, Some(_)) if weakest() < StateQuestion::default().weak => {
-                (Cause::ZeroEnergy, None)
-            }
+            (None, Some(_)) if weakest() < question.weak => (Cause::ZeroEnergy, None),
             (None, Some(_)) => (Cause::Forced, None),
             (None, None) => (Cause::None, None),
         };
@@ -459,7 +457,10 @@ impl ScreenAnswer {
             StateAnswer::asked(
                 problem,
                 &f.given_in(problem.dimension()).into(),
-                &StateQuestion::default(),
+                &StateQuestion {
+                    weak: question.weak,
+                    ..StateQuestion::default()
+                },
             )
             .ok()
         });

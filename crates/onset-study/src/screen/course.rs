@@ -750,7 +750,7 @@ impl<'p> Follower<'p> {
         self.course.notes = self.agreement.notes(self.problem);
         self.course.actual = self.actual()?;
         match self.course.moments.len() {
-            count @ 0..=1 => Err(ScreenError::TooFewFrames { count }),
+            count @ 0..=1 => Err(ScreenError::TooFewFrames { count, why: None }),
             _ => Ok(self.course),
         }
     }

@@ -163,6 +163,17 @@ fn wrong(what: impl Into<String>, hint: impl Into<String>) -> ScreenError {
     }
 }
 
+/// Message about a particle with several records in a frame.
+fn twice(frame: &Read, id: u64) -> String {
+    let time = frame
+        .time
+        .map_or_else(String::new, |time| format!(" at t = {}", told(time)));
+    format!(
+        "{}: particle {id} occurs twice in the frame{time}",
+        frame.source
+    )
+}
+
 /// Beginning of a word given by the user, quoted.
 fn quoted(text: &str) -> String {
     text.chars().take(40).collect()
@@ -230,6 +241,7 @@ impl Recording {
         let mut has_others = false;
         // Without numbers the order of the rows identifies the particles.
         let mut jump: f64 = 0.0;
+        let mut damaged: Option<String> = None;
         for frame in series.by_ref() {
             onset::cancel::checkpoint();
             let mut frame = frame?;
@@ -246,6 +258,7 @@ impl Recording {
             if let Some(fault) = fault {
                 own.notes
                     .push(format!("{fault}: this and all later frames are skipped"));
+                damaged = Some(fault);
                 break;
             }
             if written > frame.len() && !has_others {
@@ -269,7 +282,10 @@ impl Recording {
         }
         own.times[1] = time;
         let (Some(first), Some(last)) = (first, last) else {
-            return Err(ScreenError::TooFewFrames { count: own.frames });
+            return Err(ScreenError::TooFewFrames {
+                count: own.frames,
+                why: damaged,
+            });
         };
         if first.may_be_wrapped && wraps(&first, &last, dimension) {
             return Err(wrong(
@@ -362,7 +378,7 @@ impl Recording {
         }
         if let Some(id) = frame.doubled().first() {
             return Err(wrong(
-                format!("{}: particle {id} occurs twice", frame.source),
+                twice(frame, *id),
                 "write each particle once in a frame, with a unique number",
             ));
         }
@@ -458,7 +474,7 @@ impl Recording {
                 ));
             }
             if let Some(id) = order.doubled.first() {
-                return Some(format!("{place}: particle {id} occurs twice"));
+                return Some(twice(frame, *id));
             }
         }
         (frame.len() != self.particles).then(|| {

@@ -27,7 +27,9 @@ pub use onset_frames::FrameRange;
 pub use remedy::Remedy;
 
 use crate::answers::ProblemError;
+use crate::number::counted;
 use crate::output::OutputError;
+use onset::verdict::WEAK_WAVE_RATIO;
 use onset_frames::FrameError;
 use thiserror::Error;
 
@@ -49,6 +51,16 @@ pub fn stepping_named(name: &str) -> Option<Stepping> {
         .find(|stepping| stepping.name() == own)
 }
 
+/// End of the error for a run with too few frames: the fault that ended the reading, and a hint.
+fn too_few(why: Option<&str>) -> String {
+    match why {
+        Some(why) => {
+            format!(". {why}\n  hint: correct the frame, or choose frames with --frames FIRST:END")
+        }
+        None => "\n  hint: give all output files of the run, or a wildcard".to_owned(),
+    }
+}
+
 /// Time integration of the code, and thresholds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
@@ -64,6 +76,8 @@ pub struct Question {
     pub bin: f64,
     /// Time at whose nearest frame the lowest modes of the body are found; `None` for no modes.
     pub actual: Option<f64>,
+    /// Largest frequency of a weakly controlled wave, relative to the slowest wave of the material.
+    pub weak: f64,
 }
 
 impl Default for Question {
@@ -75,6 +89,7 @@ impl Default for Question {
             seed: None,
             bin: BIN,
             actual: None,
+            weak: WEAK_WAVE_RATIO,
         }
     }
 }
@@ -149,12 +164,12 @@ pub enum ScreenError {
         hint: String,
     },
     /// The run has fewer than two frames.
-    #[error(
-        "the run has {count} frame(s); growth needs at least two\n  hint: give all output files of the run, or a wildcard"
-    )]
+    #[error("the run has {}; growth needs at least two{}", counted(*count, "frame"), too_few(why.as_deref()))]
     TooFewFrames {
         /// Number of frames that were read.
         count: usize,
+        /// Fault that ended the reading; `None` if all frames were read.
+        why: Option<String>,
     },
     /// Results cannot be written.
     #[error(transparent)]

@@ -150,8 +150,8 @@ fn a_law_inside_a_viscoelastic_material_is_found() {
     });
     let notes = told(Febio, text, None);
     for fact in [
-        "material skin (1 of 2; --material chooses)",
-        "their viscoelasticity is read (a Prony series of 1 term)",
+        "material skin (1 of 2: --material)",
+        "with a Prony series of 1 term",
         "1.5 times",
     ] {
         assert!(notes.contains(fact), "{fact} is not in {notes}");

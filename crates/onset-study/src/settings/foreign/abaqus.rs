@@ -447,22 +447,20 @@ impl Block<'_> {
 
 fn rubber(block: &Block<'_>, unread: &mut Unread) -> Result<ForeignLaw, Trouble> {
     const FORMS: [&str; 8] = [
-        "NEOHOOKE",
+        "NEO HOOKE",
         "MOONEY-RIVLIN",
         "YEOH",
-        "REDUCEDPOLYNOMIAL",
+        "REDUCED POLYNOMIAL",
         "POLYNOMIAL",
         "OGDEN",
         "ARRUDA-BOYCE",
-        "VANDERWAALS",
+        "VAN DER WAALS",
     ];
-    let form = FORMS.into_iter().find(|form| block.has(form));
+    let form = FORMS.into_iter().find(|form| block.has(&word(form)));
     let known = ["N", "MODULI", "TYPE", "TEMPERATURE", "DEPENDENCIES"];
-    if let Some((other, _)) = block
-        .parameters
-        .iter()
-        .find(|(name, _)| !FORMS.contains(&name.as_str()) && !known.contains(&name.as_str()))
-    {
+    if let Some((other, _)) = block.parameters.iter().find(|(name, _)| {
+        !FORMS.iter().any(|form| word(form) == *name) && !known.contains(&name.as_str())
+    }) {
         return Err(Trouble::new(
             block.line,
             format!(
@@ -485,7 +483,7 @@ fn rubber(block: &Block<'_>, unread: &mut Unread) -> Result<ForeignLaw, Trouble>
         law.noted(note)
     };
     match form {
-        "NEOHOOKE" => {
+        "NEO HOOKE" => {
             let c = block.constants(2, unread)?;
             Ok(polynomial(one(), &[((1, 0), c[0])], &c[1..]))
         }
@@ -494,7 +492,7 @@ fn rubber(block: &Block<'_>, unread: &mut Unread) -> Result<ForeignLaw, Trouble>
             let constants = [((1, 0), c[0]), ((0, 1), c[1])];
             Ok(polynomial(one(), &constants, &c[2..]))
         }
-        "YEOH" | "REDUCEDPOLYNOMIAL" => {
+        "YEOH" | "REDUCED POLYNOMIAL" => {
             let n = if form == "YEOH" {
                 3
             } else {

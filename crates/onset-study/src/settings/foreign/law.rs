@@ -11,7 +11,7 @@ use crate::shell::quoted;
 pub(super) struct ForeignLaw {
     /// Line at which the block begins.
     pub line: usize,
-    /// Name of the law in the program.
+    /// Keywords of the block, and its program.
     pub title: String,
     /// Model of the library, or a user-defined energy.
     pub energy: Energy,
@@ -372,14 +372,19 @@ impl ForeignLaw {
             }
         }
         let chosen = self.unread.material.as_ref();
+        let own = match &self.energy {
+            Energy::Model(model) => model,
+            Energy::Formula(_) => "a formula",
+            Energy::Table(_) => "marlow",
+        };
         let mut notes = vec![format!(
-            "read as {}{}",
+            "read as {own} from {}{}",
             self.title,
             chosen.map_or_else(String::new, Chosen::told)
         )];
         if self.incompressible && !is_set("material.kappa") {
             notes.push(format!(
-                "incompressible in its program: a bulk modulus of {INCOMPRESSIBLE_BULK_RATIO} shear moduli is used here; `onset criteria` and `onset card` take --incompressible"
+                "incompressible in its program: a bulk modulus of {INCOMPRESSIBLE_BULK_RATIO} shear moduli is used. `onset criteria` and `onset card` take --incompressible"
             ));
         }
         notes.extend(self.unread.notes(self.shear));

@@ -38,7 +38,7 @@ impl Chosen {
         };
         match self.count {
             0 | 1 => name,
-            count => format!("{name} ({} of {count}; --material chooses)", self.place + 1),
+            count => format!("{name} ({} of {count}: --material)", self.place + 1),
         }
     }
 }
@@ -123,11 +123,8 @@ impl Unread {
                 false => ("instantaneous", "long-term", "slow loading"),
             };
             let read = match terms {
-                Some(terms) => format!(
-                    "their viscoelasticity is read (a Prony series of {})",
-                    counted(terms.len(), "term")
-                ),
-                None => "viscoelasticity is ignored".to_owned(),
+                Some(terms) => format!("with a Prony series of {}", counted(terms.len(), "term")),
+                None => "and viscoelasticity is ignored".to_owned(),
             };
             let value = terms.as_ref().map_or_else(
                 || "not known".to_owned(),
@@ -144,7 +141,7 @@ impl Unread {
                 },
             );
             notes.push(format!(
-                "the constants are {own} moduli ({by}), and {read}; the {other} shear modulus, for {meant}, is {value}"
+                "the constants are {own} moduli {read}. Reason: {by}. The {other} shear modulus, for {meant}, is {value}"
             ));
         }
         notes
