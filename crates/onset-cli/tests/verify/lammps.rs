@@ -432,7 +432,8 @@ fn decoded(text: &str) -> Vec<u8> {
     };
     let letters: Vec<u32> = text.trim_end_matches('=').chars().map(value).collect();
     let of_group = |group: &[u32]| {
-        let bits = (0..4).fold(0, |bits, n| bits << 6 | group.get(n).copied().unwrap_or(0));
+        let letter = |n: usize| group.get(n).copied().unwrap_or(0);
+        let bits: u32 = letter(0) << 18 | letter(1) << 12 | letter(2) << 6 | letter(3);
         let [_, all @ ..] = bits.to_be_bytes();
         all[..group.len() - 1].to_vec()
     };
