@@ -208,8 +208,9 @@ def components(F: ArrayLike) -> str:
 
 def frames_of(
     x: Any, X: ArrayLike | None, time: ArrayLike | None, velocity: Any, F: Any, stress: Any, dimension: int
-) -> tuple[Callable[[int], tuple[float, bytes, bytes | None, bytes | None, bytes | None]], int, Floats, list[bool]]:
-    """Returns a function that gives the fields of a frame, the number of frames, the reference positions, and the components of stress that are given."""
+) -> tuple[Callable[[int], tuple[float, bytes, bytes | None, bytes | None, bytes | None]], int, Floats, list[bool], list[str]]:
+    """Returns a function that gives the fields of a frame, the number of frames, the reference positions, the components of stress that are given, and
+    notes. Frames that repeat a time are skipped."""
 
     def series(value: Any, what: str) -> tuple[Any, int]:
         # Slices of memory views with several axes are not defined.
@@ -257,9 +258,15 @@ def frames_of(
     times = np.arange(count, dtype=float) if time is None else numbers(time, "time")
     if times.shape != (count,) or not np.all(np.isfinite(times)):
         raise InputError(f"time has the shape {times.shape}; expected {count} finite numbers, one for each frame")
-    if np.any(np.diff(times) <= 0):
-        late = int(np.argmax(np.diff(times) <= 0)) + 1
-        raise InputError(f"time[{late}] is {times[late]!r}, not after {times[late - 1]!r}; expected ascending times")
+    if np.any(np.diff(times) < 0):
+        late = int(np.argmax(np.diff(times) < 0)) + 1
+        raise InputError(f"time[{late}] is {float(times[late])!r}, before {float(times[late - 1])!r}; expected ascending times")
+    used = [0, *(np.flatnonzero(np.diff(times) > 0) + 1).tolist()]
+    notes = []
+    if count - len(used) == 1:
+        notes.append("a frame that repeats the time of another frame is skipped")
+    elif len(used) < count:
+        notes.append(f"{count - len(used)} frames that repeat the time of another frame are skipped")
 
     def gradients(value: object, what: str) -> Floats:
         array = numbers(value, what)  # type: ignore[arg-type]
@@ -288,7 +295,8 @@ def frames_of(
         width = np.shape(stress[0])[-1]
         given = [column in columns[width] for column in range(6)]
 
-    def give(number: int) -> tuple[float, bytes, bytes | None, bytes | None, bytes | None]:
+    def give(position: int) -> tuple[float, bytes, bytes | None, bytes | None, bytes | None]:
+        number = used[position]
         return (
             float(times[number]),
             vectors(x[number], f"x[{number}]", len(reference)).tobytes(),
@@ -297,7 +305,7 @@ def frames_of(
             None if stress is None else stresses(stress[number], f"stress[{number}]").tobytes(),
         )
 
-    return give, count, reference, given
+    return give, len(used), reference, given, notes
 
 
 def received(data: bytes, shape: Sequence[int]) -> Floats:

@@ -639,7 +639,7 @@ def screen(
     X
         Reference positions, shape (particles, D) or (particles, 3); length. The first frame if omitted.
     time
-        Time of each frame, shape (frames,), ascending; the numbers of the frames if omitted.
+        Time of each frame, shape (frames,), ascending; a frame that repeats a time is skipped. The numbers of the frames if omitted.
     material, method
         Material law and discretization; the defaults of the command if omitted.
     velocity
@@ -693,7 +693,7 @@ def screen(
     'none'
     """
     problem = problem_of(material, method)
-    give, count, reference, given = frames_of(x, X, time, velocity, F, stress, problem.dimension)
+    give, count, reference, given, notes = frames_of(x, X, time, velocity, F, stress, problem.dimension)
     particles = len(reference)
 
     def of_particles(value: ArrayLike | None, what: str, kinds: str) -> Floats | None:
@@ -728,6 +728,7 @@ def screen(
         seed=None if seed is None else share(seed, "seed"),
         bin=share(bin, "bin"),
         actual=None if actual is None else number(actual, "actual"),
+        notes=notes,
     )
     take = (lambda _, now, found: kept.append((now, found))) if switch(fields, "fields") else None
     modes: list[bytes] = []

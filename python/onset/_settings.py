@@ -44,6 +44,14 @@ def _key(section: str, name: str) -> str:
     return f"{section}.{bare}"
 
 
+def _shown(value: object) -> str:
+    """Returns a value as Python writes it, with plain numbers instead of scalars of NumPy."""
+    if isinstance(value, (list, tuple)):
+        items = [item.item() if isinstance(item, np.generic) else item for item in value]
+        value = tuple(items) if isinstance(value, tuple) else items
+    return repr(value.item() if isinstance(value, np.generic) else value)
+
+
 def _typed(value: object, key: str) -> str:
     """Returns a value in the notation of ``--set key=``."""
     unmasked(value, key)
@@ -148,7 +156,7 @@ class _Settings:
         return hash((type(self).__name__, self._meant()))
 
     def __repr__(self) -> str:
-        named = (f"{key.partition('.')[2].replace('-', '_')}={value!r}" for key, value in self._set.items())
+        named = (f"{key.partition('.')[2].replace('-', '_')}={_shown(value)}" for key, value in self._set.items())
         return f"{type(self).__name__}({', '.join(named)})"
 
     @asks
@@ -306,7 +314,7 @@ class Material(_Settings):
     def __repr__(self) -> str:
         if self._handed is None:
             return super().__repr__()
-        named = "".join(f", {name}={value!r}" for name, value in ((key.partition(".")[2], value) for key, value in self._set.items()))
+        named = "".join(f", {name}={_shown(value)}" for name, value in ((key.partition(".")[2], value) for key, value in self._set.items()))
         return f"Material({self._handed.name}{named})"
 
     def _section_text(self) -> str:

@@ -266,6 +266,7 @@ def test_settings_support_comparison_repr_and_replacement() -> None:
     assert hash(SPH.replace(support=2.6)) == hash(SPH) and SPH.replace(support=2.0) != SPH
     assert SPH.replace(artificial_stress=0.3).assignments[-1] == "discretization.artificial-stress=0.3"
     assert repr(SPH) == "Method(method='updated-sph', lattice='square', kernel='cubic-spline', support=2.6)"
+    assert repr(onset.Material("neo-hooke", mu=np.float64(2))) == "Material(model='neo-hooke', mu=2.0)"
     assert RUBBER.replace(mu=1).assignments == ("material.model=neo-hooke", "material.mu=1", "material.lambda=2.0")
     assert onset.Material("mu/2*(I1 - 3)", mu=1).assignments[:2] == ("material.model=formula", "material.energy=mu/2*(I1 - 3)")
     assert RUBBER.replace(mu=1) == RUBBER.replace(mu="1.0") and hash(RUBBER.replace(mu=1)) == hash(RUBBER.replace(mu=1.0))

@@ -113,7 +113,7 @@ def test_errors_name_the_argument() -> None:
         ({"x": x[:, :, :1]}, r"x\[0\] has the shape \(100, 1\)"),
         ({"X": X[:50]}, r"x\[0\] has the shape \(100, 2\); expected \(50, 2\)"),
         ({"time": [0, 1]}, "time has the shape"),
-        ({"time": [0, 1, 1, 2, 3, 4]}, r"time\[2\] is .*1.0.*, not after"),
+        ({"time": [0, 2, 1, 3, 4, 5]}, r"time\[2\] is 1.0, before 2.0; expected"),
         ({"X": 3 * X}, "the spacing of the particles is 3"),
         ({"held": [True]}, "held has the shape"),
         ({"stress": np.zeros((6, 100, 5))}, r"stress\[0\] has the shape"),
@@ -135,6 +135,19 @@ def test_errors_name_the_argument() -> None:
     ]:
         with pytest.raises(onset.InputError, match=message):
             onset.screen(**{"x": x, "X": X, **given})
+
+
+def test_a_frame_that_repeats_a_time_is_skipped_with_a_note() -> None:
+    X, x = plate()
+    for times, frames, note in [
+        ([0, 1, 1, 2, 3, 4], [0, 1, 3, 4, 5], "a frame that repeats the time of another frame is skipped"),
+        ([0, 1, 1, 1, 3, 3], [0, 1, 4], "3 frames that repeat the time of another frame are skipped"),
+    ]:
+        lazy = Lazy(x)
+        answer = onset.screen(lazy, X, times)
+        assert lazy.read[-len(frames) :] == frames
+        assert answer["notes"][0] == note
+        assert answer.to_xarray()["time"].values.tolist() == sorted({float(time) for time in times})
 
 
 def test_exceptions_of_frames_are_raised_unchanged() -> None:

@@ -213,6 +213,14 @@ impl Series {
         &self.recognized
     }
 
+    /// Checks the part of a file after the last frame that was read, for readers that end early. Only formats with checksums read it.
+    ///
+    /// # Errors
+    /// [`FrameError`] if a checksum is wrong or the file cannot be read.
+    pub fn check_rest(&mut self) -> Result<(), FrameError> {
+        self.source.check_rest()
+    }
+
     /// Returns to the first frame.
     pub fn rewind(&mut self) {
         self.next = 0;

@@ -225,6 +225,28 @@ fn an_archive_with_a_changed_byte_is_refused() {
 }
 
 #[test]
+fn a_wrong_checksum_is_found_if_reading_ends_early() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["stored.npz", "pysph-tension.npz"] {
+        let mut bytes = std::fs::read(data(name)).expect("an archive");
+        let mut whole = open(name);
+        whole.frame(0).expect("the first frame");
+        whole.check_rest().expect("an undamaged archive");
+        assert!(whole.all(|frame| frame.is_ok()), "frames after the check");
+        // The list of members has the checksum 30 bytes before the name.
+        let member = b"position.npy";
+        let place = bytes.windows(member.len()).rposition(|own| own == member);
+        bytes[place.expect("a member") - 30] ^= 1;
+        let path = written(&folder, name, bytes);
+        let mut series = Series::open(&[path], &Reading::default()).expect("a series");
+        series.frame(0).expect("the first frame");
+        let error = series.check_rest().expect_err("a wrong checksum");
+        let told = error.to_string();
+        assert!(told.contains("the checksum of an array is wrong"), "{told}");
+    }
+}
+
+#[test]
 fn a_truncated_grid_is_refused_and_a_list_of_grids_is_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     let grid = std::fs::read_to_string(data("meshio-ascii.vtu")).expect("a grid");

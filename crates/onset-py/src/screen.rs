@@ -40,6 +40,7 @@ pub struct Asked {
     seed: Option<f64>,
     bin: f64,
     actual: Option<f64>,
+    notes: Vec<String>,
 }
 
 /// Rows of a field from bytes of doubles.
@@ -150,7 +151,11 @@ pub fn screen(
         }
         let answer = match (answer, raised.take()) {
             (_, Some(error)) => return Err(Failure::Raised(error)),
-            (Ok(answer), None) => answer,
+            (Ok(mut answer), None) => {
+                let others = std::mem::take(&mut answer.notes);
+                answer.notes = [asked.notes, others].concat();
+                answer
+            }
             (Err(error), None) => return Err(Failure::input(error)),
         };
         let told = Answer::of(&answer, &answer, answer.csv())?;

@@ -5,6 +5,7 @@
 //! be written is tested before the computation. (The tiles of a store are written one by one: see [`store`](crate::store).)
 
 use crate::figure::{Figure, FigureError, Sheet};
+use crate::input;
 use onset_umat::PrivateFolder;
 use std::borrow::Cow;
 use std::ffi::{OsStr, OsString};
@@ -256,6 +257,41 @@ impl Batch {
             }
         }
         Ok(())
+    }
+
+    /// Removes a file that was added.
+    pub(crate) fn remove(&mut self, name: &str) {
+        let path = self.stage.path().join(name);
+        self.prepared.retain(|(from, _)| *from != path);
+        // The private folder is removed with its contents at the end.
+        let _ = fs::remove_file(path);
+    }
+
+    /// Text of a file of an earlier run in the target folder; `None` if it cannot be read.
+    pub(crate) fn earlier(&self, name: &str) -> Option<String> {
+        let path = self.output.folder.join(name);
+        let bytes = input::bytes(&path, input::MOST_OUTPUT).ok()?;
+        String::from_utf8(bytes).ok()
+    }
+
+    /// Moves all files to their folder like [`Self::finish`], and then removes files of an earlier run that have not been replaced. If only a figure is
+    /// written, nothing is removed.
+    ///
+    /// # Errors
+    /// [`OutputError`] as [`Self::finish`].
+    pub(crate) fn finish_without(self, old: &[String]) -> Result<Vec<PathBuf>, OutputError> {
+        let folder = self.output.folder.clone();
+        let is_whole = self.output.only.is_none();
+        let paths = self.finish()?;
+        let old = old
+            .iter()
+            .filter(|_| is_whole)
+            .map(|name| folder.join(name));
+        for path in old.filter(|path| !paths.contains(path)) {
+            // The results are complete. An old file that cannot be removed is not listed in the new collection.
+            let _ = fs::remove_file(path);
+        }
+        Ok(paths)
     }
 
     /// Moves all files to their folder, replacing existing ones; returns their paths. An existing link is replaced, not followed.

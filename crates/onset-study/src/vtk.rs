@@ -1,5 +1,6 @@
 //! Fields of particles and elements in VTK's XML formats, for ParaView and similar programs.
 //!
+//! Arrays are base64 of little-endian numbers after their length, as readers of VTK accept them for all values; in ASCII arrays they do not accept NaN.
 //! The XML output is too short to justify a dependency such as `vtkio`.
 
 use std::fmt::Write;
@@ -50,7 +51,7 @@ impl Grid<'_> {
         let count = self.points.len();
         let cells = self.elements.map_or(count, |(_, cells)| cells.len());
         let mut text = format!(
-            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\">\n<UnstructuredGrid>\n\
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<UnstructuredGrid>\n\
              <Piece NumberOfPoints=\"{count}\" NumberOfCells=\"{cells}\">\n<Points>\n"
         );
         vectors(&mut text, "position", self.points);
@@ -102,39 +103,51 @@ impl Grid<'_> {
 }
 
 fn vectors<const N: usize>(text: &mut String, name: &str, all: &[[f64; N]]) {
-    let _ = writeln!(
-        text,
-        "<DataArray type=\"Float64\" Name=\"{name}\" NumberOfComponents=\"{N}\" format=\"ascii\">"
-    );
-    for own in all {
-        let own = own.map(|x| format!("{x:e}"));
-        let _ = writeln!(text, "{}", own.join(" "));
-    }
-    text.push_str("</DataArray>\n");
+    let components = format!(" NumberOfComponents=\"{N}\"");
+    let numbers = all.iter().flatten().flat_map(|x| x.to_le_bytes());
+    array(text, "Float64", name, &components, numbers.collect());
 }
 
 fn scalars(text: &mut String, name: &str, all: &[f64]) {
-    let _ = writeln!(
-        text,
-        "<DataArray type=\"Float64\" Name=\"{name}\" format=\"ascii\">"
-    );
-    for own in all {
-        // VTK reads `nan`, not `NaN`, in texts.
-        let _ = match own.is_nan() {
-            true => writeln!(text, "nan"),
-            false => writeln!(text, "{own:e}"),
-        };
-    }
-    text.push_str("</DataArray>\n");
+    let numbers = all.iter().flat_map(|x| x.to_le_bytes());
+    array(text, "Float64", name, "", numbers.collect());
 }
 
+/// Writes whole numbers, as `Int64`, or as `UInt8` if that is their type.
 fn numbers(text: &mut String, name: &str, kind: &str, all: &[usize]) {
-    let all: Vec<String> = all.iter().map(ToString::to_string).collect();
+    let numbers = match kind {
+        "UInt8" => all.iter().map(|n| *n as u8).collect(),
+        _ => all.iter().flat_map(|n| (*n as i64).to_le_bytes()).collect(),
+    };
+    array(text, kind, name, "", numbers);
+}
+
+/// Writes an array with its length in bytes; `more` are further attributes.
+fn array(text: &mut String, kind: &str, name: &str, more: &str, numbers: Vec<u8>) {
     let _ = writeln!(
         text,
-        "<DataArray type=\"{kind}\" Name=\"{name}\" format=\"ascii\">\n{}\n</DataArray>",
-        all.join(" ")
+        "<DataArray type=\"{kind}\" Name=\"{name}\"{more} format=\"binary\">"
     );
+    let mut bytes = (numbers.len() as u64).to_le_bytes().to_vec();
+    bytes.extend(numbers);
+    base64(text, &bytes);
+    text.push_str("\n</DataArray>\n");
+}
+
+/// Appends bytes in base64.
+fn base64(text: &mut String, bytes: &[u8]) {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    text.reserve(bytes.len().div_ceil(3) * 4);
+    for group in bytes.chunks(3) {
+        let byte = |n: usize| u32::from(group.get(n).copied().unwrap_or(0));
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        for n in 0..4 {
+            text.push(match n > group.len() {
+                true => '=',
+                false => char::from(LETTERS[(bits >> (18 - 6 * n) & 63) as usize]),
+            });
+        }
+    }
 }
 
 /// Collection of the files of a series with their times.
@@ -149,4 +162,52 @@ pub(crate) fn pvd<'f>(files: impl IntoIterator<Item = (f64, &'f str)>) -> String
         );
     }
     text + "</Collection>\n</VTKFile>\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Grid, base64};
+    use onset_frames::{Reading, Series};
+
+    #[test]
+    fn base64_pads_the_last_group() {
+        for (bytes, expected) in [
+            ("", ""),
+            ("f", "Zg=="),
+            ("fo", "Zm8="),
+            ("foobar", "Zm9vYmFy"),
+        ] {
+            let mut text = String::new();
+            base64(&mut text, bytes.as_bytes());
+            assert_eq!(text, expected);
+        }
+    }
+
+    #[test]
+    fn all_values_are_read_back_exactly() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("one.vtu");
+        let points = [[0.1, -1e-300, 0.0], [1.0 / 3.0, 2e30, 0.0], [0.0; 3]];
+        let f = [0, 1, 2].map(|n| std::array::from_fn(|i| f64::from(10 * n + i as i32) / 7.0));
+        let density = [1.0, f64::NAN, 3.0];
+        let cells = [vec![0, 1, 2]];
+        let grid = Grid {
+            points: &points,
+            matrices: vec![("F", f.to_vec())],
+            scalars: vec![("density", &density)],
+            elements: Some((2, &cells)),
+            ..Grid::default()
+        };
+        let text = grid.vtu();
+        assert!(!text.contains("ascii") && !text.contains("nan"), "{text}");
+        std::fs::write(&path, text).expect("a file");
+        let mut series = Series::open(&[path], &Reading::default()).expect("a series");
+        let frame = series.frame(0).expect("a frame");
+        assert_eq!(frame.position, points);
+        assert_eq!(frame.gradient, Some(f.to_vec()));
+        let read = frame.density.expect("densities");
+        assert!(read[1].is_nan() && read[0] == 1.0 && read[2] == 3.0);
+        let cells = frame.cells.expect("cells");
+        assert_eq!((cells.points(0), cells.shapes[0]), (&[0, 1, 2][..], 5));
+    }
 }

@@ -195,6 +195,125 @@ fn frames_that_are_sorted_and_records_that_are_repeated_are_named() {
     }
 }
 
+/// Text with single blanks instead of line breaks.
+fn unwrapped(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn a_run_with_skipped_frames_is_not_called_stable_without_its_limit() {
+    let frames = [0.0, 1.0, 2.0, 3.0].map(|time| (time, false));
+    let text = table(&frames).replace("\n2,5,0,5\n", "\n2,5,nan,5\n");
+    let file = Written::new("damaged.csv", text);
+    let method = "--set discretization.method=tlsph --set discretization.lattice=square";
+    let answer = onset_line(&format!("screen {file} {method} --held none"));
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    let told = unwrapped(&answer.stdout);
+    assert!(told.starts_with("No instability until t = 1: "), "{told}");
+    let limit = "Only the first 2 of 4 frames are assessed; the others are skipped";
+    assert!(told.contains(limit), "{told}");
+}
+
+#[test]
+fn an_archive_with_a_wrong_checksum_is_refused_before_its_last_frame_is_read() {
+    let run = concat!(env!("CARGO_MANIFEST_DIR"), "/../../runs/tension");
+    let mut bytes = std::fs::read(format!("{run}.npz")).expect("a run");
+    // The list of members has the checksum 30 bytes before the name.
+    let member = b"position.npy";
+    let place = bytes.windows(member.len()).rposition(|own| own == member);
+    bytes[place.expect("a member") - 30] ^= 1;
+    let file = Written::new("damaged.npz", bytes);
+    for frames in ["0:4", "0:20"] {
+        let answer = onset_line(&format!("screen {file} {run}.toml --frames {frames}"));
+        assert_eq!(answer.code, Some(2), "{frames}: {}", answer.stdout);
+        let told = unwrapped(&answer.stderr);
+        assert!(told.contains("the checksum of an array is wrong"), "{told}");
+    }
+}
+
+/// Times and names of the files in a collection, and the names of all fields in its folder.
+fn fields(folder: &Scratch) -> (Vec<(f64, String)>, Vec<String>) {
+    let collection = std::fs::read_to_string(folder.join("screen.pvd")).expect("a collection");
+    let between = |text: &str, start: &str| -> String {
+        let (_, rest) = text.split_once(start).expect("an attribute");
+        rest.split('"').next().expect("its value").to_owned()
+    };
+    let listed = collection.lines().filter(|line| line.contains("<DataSet"));
+    let listed = listed.map(|line| {
+        let time = between(line, "timestep=\"").parse().expect("a time");
+        (time, between(line, "file=\""))
+    });
+    let files = std::fs::read_dir(&**folder).expect("a folder");
+    let names = files.map(|file| {
+        file.expect("a file")
+            .file_name()
+            .into_string()
+            .expect("UTF-8")
+    });
+    let mut names: Vec<String> = names.filter(|name| name.starts_with("screen-")).collect();
+    names.sort();
+    (listed.collect(), names)
+}
+
+#[test]
+fn fields_contain_the_decisive_frames_and_replace_those_of_an_earlier_run() {
+    let folder = Scratch::new("fields");
+    let out = folder.to_str().expect("UTF-8");
+    for (most, expected) in [("20", 20), ("3", 3), ("2", 2)] {
+        let answer = onset(&notched(
+            &[&STEP[..], &["--out", out, "--fields", most]].concat(),
+        ));
+        assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+        let (listed, names) = fields(&folder);
+        assert_eq!(listed.len(), expected, "{listed:?}");
+        let text = std::fs::read_to_string(folder.join("screen.json")).expect("a document");
+        let document: Value = serde_json::from_str(&text).expect("a document");
+        for event in ["/first/window/1", "/observed/window/1"] {
+            let time = number(&document, event);
+            assert!(
+                listed.iter().any(|(own, _)| (own - time).abs() < 1e-9),
+                "{event}: no {time} in {listed:?}"
+            );
+        }
+        let listed: Vec<String> = listed.into_iter().map(|(_, name)| name).collect();
+        assert_eq!(listed, names, "files of an earlier run");
+    }
+}
+
+#[test]
+fn gradients_and_stresses_of_simulated_patches_and_bodies_are_read() {
+    let body = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../studies/bodies/rubber-strip.toml"
+    );
+    let patch = "--set discretization.method=tlsph --set discretization.lattice=square";
+    for (name, study, run) in [
+        (
+            "patch",
+            patch,
+            "--stretch 1.1,1 --cells 8 --mode noise --tolerance 1",
+        ),
+        ("body", body, "--time-step 0.1"),
+    ] {
+        let folder = Scratch::new(name);
+        let out = folder.to_str().expect("UTF-8");
+        let run = format!("simulate {study} {run} --steps 20 --fields 3 --quiet --out {out}");
+        let answer = onset_line(&run);
+        assert!(matches!(answer.code, Some(0 | 3)), "{}", answer.stderr);
+        let files = folder.join("fields.pvd");
+        let files = files.to_str().expect("UTF-8");
+        let answer = onset_line(&format!("screen {files} {study} --check"));
+        let told = unwrapped(&answer.stdout);
+        for column in ["F=F", "stress=stress", "reference=reference"] {
+            assert!(
+                told.contains(column),
+                "{name}: no {column} in {told} {}",
+                answer.stderr
+            );
+        }
+    }
+}
+
 #[test]
 fn a_growing_file_is_screened_until_a_cause_ends_the_command() {
     let folder = Scratch::new("watched");

@@ -83,6 +83,10 @@ fn a_pulled_bar_writes_all_its_files() {
     assert!(history.starts_with("step,time,kinetic_energy,strain_energy,energy,work_of_grips,"));
     let field = std::fs::read_to_string(place.out().join("field-0002.vtu")).expect("a field");
     assert!(field.contains("Name=\"volume_ratio\"") && field.contains("NumberOfPoints=\"120\""));
+    for name in ["F", "stress"] {
+        let array = format!("Name=\"{name}\" NumberOfComponents=\"9\"");
+        assert!(field.contains(&array), "no {name}");
+    }
     // A complete run has no work left, and resuming it changes nothing.
     let files = tree(&place.out());
     let again = Answer::of(place.kept(&format!("{LINE} --resume")));

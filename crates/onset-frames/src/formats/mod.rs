@@ -41,6 +41,11 @@ pub(crate) trait Source: Send {
     /// Reads a frame by its number in the order of the files.
     fn read(&mut self, frame: usize) -> Result<Frame, FrameError>;
 
+    /// Reads the rest of open data whose checksum is known only at their end, and compares it.
+    fn check_rest(&mut self) -> Result<(), FrameError> {
+        Ok(())
+    }
+
     /// Prepares for reading frames in any order.
     fn shuffle(&mut self) -> Result<(), FrameError> {
         Ok(())

@@ -642,4 +642,17 @@ impl Source for Archives {
         self.open = Some((file, own));
         Ok(read)
     }
+
+    fn check_rest(&mut self) -> Result<(), FrameError> {
+        let Some((_, own)) = &mut self.open else {
+            return Ok(());
+        };
+        let Archive { path, columns, .. } = own;
+        // Frames that are read later are read from the start.
+        for (_, mut from) in columns.iter_mut().filter_map(|stream| stream.open.take()) {
+            std::io::copy(&mut from, &mut std::io::sink())
+                .map_err(|error| FrameError::unreadable(path, error))?;
+        }
+        Ok(())
+    }
 }

@@ -34,6 +34,18 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     values.get(values.len() / 2).copied()
 }
 
+/// Cauchy stress of the law at a deformation gradient; `None` where the law is not defined. A law in rate form has the stress of a proportional path.
+pub(crate) fn cauchy_stress(problem: &Problem, f: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+    let rotation = rotation(f)?;
+    let u = rotation.transpose() * f;
+    let u = std::array::from_fn(|i| std::array::from_fn(|j| u[(i, j)]));
+    let response = problem
+        .material
+        .response(&DeformationGradient::new(u).ok()?);
+    let stress = response.ok()?.cauchy();
+    Some(rotation * stress * rotation.transpose())
+}
+
 fn rotation(f: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let u = super::states::without_rotation(f)?;
     Some(f * u.try_inverse()?)
@@ -119,16 +131,7 @@ impl Agreement {
         let components = |stress: &Matrix3<f64>| {
             [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|at| stress[at])
         };
-        let of_law = |f: &Matrix3<f64>| -> Option<[f64; 6]> {
-            let rotation = rotation(f)?;
-            let u = rotation.transpose() * f;
-            let u = std::array::from_fn(|i| std::array::from_fn(|j| u[(i, j)]));
-            let response = problem
-                .material
-                .response(&DeformationGradient::new(u).ok()?);
-            let stress = response.ok()?.cauchy();
-            Some(components(&(rotation * stress * rotation.transpose())))
-        };
+        let of_law = |f: &Matrix3<f64>| Some(components(&cauchy_stress(problem, f)?));
         let pairs: Vec<([f64; 6], [f64; 6])> = given
             .iter()
             .zip(found)

@@ -789,6 +789,14 @@ impl ScreenAnswer {
             (false, ..) => String::new(),
             (true, ..) => " The time step is at the limit: a change of 2 % would change the verdict.".to_owned(),
         };
+        let assessed = self.recording.as_ref().filter(|own| own.skipped > 0);
+        let rest = assessed.map_or(String::new(), |own| {
+            format!(
+                " Only the first {} of {} frames are assessed; the others are skipped (see the note).",
+                own.frames,
+                own.frames + own.skipped
+            )
+        });
         let sentence = match self.cause {
             Cause::Physical => format!(
                 "First cause: the material. It loses strong ellipticity {at} at t = {}; short waves are {observed}.",
@@ -836,7 +844,11 @@ impl ScreenAnswer {
                 "No instability explains the short waves {at}, {observed}: material and discretization are stable in the states of this run. Loads, contact or gradients of strain force them."
             ),
             Cause::None => format!(
-                "No instability: short waves stay below the threshold, and the material stays strongly elliptic{}.",
+                "No instability{}: short waves stay below the threshold, and the material stays strongly elliptic{}.",
+                assessed.map_or(String::new(), |own| format!(
+                    " until t = {}",
+                    short(own.times[1])
+                )),
                 match self.unassessed {
                     0 => String::new(),
                     count => format!(
@@ -846,7 +858,7 @@ impl ScreenAnswer {
                 }
             ),
         };
-        sentence + &limit
+        sentence + &rest + &limit
     }
 
     /// Table of the frames.

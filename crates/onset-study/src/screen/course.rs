@@ -290,6 +290,8 @@ pub struct Snapshot<'s> {
     pub time: f64,
     /// Number of dimensions of the positions.
     pub dimension: usize,
+    /// Whether an event first occurs in this frame, or in the interval before it.
+    pub is_event: bool,
     /// Current positions of the particles or nodes.
     pub x: &'s [[f64; 3]],
     /// Fields of the particles or nodes.
@@ -318,6 +320,7 @@ pub(super) fn follow(
             number,
             time: frame.time,
             dimension: problem.dimension(),
+            is_event: fields.is_event,
             x: &frame.x,
             of_nodes: vec![("noise", fields.observed)],
             of_points: vec![
@@ -343,6 +346,7 @@ struct Fields {
     /// Index of the cause in [`Cause::ALL`].
     cause: Vec<f64>,
     checked: Vec<f64>,
+    is_event: bool,
 }
 
 /// State of [`follow`] between two frames.
@@ -378,12 +382,11 @@ impl<'p> Follower<'p> {
     ) -> Result<Self, ScreenError> {
         let analysis = &problem.analysis;
         let (dimension, spacing) = (problem.dimension(), analysis.spacing());
-        let support = problem.settings.discretization.support;
         let radius = match run.cells {
-            Some(_) => RADIUS,
-            None => support.clamp(1.5, 4.0),
+            Some(_) => RADIUS * spacing,
+            None => neighborhood_radius(problem),
         };
-        let points = Points::new(run, dimension, radius * spacing);
+        let points = Points::new(run, dimension, radius);
         let count = points.places.len();
         let (nodes, is_asked) = far_from_held(run, &points);
         let stepping = question.stepping();
@@ -558,6 +561,7 @@ impl<'p> Follower<'p> {
                 .map(|is| f64::from(u8::from(*is)))
                 .collect(),
             observed: Vec::new(),
+            is_event: false,
         };
         let rates_of = |point: usize| self.growth.states.of(keys[point].as_ref()?);
         let critical = self.limited.as_ref();
@@ -629,7 +633,13 @@ impl<'p> Follower<'p> {
                 self.course.observed = Some(event(share, (node, self.run.reference[node]), f));
             }
         }
+        let has_exceeded = |course: &Course| {
+            let limit = course.step.as_ref();
+            limit.is_some_and(|limit| limit.exceeded.is_some())
+        };
+        let was_exceeded = has_exceeded(&self.course);
         let step_ratio = self.step(before, interval, squared, extra);
+        let is_exceeded = !was_exceeded && has_exceeded(&self.course);
         self.course.moments.push(Moment {
             time: frame.time,
             predicted,
@@ -641,14 +651,14 @@ impl<'p> Follower<'p> {
             step_ratio,
             undefined,
         });
-        self.picture(frame, &observed);
+        fields.is_event = self.picture(frame, &observed) || is_exceeded;
         self.keep_nearest(frame);
         fields.observed = observed;
         Ok(fields)
     }
 
-    /// Stores the positions and short waves of the frames at which events first occur.
-    fn picture(&mut self, frame: &Frame, observed: &[f64]) {
+    /// Stores the positions and short waves of a frame at which an event first occurs; returns false for other frames.
+    fn picture(&mut self, frame: &Frame, observed: &[f64]) -> bool {
         let at = |event: Option<&Event>| event.is_some_and(|own| own.window[1] == frame.time);
         let grown = self.course.grown.as_ref().map(|(event, _)| event);
         let happens =
@@ -660,6 +670,7 @@ impl<'p> Follower<'p> {
                 observed: observed.to_vec(),
             });
         }
+        happens
     }
 
     fn keep_nearest(&mut self, frame: &Frame) {
@@ -800,6 +811,11 @@ fn limits(
         place: mode.as_ref().map(|mode| run.reference[mode.particle]),
     };
     Ok(Some((limit, mode)))
+}
+
+/// Radius of the neighborhoods of particles; length.
+pub(crate) fn neighborhood_radius(problem: &Problem) -> f64 {
+    problem.settings.discretization.support.clamp(1.5, 4.0) * problem.analysis.spacing()
 }
 
 /// Nodes whose short waves are evaluated, and points with states. Neither the points nor their neighbors are held; for short waves the neighbors of

@@ -130,6 +130,8 @@ pub struct Recording {
     pub format: String,
     /// Number of frames that were read.
     pub frames: usize,
+    /// Number of later frames that are skipped, because a frame lacks particles or has infinite positions.
+    pub skipped: usize,
     /// Times of the first and the last frame.
     pub times: [f64; 2],
     /// Longest interval between successive frames; time.
@@ -279,6 +281,11 @@ impl Recording {
                 jump = jump.max(median_jump(last.as_ref().unwrap_or(start), &frame));
             }
             last = Some(frame);
+        }
+        // Bytes after the last frame can be damaged, too, and a damaged file can end the reading early.
+        series.check_rest()?;
+        if damaged.is_some() {
+            own.skipped = series.times().len().saturating_sub(own.frames);
         }
         own.times[1] = time;
         let (Some(first), Some(last)) = (first, last) else {

@@ -17,6 +17,10 @@ mod remedy;
 mod states;
 mod study;
 
+pub(crate) use agreement::cauchy_stress;
+pub(crate) use course::neighborhood_radius;
+pub(crate) use neighborhoods::Neighborhoods;
+
 pub use actual::{Actual, BodyModeAnswer, ModeKind};
 pub use answer::{Cause, ScreenAnswer, ScreenChecks};
 pub use course::{Event, Moment, Snapshot, StepLimit};

@@ -15,7 +15,7 @@ const REGULAR: f64 = 1e-4;
 const CUT_NEIGHBORHOOD_OFFSET: f64 = 0.2;
 
 /// Neighbors of each particle within a radius in the reference configuration.
-pub(super) struct Neighborhoods {
+pub(crate) struct Neighborhoods {
     dimension: usize,
     starts: Vec<usize>,
     neighbors: Vec<Neighbor>,
@@ -94,6 +94,16 @@ fn value_at_origin(vectors: &[Vector3<f64>], dimension: usize, order: usize) -> 
 impl Neighborhoods {
     /// Finds the neighbors within a radius of each particle.
     pub(super) fn new(reference: &[[f64; 3]], dimension: usize, radius: f64) -> Self {
+        Self::of_first(reference.len(), reference, dimension, radius)
+    }
+
+    /// Finds the neighbors of the first `count` particles among all particles.
+    pub(crate) fn of_first(
+        count: usize,
+        reference: &[[f64; 3]],
+        dimension: usize,
+        radius: f64,
+    ) -> Self {
         let cell = |x: &[f64; 3]| x.map(|x| (x / radius).floor() as i64);
         let mut boxes: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
         for (n, x) in reference.iter().enumerate() {
@@ -102,7 +112,7 @@ impl Neighborhoods {
         let (mut starts, mut neighbors) = (vec![0], Vec::new());
         let depth = if dimension > 2 { 1 } else { 0 };
         let height = if dimension > 1 { 1 } else { 0 };
-        for (n, x) in reference.iter().enumerate() {
+        for (n, x) in reference.iter().enumerate().take(count) {
             let center = cell(x);
             let mut near: Vec<(u32, Vector3<f64>)> = Vec::new();
             for a in -1..=1 {
@@ -144,6 +154,11 @@ impl Neighborhoods {
         }
     }
 
+    /// Number of space dimensions.
+    pub(crate) fn dimension(&self) -> usize {
+        self.dimension
+    }
+
     pub(super) fn len(&self) -> usize {
         self.starts.len() - 1
     }
@@ -163,7 +178,7 @@ impl Neighborhoods {
     }
 
     /// Deformation gradient of a particle, `sum_j (x_j - x_i) (x) gradient_j`, with the identity beyond the dimensions; `None` without enough neighbors.
-    pub(super) fn deformation(&self, particle: usize, x: &[[f64; 3]]) -> Option<Matrix3<f64>> {
+    pub(crate) fn deformation(&self, particle: usize, x: &[[f64; 3]]) -> Option<Matrix3<f64>> {
         if self.count(particle) == 0 {
             return None;
         }

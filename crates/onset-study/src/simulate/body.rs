@@ -6,6 +6,7 @@ use super::plan::{
     DEFAULT_STEP_FRACTION, Duration, Pace, checked, every, fields, mark, refused, stable,
 };
 use super::run::{Course, Keeper, Moving, Place, Watch, grid};
+use super::states::stresses;
 use crate::answers::{Problem, notes_on_patch};
 use crate::csv::Table;
 use crate::number::{counted, told};
@@ -229,6 +230,7 @@ fn run(
     let mut keeper = Keeper::begun(course, place)?;
     body.put(&keeper.progress.state, &question.start());
     let mut moving = MovingBody {
+        problem,
         places: body.positions(),
         step: course.step,
         body,
@@ -279,6 +281,7 @@ fn run(
 }
 
 struct MovingBody<'a> {
+    problem: &'a Problem,
     places: Vec<[f64; 3]>,
     step: f64,
     body: &'a mut dyn BodyMotion,
@@ -329,7 +332,9 @@ impl Moving for MovingBody<'_> {
         let dimension = self.body.dimension();
         let mut grid = grid(dimension, &self.places, reference, &state, &mut positions);
         let flat = |f: &[[f64; 3]; 3]| std::array::from_fn(|n| f[n / 3][n % 3]);
-        grid.matrices.push(("F", f.iter().map(flat).collect()));
+        let gradients: Vec<[f64; 9]> = f.iter().map(flat).collect();
+        let stresses = stresses(self.problem, &gradients);
+        grid.matrices = vec![("F", gradients), ("stress", stresses)];
         grid.scalars = vec![("volume_ratio", &ratios), ("shear_strain", &shears)];
         Ok(grid.vtu())
     }

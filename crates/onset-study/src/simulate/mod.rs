@@ -15,6 +15,7 @@ mod patch;
 mod picture;
 mod plan;
 mod run;
+mod states;
 
 pub use answer::{Measured, Outcome, SimulateAnswer};
 pub use body::{BodyAnswer, BodyQuestion, run_body};

@@ -3,6 +3,7 @@
 use super::page::page;
 use super::plan::Plan;
 use super::run::{Keeper, Moving, Place, Watch, grid};
+use super::states::{PatchNeighborhoods, stresses};
 use super::{Question, SimulateAnswer, SimulateError};
 use crate::answers::Problem;
 use crate::methods::reduced;
@@ -49,7 +50,10 @@ fn run(
     let mut keeper = Keeper::begun(&plan.course, place)?;
     patch.put(&keeper.progress.state);
     let mut moving = MovingPatch {
+        problem,
+        question,
         plan,
+        neighborhoods: None,
         places: current(question, patch),
         patch,
     };
@@ -84,7 +88,11 @@ fn current(question: &Question, patch: &dyn PatchMotion) -> Vec<[f64; 3]> {
 }
 
 struct MovingPatch<'a> {
+    problem: &'a Problem,
+    question: &'a Question,
     plan: &'a Plan,
+    /// Neighborhoods for gradients in fields, from the first field on.
+    neighborhoods: Option<PatchNeighborhoods>,
     /// Positions of the particles in the homogeneous state.
     places: Vec<[f64; 3]>,
     patch: &'a mut dyn PatchMotion,
@@ -123,7 +131,14 @@ impl Moving for MovingPatch<'_> {
     fn field(&mut self) -> Result<String, Box<Fault>> {
         let state = self.patch.state();
         let (dimension, reference) = (self.patch.dimension(), self.patch.positions());
+        let neighborhoods = self.neighborhoods.get_or_insert_with(|| {
+            PatchNeighborhoods::new(self.problem, &reference, &self.plan.cells)
+        });
         let mut positions = Vec::new();
-        Ok(grid(dimension, &self.places, reference, &state, &mut positions).vtu())
+        let mut grid = grid(dimension, &self.places, reference, &state, &mut positions);
+        let gradients = neighborhoods.gradients(grid.points, &self.question.f);
+        let stresses = stresses(self.problem, &gradients);
+        grid.matrices = vec![("F", gradients), ("stress", stresses)];
+        Ok(grid.vtu())
     }
 }
