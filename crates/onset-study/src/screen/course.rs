@@ -431,8 +431,8 @@ impl Still {
             self.has_moved = vec![false; x.len()];
             self.since = vec![None; x.len()];
         } else {
-            for n in 0..x.len() {
-                if x[n] != self.x[n] {
+            for (n, own) in x.iter().enumerate() {
+                if *own != self.x[n] {
                     (self.has_moved[n], self.since[n]) = (true, None);
                 } else if self.has_moved[n] && self.since[n].is_none() {
                     self.since[n] = Some((before, around(n, &self.x, near)));

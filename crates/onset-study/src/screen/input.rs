@@ -252,8 +252,8 @@ impl Contacts {
             near.filter(move |other| sizes[group[*other]] > own)
         };
         let mut is_cut = vec![false; sizes.len()];
-        for n in 0..count {
-            is_cut[group[n]] |= outer(n).next().is_some();
+        for (n, own) in group.iter().enumerate() {
+            is_cut[*own] |= outer(n).next().is_some();
         }
         let away: Vec<usize> = (0..count).filter(|n| is_cut[group[*n]]).collect();
         if away.len() as f64 > LARGEST_DAMAGE * count as f64 {
