@@ -89,7 +89,7 @@ pub enum FrameError {
     /// Requested column that the file does not have.
     #[error(
         "{place}: no column {name} for {quantity}\n  hint: the file has {}",
-        listed(available, |own| is_similar(own, name))
+        listed(available, |own| is_similar(own, name), is_word)
     )]
     NoColumn {
         /// Place of the names.
@@ -104,7 +104,7 @@ pub enum FrameError {
     /// File without columns that are recognized as positions.
     #[error(
         "{place}: no positions found\n  hint: name their columns, for example --columns x=NAME or x=NAME1,NAME2; the file has {}",
-        listed(available, is_position)
+        listed(available, is_position, |_| false)
     )]
     NoPositions {
         /// Place of the names.
@@ -200,9 +200,15 @@ fn quoted(word: Option<&str>) -> String {
 /// Number of names listed in an error.
 const LISTED_NAMES: usize = 6;
 
-/// Number of columns, and the names that may be the expected ones.
-fn listed(names: &[String], is_near: impl Fn(&str) -> bool) -> String {
-    let near = names.iter().filter(|name| is_near(name)).take(LISTED_NAMES);
+/// Number of columns, and some of their names: the names that may be the expected ones, then others that may be shown.
+fn listed(
+    names: &[String],
+    is_near: impl Fn(&str) -> bool,
+    is_shown: impl Fn(&str) -> bool,
+) -> String {
+    let near = names.iter().filter(|name| is_near(name));
+    let others = names.iter().filter(|name| !is_near(name) && is_shown(name));
+    let near = near.chain(others).take(LISTED_NAMES);
     let near: Vec<String> = near.map(|name| format!("`{}`", cut(name))).collect();
     let count = match names.len() {
         1 => "1 column".to_owned(),
@@ -210,13 +216,19 @@ fn listed(names: &[String], is_near: impl Fn(&str) -> bool) -> String {
     };
     match (near.is_empty(), names.len()) {
         (true, _) => count,
-        (false, 1) => format!("{count}, {}", near.join(", ")),
+        (false, count_of) if near.len() == count_of => format!("{count}, {}", near.join(", ")),
         (false, _) => format!("{count}, among them {}", near.join(", ")),
     }
 }
 
+/// Returns true if a name is one word of letters, digits and the usual signs, as columns have it; other text of a file is not quoted.
+fn is_word(name: &str) -> bool {
+    let is_usual = |letter: char| letter.is_ascii_alphanumeric() || "_[]().:-".contains(letter);
+    !name.is_empty() && name.chars().all(is_usual)
+}
+
 /// Returns true if a name may be a coordinate.
-fn is_position(name: &str) -> bool {
+pub(crate) fn is_position(name: &str) -> bool {
     let plain = name.to_ascii_lowercase();
     let is_short = plain.len() < 4 && plain.starts_with(['x', 'y', 'z']);
     is_short || ["pos", "coord"].iter().any(|part| plain.contains(part))

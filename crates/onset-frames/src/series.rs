@@ -157,7 +157,7 @@ impl Series {
             if own != format {
                 return Err(FrameError::Request {
                     what: format!(
-                        "{} is a {format}, {} a {own}",
+                        "{} has the format {format}, {} the format {own}",
                         first.display(),
                         path.display()
                     ),
@@ -306,7 +306,10 @@ fn ordered(stamps: &[Stamp], ignored: &mut Vec<String>) -> Vec<(usize, Stamp)> {
     let by_time = stamps.iter().all(|own| own.time.is_some());
     let by_step = stamps.iter().all(|own| own.step.is_some());
     let compare = |a: &Stamp, b: &Stamp| match (by_time, by_step) {
-        (true, _) => a.time.partial_cmp(&b.time).unwrap_or(Ordering::Equal),
+        (true, _) => {
+            let [a, b] = [a, b].map(|own| own.time.unwrap_or_default());
+            a.partial_cmp(&b).unwrap_or_else(|| a.total_cmp(&b))
+        }
         (false, true) => a.step.cmp(&b.step),
         (false, false) => Ordering::Less,
     };
@@ -325,7 +328,9 @@ fn ordered(stamps: &[Stamp], ignored: &mut Vec<String>) -> Vec<(usize, Stamp)> {
         }
         frames.sort_by(|(_, a), (_, b)| compare(a, b));
         let count = frames.len();
-        frames.dedup_by(|(_, b), (_, a)| compare(a, b) == Ordering::Equal);
+        // A time that is not a number is an error of its frame, and repeats no other time.
+        let is_number = |own: &Stamp| own.time.is_none_or(|time| !time.is_nan());
+        frames.dedup_by(|(_, b), (_, a)| compare(a, b) == Ordering::Equal && is_number(a));
         match count - frames.len() {
             0 => {}
             1 => {
@@ -481,8 +486,26 @@ fn fits(pattern: &str, name: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{fits, natural, stem};
+    use super::{Stamp, fits, natural, ordered, stem};
     use std::path::{Path, PathBuf};
+
+    #[test]
+    fn a_time_that_is_not_a_number_repeats_no_other_time() {
+        for (times, count) in [
+            ([0.0, f64::NAN, 1.0], 3),
+            ([0.0, f64::NAN, f64::NAN], 3),
+            ([0.0, 1.0, 1.0], 2),
+        ] {
+            let stamps = times.map(|time| Stamp {
+                time: Some(time),
+                step: None,
+            });
+            let mut ignored = Vec::new();
+            assert_eq!(ordered(&stamps, &mut ignored).len(), count, "{times:?}");
+            let is_told = ignored.iter().any(|note| note.contains("repeats the time"));
+            assert_eq!(is_told, count == 2, "{times:?}: {ignored:?}");
+        }
+    }
 
     #[test]
     fn wildcards_match_any_letters() {

@@ -319,7 +319,8 @@ fn named_columns_replace_guesses_and_similar_names_are_listed() {
         .expect("columns");
     let error = refused(path, &reading);
     assert!(
-        error.contains("no column c for stress") && error.ends_with("the file has 5 columns"),
+        error.contains("no column c for stress")
+            && error.ends_with("the file has 5 columns, `n`, `a`, `b`, `x`, `y`"),
         "{error}"
     );
     let path = written(&folder, "b.csv", "SECRET one,xpos_1,SECRET two\n4,1,2\n");
@@ -402,6 +403,41 @@ fn pickled_arrays_and_other_formats_are_refused_with_a_hint() {
     assert!(error.contains("binary"), "{error}");
     #[cfg(unix)]
     assert!(refused("/dev/zero".into(), &Reading::default()).contains("not a regular file"));
+}
+
+#[test]
+fn an_unsupported_type_of_positions_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (described, size) in [("<f2", 2), ("<c16", 16), ("<U5", 20)] {
+        let mut array = b"\x93NUMPY\x01\x00".to_vec();
+        let header =
+            format!("{{'descr': '{described}', 'fortran_order': False, 'shape': (2, 3, 2), }}\n");
+        array.extend((header.len() as u16).to_le_bytes());
+        array.extend(header.as_bytes());
+        array.extend(vec![0; 12 * size]);
+        let error = refused(written(&folder, "a.npy", array), &Reading::default());
+        assert!(
+            error.contains(&format!(
+                "the type {described} of `position` is not supported"
+            )),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn files_of_two_formats_are_refused_with_both_names() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let paths = [
+        written(&folder, "a.csv", "n,x,y\n4,1,2\n"),
+        data("small.npz"),
+    ];
+    let error = Series::open(&paths, &Reading::default()).expect_err("a refusal");
+    let error = error.to_string();
+    assert!(
+        error.contains("has the format table") && error.contains("the format NumPy arrays"),
+        "{error}"
+    );
 }
 
 #[test]

@@ -660,21 +660,198 @@ fn particles_that_appear_later_are_reported() {
     assert_eq!(reported.count(), 1, "{:?}", recording.notes);
 }
 
+/// Velocities distinguish a particle that flies away from a damaged record.
 #[test]
 fn a_particle_that_flies_away_is_read_like_others() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("run.csv");
-    let mut text = "time,id,type,x,y\n".to_owned();
-    for time in 0..3 {
-        for n in 0..64 {
-            let away = [0.0, 1e99, -1e99][n % 3] * f64::from(time / 2) * f64::from(n as u32 / 62);
-            let (x, y) = ((n % 8) as f64 + away, n / 8);
-            text += &format!("{time},{n},{},{x:e},{y}\n", n % 2);
+    for (has_velocity, count) in [(true, 3), (false, 2)] {
+        let mut text = "time,id,type,x,y,vx,vy\n".to_owned();
+        for time in 0..3 {
+            for n in 0..64 {
+                let away =
+                    [0.0, 1e99, -1e99][n % 3] * f64::from(time / 2) * f64::from(n as u32 / 62);
+                let (x, y) = ((n % 8) as f64 + away, n / 8);
+                let speed = if has_velocity { away } else { 0.0 };
+                text += &format!("{time},{n},{},{x:e},{y},{speed:e},0\n", n % 2);
+            }
+        }
+        std::fs::write(&path, text).expect("written");
+        let recording = Recording::open(&HEALTHY.source(path.clone()), 2, false);
+        let (recording, ..) = recording.expect("a recording");
+        assert_eq!((recording.frames, recording.particles), (count, 64));
+    }
+}
+
+/// Positions of one particle, of a column of particles or of all particles in a record.
+type Damage = fn(usize, i32, [f64; 2]) -> [f64; 2];
+
+#[test]
+fn damaged_records_are_reported_and_skipped() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.csv");
+    let cases: [(Damage, &str, &[f64]); 4] = [
+        (
+            |n, time, x| if (n, time) == (27, 3) { [0.0; 2] } else { x },
+            "particle 127 moves 4 spacings between the frames t = 2 and t = 3 while its neighbors stay together: the frame is skipped as damaged",
+            &[0.0, 1.0, 2.0, 4.0, 5.0],
+        ),
+        (
+            |n, time, x| match n / 8 == 7 && time >= 3 {
+                true => [x[0] - 9.0, x[1]],
+                false => x,
+            },
+            "particle 156, like 7 others, moves 9 spacings between the frames t = 2 and t = 3 while its neighbors stay together: 3 such frames are skipped as damaged",
+            &[0.0, 1.0, 2.0],
+        ),
+        (
+            |_, time, x| if time >= 3 { [0.0; 2] } else { x },
+            "more than half of the particles are at the same position, (0, 0, 0): this and all later frames are skipped",
+            &[0.0, 1.0, 2.0],
+        ),
+        // A long motion of the whole body.
+        (
+            |_, time, x| [x[0] + 9.0 * f64::from(time), x[1]],
+            "",
+            &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0],
+        ),
+    ];
+    for (damage, note, times) in cases {
+        let mut text = "time,id,x,y\n".to_owned();
+        for time in 0..6 {
+            for n in 0..64_usize {
+                let stretch = 1.0 + 0.01 * f64::from(time);
+                let [x, y] = damage(n, time, [stretch * (n / 8) as f64, (n % 8) as f64]);
+                text += &format!("{time},{},{x},{y}\n", n + 100);
+            }
+        }
+        std::fs::write(&path, text).expect("written");
+        let recording = Recording::open(&HEALTHY.source(path.clone()), 2, false);
+        let (recording, _, mut series) = recording.expect("a recording");
+        let told = recording.notes.join("\n");
+        assert!(told.contains(note), "{note}: {told}");
+        assert_eq!(note.is_empty(), !told.contains("skipped"), "{told}");
+        assert_eq!(recording.frames, times.len(), "{told}");
+        let read = recording.frames(&mut series, 2);
+        let read: Vec<f64> = read.map(|frame| frame.expect("a frame").time).collect();
+        assert_eq!(read, times, "{told}");
+    }
+}
+
+#[test]
+fn points_without_a_state_and_particles_that_stop_are_reported() {
+    let (run, frames) = stretched(12, |_| 1e-6);
+    let mut mirrored = frames.clone();
+    for frame in &mut mirrored[3..] {
+        frame.x.iter_mut().for_each(|x| x.swap(0, 1));
+    }
+    let mut stopped = frames;
+    let (early, late) = stopped.split_at_mut(5);
+    late.iter_mut()
+        .for_each(|frame| frame.x[100] = early[4].x[100]);
+    for (frames, expected) in [
+        (
+            mirrored,
+            "det F of 196 points is not positive, first at t = 3 near (0, 0)",
+        ),
+        (
+            stopped,
+            "1 particle stands still while the neighbors move, first from t = 4 near (2, 7)",
+        ),
+    ] {
+        let answer = of_arrays(&HEALTHY, &[], &(run.clone(), frames));
+        let is_told = answer.limits.iter().any(|own| own.starts_with(expected));
+        assert!(is_told, "{expected}: {:?}", answer.limits);
+    }
+}
+
+#[test]
+fn gradients_in_files_are_compared_at_the_beginning() {
+    // Gradient of a particle at a time, from the stretch of the plate.
+    type Given = fn(f64, f64) -> f64;
+    let cases: [(Given, &[&str]); 4] = [
+        (|_, stretch| stretch, &[]),
+        // Gradients that fail late.
+        (|time, stretch| if time > 8.0 { 9.0 } else { stretch }, &[]),
+        (|_, _| 1e3, &["median difference a factor of 6", "at t = 5"]),
+        (
+            |_, _| f64::NAN,
+            &["are not numbers in 196 of 196 points at t = 1"],
+        ),
+    ];
+    for (given, expected) in cases {
+        let (run, mut frames) = stretched(12, |_| 1e-6);
+        for frame in &mut frames {
+            let own = given(frame.time, 1.0 + 0.003 * frame.time);
+            let gradient = [own, 0.0, 0.0, 0.0, own, 0.0, 0.0, 0.0, 1.0];
+            frame.gradient = Some(vec![gradient; run.reference.len()]);
+        }
+        let answer = of_arrays(&HEALTHY, &[], &(run, frames));
+        let notes = answer.notes.iter();
+        let notes: Vec<&String> = notes.filter(|note| note.contains("gradients in")).collect();
+        assert_eq!(notes.is_empty(), expected.is_empty(), "{notes:?}");
+        for part in expected {
+            assert!(notes[0].contains(part), "{part}: {notes:?}");
+        }
+    }
+}
+
+/// Rows are numbered from 0; the user knows the numbers in the file.
+#[test]
+fn particles_are_named_by_their_numbers_in_the_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.csv");
+    let (_, frames) = stretched(12, |time| 0.01 * time);
+    let mut text = "time,id,x,y\n".to_owned();
+    for frame in &frames {
+        for (n, x) in frame.x.iter().enumerate() {
+            text += &format!("{},{},{},{}\n", frame.time, n + 1000, x[0], x[1]);
         }
     }
     std::fs::write(&path, text).expect("written");
-    let (recording, ..) = Recording::open(&HEALTHY.source(path), 2, false).expect("a recording");
-    assert_eq!((recording.frames, recording.particles), (3, 64));
+    let answer = HEALTHY.screened(&HEALTHY.source(path));
+    let first = answer.first.as_ref().expect("a first cause");
+    assert_eq!(first.particle, Some(first.point as u64 + 1000));
+    let told = format!("near particle {} at (", first.point + 1000);
+    assert!(answer.sentence.contains(&told), "{}", answer.sentence);
+}
+
+#[test]
+fn numbers_that_are_missing_are_refused_with_their_reason() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut table = "time,id,x,y,x0,y0\n".to_owned();
+    for time in 0..3 {
+        for n in 0..64 {
+            let from = if n == 5 { f64::NAN } else { f64::from(n / 8) };
+            table += &format!("{time},{n},{},{},{from},{}\n", n / 8, n % 8, n % 8);
+        }
+    }
+    let mut array = b"\x93NUMPY\x01\x00".to_vec();
+    let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (3, 64, 2), }\n";
+    array.extend((header.len() as u16).to_le_bytes());
+    array.extend(header.as_bytes());
+    array.extend(vec![0; 3 * 64 * 2 * 8]);
+    for (name, contents, expected, wrong) in [
+        (
+            "reference.csv",
+            table.into_bytes(),
+            "particle 5 has no finite reference position",
+            "discretization.spacing",
+        ),
+        (
+            "position.npy",
+            array,
+            "neither a time nor the number of a step",
+            "--time-step",
+        ),
+    ] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, contents).expect("written");
+        let error = Recording::open(&HEALTHY.source(path), 2, false).expect_err("refused");
+        let error = error.to_string();
+        assert!(error.contains(expected), "{error}");
+        assert!(!error.contains(wrong), "{error}");
+    }
 }
 
 #[test]

@@ -96,7 +96,7 @@ fn ambiguous_words_list_their_meanings_and_typos_the_nearest_name() {
             vec!["did you mean `material.model`?"],
         ),
         (
-            "--as pysph-gtvf",
+            "--preset pysph-gtvf",
             vec!["\"pysph-gtvf\" is not available", "method=pysph-solid"],
         ),
     ] {

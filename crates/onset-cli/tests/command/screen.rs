@@ -128,6 +128,10 @@ fn faults_are_refused_with_a_hint() {
             "no column a",
         ),
         (
+            vec!["--time-step", "0.72", "--columns", "x=q9"],
+            "columns, among them `id`, `type`",
+        ),
+        (
             vec!["--time-step", "0.72", "--set", "discretization.spacing=3"],
             "set discretization.spacing=1",
         ),

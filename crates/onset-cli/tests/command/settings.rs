@@ -342,7 +342,7 @@ fn a_stressed_reference_configuration_is_reported_in_every_answer() {
         let text = told(&arguments);
         assert!(
             text.contains("stress at F = 1 (s11 = 2, s22 = 2, s33 = 2)")
-                && text.contains("the term - 2 ln J in the energy would remove it")
+                && text.contains("The term - 2 ln J in the energy would remove it")
                 && !text.contains("not finite"),
             "{arguments:?}: {text}"
         );
@@ -361,7 +361,7 @@ fn bond_based_methods_note_that_only_a_modulus_of_the_law_is_used() {
     ] {
         let bonds = onset_line(&format!("{line} set lattice=chain set method=peridynamics"));
         assert!(
-            bonds.stdout.contains("bulk modulus at F = 1"),
+            bonds.stdout.contains("bulk modulus of the law at F = 1"),
             "{line}: {}",
             bonds.stdout
         );
@@ -369,7 +369,7 @@ fn bond_based_methods_note_that_only_a_modulus_of_the_law_is_used() {
             "{line} set lattice=chain set method=peridynamics set bonds=correspondence"
         ));
         assert!(
-            !families.stdout.contains("bulk modulus at F = 1"),
+            !families.stdout.contains("bulk modulus of the law at F = 1"),
             "{line}: {}",
             families.stdout
         );

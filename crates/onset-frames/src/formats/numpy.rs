@@ -5,7 +5,7 @@
 use super::zip::{Member, members};
 use super::{Opened, Source, Stamp};
 use crate::columns::{Available, Dialect, Plan, Support};
-use crate::error::{FrameError, Place, brief};
+use crate::error::{FrameError, Place, brief, is_position};
 use crate::frame::Frame;
 use crate::input::regular;
 use crate::reading::{Quantity, Reading};
@@ -82,6 +82,9 @@ impl Number {
     }
 }
 
+/// Names and types of arrays that cannot be read.
+type Others = Vec<(String, String)>;
+
 /// Array in a file.
 #[derive(Clone, Debug)]
 struct Array {
@@ -118,13 +121,14 @@ fn exactly(from: &mut dyn Read, count: u64, path: &Path) -> Result<Vec<u8>, Fram
     }
 }
 
-/// Reads the header of an array, and leaves the reader at its data. `None` for an array of text or of another type without numbers.
+/// Reads the header of an array, and leaves the reader at its data. The inner error is the description of an unsupported type, for example of text or of
+/// complex numbers.
 fn header(
     from: &mut dyn Read,
     name: &str,
     size: u64,
     path: &Path,
-) -> Result<Option<(Number, bool, Vec<usize>)>, FrameError> {
+) -> Result<Result<(Number, bool, Vec<usize>), String>, FrameError> {
     let wrong = || {
         FrameError::wrong(
             Place::file(path),
@@ -171,7 +175,7 @@ fn header(
         ));
     }
     let Some(number) = Number::described(described) else {
-        return Ok(None);
+        return Ok(Err(brief(described)));
     };
     let is_fortran = after("'fortran_order'")
         .ok_or_else(wrong)?
@@ -193,11 +197,11 @@ fn header(
     if bytes != size.checked_sub(8 + wide + length) || shape.len() > 8 {
         return Err(wrong());
     }
-    Ok(Some((number, is_fortran, shape)))
+    Ok(Ok((number, is_fortran, shape)))
 }
 
-/// Lists the numerical arrays of a file; the names of other arrays are added to `ignored`.
-fn arrays(path: &Path, ignored: &mut Vec<String>) -> Result<Vec<Array>, FrameError> {
+/// Lists the numerical arrays of a file, and the names and types of other arrays; notes on these are added to `ignored`.
+fn arrays(path: &Path, ignored: &mut Vec<String>) -> Result<(Vec<Array>, Others), FrameError> {
     let mut head = [0; 2];
     let failed = |error| FrameError::unreadable(path, error);
     let mut file = regular(path).map_err(failed)?;
@@ -214,7 +218,7 @@ fn arrays(path: &Path, ignored: &mut Vec<String>) -> Result<Vec<Array>, FrameErr
             "save the frames as the first axis of one array",
         ));
     }
-    let mut arrays = Vec::new();
+    let (mut arrays, mut others) = (Vec::new(), Vec::new());
     for member in members {
         let name = match &member {
             Some(member) => member.name.trim_end_matches(".npy").to_owned(),
@@ -223,17 +227,23 @@ fn arrays(path: &Path, ignored: &mut Vec<String>) -> Result<Vec<Array>, FrameErr
         let size = member.as_ref().map_or(length, |member| member.size);
         let mut from = open_array(path, member.as_ref())?;
         match header(&mut *from, &name, size, path)? {
-            Some((number, is_fortran, shape)) => arrays.push(Array {
+            Ok((number, is_fortran, shape)) => arrays.push(Array {
                 name,
                 member,
                 number,
                 is_fortran,
                 shape,
             }),
-            None => ignored.push(format!("`{}` holds no numbers", brief(&name))),
+            Err(described) => {
+                ignored.push(format!(
+                    "the type {described} of `{}` is not supported",
+                    brief(&name)
+                ));
+                others.push((name, described));
+            }
         }
     }
-    Ok(arrays)
+    Ok((arrays, others))
 }
 
 /// Meaning of the axes of arrays. HDF5 data sets use the same meanings.
@@ -405,7 +415,7 @@ fn archive(
     ignored: &mut Vec<String>,
 ) -> Result<(Archive, Vec<Stamp>), FrameError> {
     let place = Place::file(path);
-    let arrays = arrays(path, ignored)?;
+    let (arrays, unreadable) = arrays(path, ignored)?;
     let time = time_name(arrays.iter().map(|own| own.name.as_str()), reading);
     let time = time.map(|n| &arrays[n]).filter(|own| own.shape.len() <= 1);
     let times = match time {
@@ -432,7 +442,24 @@ fn archive(
         .map(|own| (own.name.as_str(), own.shape.as_slice()))
         .collect();
     let own = without_time(reading);
-    let (axes, plan, fitting) = Axes::guess(&shapes, times.as_ref().map(Vec::len), &own, &place)?;
+    let guessed = Axes::guess(&shapes, times.as_ref().map(Vec::len), &own, &place);
+    let (axes, plan, fitting) = guessed.map_err(|error| {
+        let wanted = reading.columns.iter().flat_map(|(_, names)| names);
+        let wanted: Vec<&str> = wanted.map(String::as_str).collect();
+        let is_wanted = |name: &str| match error {
+            FrameError::NoColumn { .. } => wanted.contains(&name),
+            FrameError::NoPositions { .. } => is_position(name) || wanted.contains(&name),
+            _ => false,
+        };
+        match unreadable.iter().find(|(name, _)| is_wanted(name)) {
+            Some((name, described)) => FrameError::refused(
+                place.clone(),
+                format!("the type {described} of `{}` is not supported", brief(name)),
+                "save numbers of 32 or 64 bits, for example array.astype(float)",
+            ),
+            None => error,
+        }
+    })?;
     if axes.particles() > reading.limits.particles || axes.frames() > reading.limits.frames {
         return Err(FrameError::refused(
             place,
@@ -553,7 +580,7 @@ impl Stream {
                     .len()
             }
         };
-        header(&mut *from, &self.array.name, length, path)?;
+        let _ = header(&mut *from, &self.array.name, length, path)?;
         Ok(from)
     }
 

@@ -1,7 +1,7 @@
 //! Comparison of deformation gradients in the files with the positions, and of stresses in the files with the law.
 
 use crate::answers::Problem;
-use crate::number::told;
+use crate::number::{counted, told, told_with};
 use crate::settings::Family;
 use nalgebra::Matrix3;
 use onset::kinematics::DeformationGradient;
@@ -12,16 +12,21 @@ const DISAGREEMENT: f64 = 0.05;
 const COMPARABLE_STRAIN: f64 = 1e-3;
 /// Largest number of points whose stresses are compared in a frame.
 const SAMPLES: usize = 500;
-/// Number of frames at the beginning of the run whose stresses are compared.
+/// Number of frames at the beginning of the run whose gradients and stresses are compared.
 const FRAMES: usize = 5;
 
 /// Differences of gradients and stresses in the files.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Agreement {
-    /// Text on the gradients of the last frame that was compared.
-    gradient: Option<String>,
+    /// Smallest difference of gradients in the frames at the beginning, and the text on this difference; no text for gradients that agree.
+    gradient: Option<(f64, Option<String>)>,
+    /// Text on the first frame with gradients that are not numbers.
+    broken: Option<String>,
+    /// Number of frames with compared gradients.
+    gradient_frames: usize,
     /// Relative differences of stresses, and ratios between them, in the frames at the beginning.
     stress: Vec<(f64, f64)>,
+    /// Number of frames with compared stresses.
     frames: usize,
 }
 
@@ -46,19 +51,32 @@ pub(crate) fn cauchy_stress(problem: &Problem, f: &Matrix3<f64>) -> Option<Matri
     Some(rotation * stress * rotation.transpose())
 }
 
+/// Relative difference in words: percent, or a factor for large differences.
+fn share(difference: f64) -> String {
+    match difference {
+        ..10.0 => format!("{:.0} %", 100.0 * difference),
+        ..1e4 => format!("a factor of {}", told_with(difference, 2)),
+        _ => format!("a factor of {difference:.1e}"),
+    }
+}
+
 fn rotation(f: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let u = super::states::without_rotation(f)?;
     Some(f * u.try_inverse()?)
 }
 
 impl Agreement {
-    /// Compares gradients in a file with the gradients `found` from positions.
+    /// Compares gradients in a file with the gradients `found` from positions, in the first frames after the start.
     pub(super) fn compare_gradients(
         &mut self,
         dimension: usize,
+        time: f64,
         given: &[[f64; 9]],
         found: &[Option<Matrix3<f64>>],
     ) {
+        if self.gradient_frames >= FRAMES {
+            return;
+        }
         let in_plane = |f: &Matrix3<f64>| {
             let mut f = *f;
             for i in 0..3 {
@@ -80,6 +98,20 @@ impl Agreement {
             .filter(|(_, found)| deformed(found))
             .map(|(given, found)| (given, *found))
             .collect();
+        let is_number = |f: &Matrix3<f64>| f.iter().all(|x| x.is_finite());
+        let all = pairs.len();
+        let pairs: Vec<_> = pairs
+            .into_iter()
+            .filter(|(given, _)| is_number(given))
+            .collect();
+        if pairs.len() < all && self.broken.is_none() {
+            self.broken = Some(format!(
+                "deformation gradients in the files are not numbers in {} of {} at t = {}; gradients of the positions are used instead",
+                all - pairs.len(),
+                counted(all, "point"),
+                told(time)
+            ));
+        }
         if pairs.is_empty() {
             return;
         }
@@ -104,16 +136,27 @@ impl Agreement {
             .into_iter()
             .map(|(name, reading)| (name, difference(reading)))
             .min_by(|a, b| a.1.total_cmp(&b.1));
-        self.gradient = match other {
+        self.gradient_frames += 1;
+        // Gradients of the right form agree in some frame; a front of a wave can spoil others.
+        if self
+            .gradient
+            .as_ref()
+            .is_some_and(|(least, _)| *least <= own)
+        {
+            return;
+        }
+        let text = match other {
             _ if own <= DISAGREEMENT => None,
             Some((name, rest)) if rest <= DISAGREEMENT => Some(format!(
                 "deformation gradients in the files are {name} and do not fit the positions; gradients of the positions are used instead"
             )),
             _ => Some(format!(
-                "deformation gradients in the files do not fit the positions (median difference {:.0} %); gradients of the positions are used instead",
-                100.0 * own
+                "deformation gradients in the files do not fit the positions (median difference {} at t = {}); gradients of the positions are used instead",
+                share(own),
+                told(time)
             )),
         };
+        self.gradient = Some((own, text));
     }
 
     /// Compares stresses in a file with the law, in the first frames after the start.
@@ -161,7 +204,8 @@ impl Agreement {
 
     /// Clauses about the differences, for the user.
     pub(super) fn notes(&self, problem: &Problem) -> Vec<String> {
-        let mut notes: Vec<String> = self.gradient.iter().cloned().collect();
+        let texts = self.gradient.iter().filter_map(|(_, text)| text.clone());
+        let mut notes: Vec<String> = self.broken.iter().cloned().chain(texts).collect();
         let difference = median(self.stress.iter().map(|own| own.0).collect());
         let factor = median(self.stress.iter().map(|own| own.1).collect());
         let (Some(difference), Some(factor)) = (difference, factor) else {
@@ -185,8 +229,8 @@ impl Agreement {
             _ => "check the law, its parameters, and whether the run is in plane strain".to_owned(),
         };
         notes.push(format!(
-            "stresses in the files differ from the law by {:.0} % (median) at the beginning; {reason}",
-            100.0 * difference
+            "stresses in the files differ from the law by {} (median) at the beginning; {reason}",
+            share(difference)
         ));
         notes
     }

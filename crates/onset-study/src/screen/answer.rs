@@ -280,7 +280,9 @@ fn is_on_lattice(problem: &Problem, run: &Run, spacing: f64) -> bool {
 fn place(event: &Event, dimension: usize) -> String {
     let near = event.place[..dimension].iter().map(|x| told_with(*x, 4));
     let near: Vec<String> = near.collect();
-    format!("near ({})", near.join(", "))
+    let particle = event.particle;
+    let particle = particle.map_or(String::new(), |number| format!("particle {number} at "));
+    format!("near {particle}({})", near.join(", "))
 }
 
 impl ScreenAnswer {
@@ -354,8 +356,17 @@ impl ScreenAnswer {
         problem: &Problem,
         question: &Question,
         recording: Option<&Recording>,
-        course: Course,
+        mut course: Course,
     ) -> Self {
+        let number = |row: usize| recording.and_then(|own| own.particle(row));
+        // Short waves are observed at particles, states belong to elements if there are any.
+        let has_elements = recording.is_some_and(|own| own.elements > 0);
+        let grown = course.grown.as_mut().map(|(event, _)| event);
+        let of_states = grown.into_iter().chain(course.lost.as_mut());
+        let of_states = of_states.filter(|_| !has_elements);
+        for event in of_states.chain(course.observed.as_mut()) {
+            event.particle = number(event.point);
+        }
         let threshold = question.threshold;
         let observed = course.observed.as_ref().map(|event| event.time);
         let start = course.moments.first().map_or(0.0, |moment| moment.time);
@@ -437,6 +448,7 @@ impl ScreenAnswer {
                     time,
                     window: [time, time],
                     point,
+                    particle: limit.particle.and_then(number),
                     place: limit.place.unwrap_or_default(),
                     f: *DeformationGradient::identity().components(),
                 }
@@ -533,7 +545,8 @@ impl ScreenAnswer {
             course.lost.as_ref(),
         );
         answer.remedy = answer.remedy_of(problem, state.as_ref());
-        answer.limits = answer.limits_of(problem, course.cut, course.points, end);
+        let limits = answer.limits_of(problem, course.cut, course.points, end);
+        answer.limits = [course.lacking, limits].concat();
         answer.sentence = answer.in_words(problem, question);
         answer.study = study(&answer, problem);
         answer

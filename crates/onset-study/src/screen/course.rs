@@ -8,7 +8,7 @@ use super::states::{StateRates, States, without_rotation};
 use super::{Frame, Question, Run, ScreenError};
 use crate::answers::{Problem, ProblemError};
 use crate::methods::method;
-use crate::number::told;
+use crate::number::{counted, told, told_with};
 use nalgebra::Matrix3;
 use onset::analysis::body_mode;
 use onset::kinematics::DeformationGradient;
@@ -30,6 +30,8 @@ const ELLIPTICITY_ROUNDING: f64 = 1e-9;
 pub(super) const ELLIPTIC_MARGIN: f64 = 0.02;
 /// Amplitude of short waves in an exact lattice; spacings.
 const EXACT_LATTICE_AMPLITUDE: f64 = 1e-10;
+/// Smallest motion of the neighbors of a particle that stands still, as the mean of their displacements; spacings.
+const STILL_MOTION: f64 = 0.1;
 /// Radius of neighborhoods in spacings, for methods without a support radius.
 const RADIUS: f64 = 2.01;
 
@@ -63,8 +65,10 @@ pub struct Event {
     pub time: f64,
     /// Times of the frames before and after the event.
     pub window: [f64; 2],
-    /// Number of the particle or cell, from 0 in the order of the first frame.
+    /// Row of the particle or cell, from 0 in the order of the first frame.
     pub point: usize,
+    /// Number of the particle in the files; `None` for cells, and for files without numbers.
+    pub particle: Option<u64>,
     /// Reference position of the point; length.
     pub place: [f64; 3],
     /// Deformation gradient without rotation.
@@ -121,6 +125,8 @@ pub(super) struct Course {
     pub(super) growing: Option<StateRates>,
     /// Largest integral of a growth rate before the first short waves.
     pub(super) grown_until_observed: f64,
+    /// Clauses about points without a state, and about particles that stand still.
+    pub(super) lacking: Vec<String>,
     /// Differences of gradients and stresses in the files.
     pub(super) notes: Vec<String>,
     /// Time of each frame, and the stretch tensor of the point whose waves have grown most.
@@ -372,6 +378,109 @@ struct Follower<'p> {
     nearest: Option<Nearest>,
     /// Integral of the growth rate caused by the time step.
     by_step: f64,
+    /// First time at which a point has no state, and the reason; `None` for points that have states.
+    lacks: Vec<Option<(f64, Lack)>>,
+    still: Still,
+}
+
+/// Reason why a point has no state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Lack {
+    /// The positions of the neighbors determine no deformation gradient.
+    Neighbors,
+    /// `det F` is not positive.
+    Inverted,
+    /// Short waves exceed [`FINAL_AMPLITUDE`]: the neighbors have changed.
+    Short,
+    /// The law or the method is not defined.
+    Undefined,
+}
+
+impl Lack {
+    const ALL: [Self; 4] = [
+        Self::Inverted,
+        Self::Undefined,
+        Self::Short,
+        Self::Neighbors,
+    ];
+
+    /// Beginning of a clause about some points.
+    fn told(self, points: &str) -> String {
+        match self {
+            Self::Neighbors => {
+                format!("no deformation gradient of {points}, for lack of neighbors")
+            }
+            Self::Inverted => format!("det F of {points} is not positive"),
+            Self::Short => {
+                format!("short waves of {points} exceed {FINAL_AMPLITUDE} spacings")
+            }
+            Self::Undefined => format!("law or method are not defined in the states of {points}"),
+        }
+    }
+}
+
+/// Particles that stop, as particles of some codes do whose forces have failed.
+#[derive(Clone, Debug, Default)]
+struct Still {
+    x: Vec<[f64; 3]>,
+    has_moved: Vec<bool>,
+    /// Time since which a particle stands still, and the mean position of its neighbors then; `None` for particles that move.
+    since: Vec<Option<(f64, [f64; 3])>>,
+}
+
+impl Still {
+    /// Follows the particles to the next frame. `before` is the time of the last frame.
+    fn follow(&mut self, x: &[[f64; 3]], before: f64, near: &Neighborhoods) {
+        if self.x.is_empty() {
+            self.has_moved = vec![false; x.len()];
+            self.since = vec![None; x.len()];
+        } else {
+            for (n, own) in x.iter().enumerate() {
+                if *own != self.x[n] {
+                    (self.has_moved[n], self.since[n]) = (true, None);
+                } else if self.has_moved[n] && self.since[n].is_none() {
+                    self.since[n] = Some((before, around(n, &self.x, near)));
+                }
+            }
+        }
+        self.x = x.to_vec();
+    }
+
+    /// Rows of the particles that stand still at the end although their neighbors have moved on, with the times since which they stand still.
+    fn found(&self, held: &[bool], near: &Neighborhoods, spacing: f64) -> Vec<(usize, f64)> {
+        let of = |n: usize| {
+            let (time, from) = self.since[n].filter(|_| !held[n])?;
+            let to = around(n, &self.x, near);
+            let moved: f64 = (0..3).map(|i| (to[i] - from[i]).powi(2)).sum();
+            (moved.sqrt() > STILL_MOTION * spacing).then_some((n, time))
+        };
+        (0..self.since.len()).filter_map(of).collect()
+    }
+}
+
+/// Mean position of the neighbors of a particle.
+fn around(n: usize, x: &[[f64; 3]], near: &Neighborhoods) -> [f64; 3] {
+    let all: Vec<usize> = near.numbers(n).collect();
+    mean(&all, x)
+}
+
+/// Number of some points, with the first time and the place of the first point; `None` without points.
+fn first_of(
+    points: &[(usize, f64)],
+    places: &[[f64; 3]],
+    dimension: usize,
+    name: &str,
+) -> Option<(String, String)> {
+    let time = points.iter().map(|(_, time)| *time);
+    let time = time.min_by(f64::total_cmp)?;
+    let at_first = points.iter().filter(|(_, own)| *own == time);
+    let (point, _) = largest(at_first.map(|(n, _)| (*n, 0.0)), places)?;
+    let near = places[point][..dimension].iter();
+    let near: Vec<String> = near.map(|x| told_with(*x, 4)).collect();
+    Some((
+        counted(points.len(), name),
+        format!("t = {} near ({})", told_with(time, 4), near.join(", ")),
+    ))
 }
 
 impl<'p> Follower<'p> {
@@ -418,6 +527,7 @@ impl<'p> Follower<'p> {
                 cut: cut as f64 / points.nodes.len().max(1) as f64,
                 growing: None,
                 grown_until_observed: 0.0,
+                lacking: Vec::new(),
                 notes: Vec::new(),
                 leading: Vec::new(),
                 pictures: Vec::new(),
@@ -438,6 +548,8 @@ impl<'p> Follower<'p> {
             first_seed: 0.0,
             has_begun: false,
             by_step: 0.0,
+            lacks: vec![None; count],
+            still: Still::default(),
         })
     }
 
@@ -470,7 +582,8 @@ impl<'p> Follower<'p> {
     fn compare(&mut self, frame: &Frame, found: &[Option<Matrix3<f64>>]) {
         let dimension = self.problem.dimension();
         if let Some(gradient) = &frame.gradient {
-            self.agreement.compare_gradients(dimension, gradient, found);
+            self.agreement
+                .compare_gradients(dimension, frame.time, gradient, found);
         }
         if let Some(stress) = &frame.stress {
             let is_given = &frame.stress_given;
@@ -527,6 +640,7 @@ impl<'p> Follower<'p> {
             time: before + share.clamp(0.0, 1.0) * interval,
             window: [before, frame.time],
             point,
+            particle: None,
             place,
             f,
         };
@@ -573,6 +687,13 @@ impl<'p> Follower<'p> {
             let rates = rates_of(point).filter(|_| !self.growth.is_over[point]);
             let Some(rates) = rates else {
                 undefined += 1;
+                let lack = match () {
+                    () if found[point].is_none() => Lack::Neighbors,
+                    () if stretches[point].is_none() => Lack::Inverted,
+                    () if self.growth.is_over[point] => Lack::Short,
+                    () => Lack::Undefined,
+                };
+                self.lacks[point].get_or_insert((frame.time, lack));
                 continue;
             };
             let rate = own_rate(rates);
@@ -651,6 +772,7 @@ impl<'p> Follower<'p> {
             step_ratio,
             undefined,
         });
+        self.still.follow(&frame.x, before, &self.points.nodes);
         fields.is_event = self.picture(frame, &observed) || is_exceeded;
         self.keep_nearest(frame);
         fields.observed = observed;
@@ -748,6 +870,39 @@ impl<'p> Follower<'p> {
         Some(step / critical)
     }
 
+    /// Clauses about points without a state, and about particles that stand still.
+    fn lacking(&self) -> Vec<String> {
+        let dimension = self.problem.dimension();
+        let points = |lack: Lack| -> Vec<(usize, f64)> {
+            let all = self.lacks.iter().enumerate();
+            let own = all.filter_map(|(n, own)| Some((n, (*own)?)));
+            let own = own.filter(|(_, (_, own))| *own == lack);
+            own.map(|(n, (time, _))| (n, time)).collect()
+        };
+        let mut lacking: Vec<String> = Vec::new();
+        for lack in Lack::ALL {
+            let found = first_of(&points(lack), &self.points.places, dimension, "point");
+            lacking.extend(found.map(|(count, first)| {
+                format!(
+                    "{}, first at {first}: no state is assessed there",
+                    lack.told(&count)
+                )
+            }));
+        }
+        let spacing = self.problem.analysis.spacing();
+        let still = self
+            .still
+            .found(&self.run.held, &self.points.nodes, spacing);
+        let found = first_of(&still, &self.run.reference, dimension, "particle");
+        lacking.extend(found.map(|(count, first)| {
+            let verb = if still.len() == 1 { "stands" } else { "stand" };
+            format!(
+                "{count} {verb} still while the neighbors move, first from {first}: forces that have failed, or held particles"
+            )
+        }));
+        lacking
+    }
+
     fn finish(mut self) -> Result<Course, ScreenError> {
         self.course.states = self.growth.states.len();
         if self.course.states == 0 {
@@ -758,6 +913,7 @@ impl<'p> Follower<'p> {
                     .to_owned(),
             });
         }
+        self.course.lacking = self.lacking();
         self.course.notes = self.agreement.notes(self.problem);
         self.course.actual = self.actual()?;
         match self.course.moments.len() {

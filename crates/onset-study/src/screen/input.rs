@@ -15,6 +15,16 @@ const GRIPS: usize = 6;
 const JUMP_SPACINGS: f64 = 3.0;
 /// Smallest median motion of sorted coordinates, as a fraction of the median motion of the rows, of particles that have moved themselves.
 const OWN_MOTION_SHARE: f64 = 0.25;
+/// Smallest jump of a particle against its neighbors between two frames that can be a damaged record; spacings.
+const DAMAGE_SPACINGS: f64 = 3.0;
+/// Largest motion of neighbors against each other between two frames, in spacings, at which no force has thrown a particle out of them: they would recoil.
+const QUIET_SPACINGS: f64 = 0.5;
+/// Largest distance of neighbors whose motions are compared; spacings.
+const NEIGHBOR_SPACINGS: f64 = 1.6;
+/// Largest fraction of the particles of a frame whose records count as damaged.
+const LARGEST_DAMAGE: f64 = 0.25;
+/// Smallest fraction of a jump that the velocities in the file explain.
+const EXPLAINED_SHARE: f64 = 0.5;
 /// Smallest number of particles in a face that moves rigidly.
 const LEAST_FACE: usize = 3;
 /// Largest distance from a lattice position, in spacings, at which reference positions are regular.
@@ -128,7 +138,7 @@ pub struct Recording {
     pub files: usize,
     /// Format of the files.
     pub format: String,
-    /// Number of frames that were read.
+    /// Number of frames that were read, without skipped frames.
     pub frames: usize,
     /// Number of later frames that are skipped, because a frame lacks particles or has infinite positions.
     pub skipped: usize,
@@ -156,6 +166,123 @@ pub struct Recording {
     pub notes: Vec<String>,
     #[serde(skip)]
     identity: Option<Vec<u64>>,
+    /// Number of frames of the series before the end of the reading.
+    #[serde(skip)]
+    read: usize,
+    /// Frames with damaged records, by their numbers in the series, ascending.
+    #[serde(skip)]
+    skipped: Vec<usize>,
+}
+
+/// Particles whose records jump from one frame to the next, while the particles around them stay together.
+struct Damage {
+    /// Row of the first of these particles that has a neighbor outside of them.
+    row: usize,
+    /// Number of these particles.
+    count: usize,
+    /// Jump of `row` against its neighbors; spacings.
+    jump: f64,
+}
+
+/// Neighbors in the first frame, whose motions are compared in later frames.
+struct Contacts {
+    near: super::neighborhoods::Neighborhoods,
+    spacing: f64,
+}
+
+impl Contacts {
+    fn new(first: &Read, dimension: usize) -> Self {
+        let x: Vec<[f64; 3]> = first.position.iter().map(|x| flat(x, dimension)).collect();
+        let spacing = spacing(&x, dimension);
+        // Without a spacing there are no neighbors.
+        let (x, radius) = match spacing.is_finite() && spacing > 0.0 {
+            true => (&x[..], NEIGHBOR_SPACINGS * spacing),
+            false => (&x[..0], 1.0),
+        };
+        Self {
+            near: super::neighborhoods::Neighborhoods::new(x, dimension, radius),
+            spacing,
+        }
+    }
+
+    /// Records of a few particles that are damaged in a frame; `None` if there are none.
+    ///
+    /// Forces act between neighbors. A force that throws a particle out of the body throws its neighbors back, so that they move against each other. A
+    /// jump by several spacings is damage if the neighbors stay together, and if velocities in the file do not explain it.
+    fn damage(&self, from: &Read, to: &Read, interval: f64) -> Option<Damage> {
+        let count = self.near.len();
+        if from.len() != count || to.len() != count {
+            return None;
+        }
+        let length = |x: [f64; 3]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let moved = |n: usize| -> [f64; 3] {
+            std::array::from_fn(|i| to.position[n][i] - from.position[n][i])
+        };
+        let apart = |a: usize, b: usize| {
+            let (a, b) = (moved(a), moved(b));
+            length(std::array::from_fn(|i| a[i] - b[i])) / self.spacing
+        };
+        let jumps = |a: usize, b: usize| apart(a, b) > DAMAGE_SPACINGS;
+        if !(0..count).any(|n| self.near.numbers(n).any(|other| jumps(n, other))) {
+            return None;
+        }
+        // Groups of particles that move together.
+        let mut group = vec![usize::MAX; count];
+        let mut sizes = Vec::new();
+        for start in 0..count {
+            if group[start] != usize::MAX {
+                continue;
+            }
+            let own = sizes.len();
+            group[start] = own;
+            let (mut open, mut size) = (vec![start], 0);
+            while let Some(n) = open.pop() {
+                size += 1;
+                for other in self.near.numbers(n) {
+                    if group[other] == usize::MAX && !jumps(n, other) {
+                        group[other] = own;
+                        open.push(other);
+                    }
+                }
+            }
+            sizes.push(size);
+        }
+        // A group is cut off if it has neighbors in a larger group.
+        let outer = |n: usize| {
+            let (own, sizes, group) = (sizes[group[n]], &sizes, &group);
+            let near = self.near.numbers(n);
+            near.filter(move |other| sizes[group[*other]] > own)
+        };
+        let mut is_cut = vec![false; sizes.len()];
+        for (n, own) in group.iter().enumerate() {
+            is_cut[*own] |= outer(n).next().is_some();
+        }
+        let away: Vec<usize> = (0..count).filter(|n| is_cut[group[*n]]).collect();
+        if away.len() as f64 > LARGEST_DAMAGE * count as f64 {
+            return None;
+        }
+        let is_quiet = |n: usize| {
+            let mut near = self.near.numbers(n);
+            let is_together =
+                |other: usize| group[other] != group[n] || apart(n, other) <= QUIET_SPACINGS;
+            !is_cut[group[n]] && near.all(is_together)
+        };
+        let is_explained = |n: usize| {
+            let speed = |frame: &Read| frame.velocity.as_ref().map_or(0.0, |all| length(all[n]));
+            speed(from).max(speed(to)) * interval > EXPLAINED_SHARE * length(moved(n))
+        };
+        let is_damaged = |n: &usize| !is_explained(*n) && outer(*n).all(is_quiet);
+        if !away.iter().all(is_damaged) {
+            return None;
+        }
+        let row = away.iter().copied().find(|n| outer(*n).next().is_some())?;
+        let jump = outer(row).map(|other| apart(row, other));
+        Some(Damage {
+            row,
+            count: away.len(),
+            jump: jump.fold(f64::INFINITY, f64::min),
+        })
+    }
 }
 
 fn wrong(what: impl Into<String>, hint: impl Into<String>) -> ScreenError {
@@ -225,7 +352,8 @@ fn median_jump(from: &Read, to: &Read) -> f64 {
 impl Recording {
     /// Reads all frames once, checks them, and returns the particles in the reference configuration with the series of frames.
     ///
-    /// Reading ends, with a note, at a frame that lacks particles or has infinite positions. With `has_elements`
+    /// Reading ends, with a note, at a frame that lacks particles, has infinite positions, or has most particles at one position. Frames in which a few
+    /// particles jump although their neighbors stay together are skipped, with a note. With `has_elements`
     /// states are evaluated in the elements of the files instead of the particles.
     ///
     /// # Errors
@@ -244,15 +372,19 @@ impl Recording {
         // Without numbers the order of the rows identifies the particles.
         let mut jump: f64 = 0.0;
         let mut damaged: Option<String> = None;
-        for frame in series.by_ref() {
+        let has_step = source.reading.time_step.is_some();
+        let mut contacts: Option<Contacts> = None;
+        // The first frame with damaged records, in words, and whether several of its records are damaged.
+        let mut jumped: Option<String> = None;
+        for (number, frame) in series.by_ref().enumerate() {
             onset::cancel::checkpoint();
             let mut frame = frame?;
-            let now = time_of(&frame)?;
+            let now = time_of(&frame, has_step)?;
             let Some(start) = &first else {
                 own.begin(&frame)?;
                 (own.times[0], time) = (now, now);
                 first = Some(frame);
-                own.frames = 1;
+                (own.frames, own.read) = (1, 1);
                 continue;
             };
             let written = frame.len();
@@ -274,6 +406,16 @@ impl Recording {
             if last.is_none() && frame.may_be_wrapped {
                 own.check_wrapping(start, dimension);
             }
+            own.read = number + 1;
+            let contacts = contacts.get_or_insert_with(|| Contacts::new(start, dimension));
+            // Wrapped positions have an error of their own.
+            let is_wrapped = start.may_be_wrapped && wraps(start, &frame, dimension);
+            let damage = contacts.damage(last.as_ref().unwrap_or(start), &frame, now - time);
+            if let Some(damage) = damage.filter(|_| !is_wrapped) {
+                own.skipped.push(number);
+                jumped.get_or_insert_with(|| own.told_damage(&damage, [time, now]));
+                continue;
+            }
             own.interval = own.interval.max(now - time);
             time = now;
             own.frames += 1;
@@ -288,6 +430,12 @@ impl Recording {
             own.skipped = series.times().len().saturating_sub(own.frames);
         }
         own.times[1] = time;
+        if let Some(jumped) = jumped {
+            own.notes.push(match own.skipped.len() {
+                1 => format!("{jumped}: the frame is skipped as damaged"),
+                count => format!("{jumped}: {count} such frames are skipped as damaged"),
+            });
+        }
         let (Some(first), Some(last)) = (first, last) else {
             return Err(ScreenError::TooFewFrames {
                 count: own.frames,
@@ -302,6 +450,15 @@ impl Recording {
         }
         let (reference, is_first) = own.reference(source, &first)?;
         let reference: Vec<[f64; 3]> = reference.iter().map(|x| flat(x, dimension)).collect();
+        if let Some(n) = reference.iter().position(|x| !is_finite(x)) {
+            return Err(wrong(
+                format!(
+                    "particle {} has no finite reference position",
+                    own.number(n)
+                ),
+                "correct the reference positions, or take the first frame: --reference first",
+            ));
+        }
         own.spacing = spacing(&reference, dimension);
         if jump > JUMP_SPACINGS * own.spacing {
             return Err(wrong(
@@ -372,6 +529,31 @@ impl Recording {
         }
     }
 
+    /// Number of a particle in the file; `None` if the file has no numbers.
+    pub(super) fn particle(&self, row: usize) -> Option<u64> {
+        self.identity.as_ref()?.get(row).copied()
+    }
+
+    /// Number of a particle in the file, otherwise its row.
+    fn number(&self, row: usize) -> u64 {
+        self.particle(row).unwrap_or(row as u64)
+    }
+
+    /// Clause about the first damaged records.
+    fn told_damage(&self, damage: &Damage, times: [f64; 2]) -> String {
+        let others = match damage.count - 1 {
+            0 => String::new(),
+            count => format!(", like {},", counted(count, "other")),
+        };
+        format!(
+            "particle {}{others} moves {:.0} spacings between the frames t = {} and t = {} while its neighbors stay together",
+            self.number(damage.row),
+            damage.jump,
+            told(times[0]),
+            told(times[1])
+        )
+    }
+
     /// Initializes the particles from the first frame.
     fn begin(&mut self, frame: &Read) -> Result<(), ScreenError> {
         if frame.is_empty() {
@@ -436,12 +618,14 @@ impl Recording {
         dimension: usize,
     ) -> impl Iterator<Item = Result<Frame, ScreenError>> + 's {
         series.rewind();
-        series.by_ref().take(self.frames).map(move |frame| {
+        let all = series.by_ref().take(self.read).enumerate();
+        let all = all.filter(|(number, _)| self.skipped.binary_search(number).is_err());
+        all.map(move |(_, frame)| {
             let mut frame = frame?;
             if let Some(fault) = self.ordered(&mut frame) {
                 return Err(wrong(fault, "the file was changed while it was read"));
             }
-            let time = time_of(&frame)?;
+            let time = time_of(&frame, false)?;
             let positions = frame.position.iter();
             let x = positions.map(|x| flat(x, dimension)).collect();
             let (gradient, stress, stress_given) = match frame.cells.take() {
@@ -611,19 +795,61 @@ pub(super) fn no_particles(of: impl std::fmt::Display) -> ScreenError {
     )
 }
 
-fn time_of(frame: &Read) -> Result<f64, ScreenError> {
-    frame.time.filter(|time| time.is_finite()).ok_or_else(|| {
-        wrong(
+/// Time of a frame. `has_step`: the user has given the time step of the code.
+fn time_of(frame: &Read, has_step: bool) -> Result<f64, ScreenError> {
+    let others =
+        "a column or array (--columns time=NAME), or for VTK a .pvd file or a field TimeValue";
+    match (frame.time, has_step) {
+        (Some(time), _) if time.is_finite() => Ok(time),
+        (Some(time), _) => Err(wrong(
+            format!("{}: the time of the frame is {time}", frame.source),
+            "correct the times in the file, or choose frames with --frames FIRST:END",
+        )),
+        (None, true) => Err(wrong(
+            format!(
+                "{}: the frame has neither a time nor the number of a step",
+                frame.source
+            ),
+            format!("give {others}"),
+        )),
+        (None, false) => Err(wrong(
             format!("{}: the frame has no time", frame.source),
-            "give the time step of the code (--time-step) for files that number their steps, a column (--columns time=NAME), or for VTK a .pvd file or a field TimeValue",
-        )
-    })
+            format!(
+                "give the time step of the code (--time-step) for files that number their steps, {others}"
+            ),
+        )),
+    }
 }
 
-/// Reason why a frame is invalid: coordinates that are not finite, or so large that their squares are not.
+fn is_finite(x: &[f64; 3]) -> bool {
+    x.iter().all(|x| x.abs() < LARGEST_COORDINATE)
+}
+
+/// Position of more than half of the particles; `None` if there is no such position.
+fn shared_position(x: &[[f64; 3]]) -> Option<[f64; 3]> {
+    // Majority vote: only the last candidate can have more than half of the votes.
+    let mut candidate = *x.first()?;
+    let mut votes = 0_usize;
+    for own in x {
+        match (*own == candidate, votes) {
+            (true, _) => votes += 1,
+            (false, 0) => (candidate, votes) = (*own, 1),
+            (false, _) => votes -= 1,
+        }
+    }
+    let count = x.iter().filter(|own| **own == candidate).count();
+    (count > 1 && 2 * count > x.len()).then_some(candidate)
+}
+
+/// Reason why a frame is invalid: coordinates that are not finite, or so large that their squares are not, or the same for most particles.
 fn broken(frame: &Read) -> Option<String> {
-    let is_finite = |x: &[f64; 3]| x.iter().all(|x| x.abs() < LARGEST_COORDINATE);
-    let n = frame.position.iter().position(|x| !is_finite(x))?;
+    let Some(n) = frame.position.iter().position(|x| !is_finite(x)) else {
+        let [x, y, z] = shared_position(&frame.position)?.map(told);
+        return Some(format!(
+            "{}: more than half of the particles are at the same position, ({x}, {y}, {z})",
+            frame.source
+        ));
+    };
     let number = frame.identity.as_ref().map_or(n as u64, |all| all[n]);
     Some(format!(
         "{}: particle {number} has no finite position below {LARGEST_COORDINATE:e}",
