@@ -121,6 +121,9 @@ fn exactly(from: &mut dyn Read, count: u64, path: &Path) -> Result<Vec<u8>, Fram
     }
 }
 
+/// Type of the numbers of an array, whether the first index varies fastest, and its shape.
+type Described = (Number, bool, Vec<usize>);
+
 /// Reads the header of an array, and leaves the reader at its data. The inner error is the description of an unsupported type, for example of text or of
 /// complex numbers.
 fn header(
@@ -128,7 +131,7 @@ fn header(
     name: &str,
     size: u64,
     path: &Path,
-) -> Result<Result<(Number, bool, Vec<usize>), String>, FrameError> {
+) -> Result<Result<Described, String>, FrameError> {
     let wrong = || {
         FrameError::wrong(
             Place::file(path),

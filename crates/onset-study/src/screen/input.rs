@@ -171,7 +171,7 @@ pub struct Recording {
     read: usize,
     /// Frames with damaged records, by their numbers in the series, ascending.
     #[serde(skip)]
-    skipped: Vec<usize>,
+    jumped: Vec<usize>,
 }
 
 /// Particles whose records jump from one frame to the next, while the particles around them stay together.
@@ -412,7 +412,7 @@ impl Recording {
             let is_wrapped = start.may_be_wrapped && wraps(start, &frame, dimension);
             let damage = contacts.damage(last.as_ref().unwrap_or(start), &frame, now - time);
             if let Some(damage) = damage.filter(|_| !is_wrapped) {
-                own.skipped.push(number);
+                own.jumped.push(number);
                 jumped.get_or_insert_with(|| own.told_damage(&damage, [time, now]));
                 continue;
             }
@@ -427,11 +427,12 @@ impl Recording {
         // Bytes after the last frame can be damaged, too, and a damaged file can end the reading early.
         series.check_rest()?;
         if damaged.is_some() {
-            own.skipped = series.times().len().saturating_sub(own.frames);
+            let read = own.frames + own.jumped.len();
+            own.skipped = series.times().len().saturating_sub(read);
         }
         own.times[1] = time;
         if let Some(jumped) = jumped {
-            own.notes.push(match own.skipped.len() {
+            own.notes.push(match own.jumped.len() {
                 1 => format!("{jumped}: the frame is skipped as damaged"),
                 count => format!("{jumped}: {count} such frames are skipped as damaged"),
             });
@@ -619,7 +620,7 @@ impl Recording {
     ) -> impl Iterator<Item = Result<Frame, ScreenError>> + 's {
         series.rewind();
         let all = series.by_ref().take(self.read).enumerate();
-        let all = all.filter(|(number, _)| self.skipped.binary_search(number).is_err());
+        let all = all.filter(|(number, _)| self.jumped.binary_search(number).is_err());
         all.map(move |(_, frame)| {
             let mut frame = frame?;
             if let Some(fault) = self.ordered(&mut frame) {
