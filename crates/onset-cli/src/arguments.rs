@@ -1589,12 +1589,7 @@ pub struct SetArguments {
     #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Problem")]
     pub assignments: Vec<String>,
     /// Method of a particle code with its defaults, for example lammps-smd-tlsph; onset list presets has all.
-    #[arg(
-        long,
-        visible_alias = "as",
-        value_name = "CODE",
-        help_heading = "Problem"
-    )]
+    #[arg(long, value_name = "CODE", help_heading = "Problem")]
     pub preset: Option<String>,
     /// The energy of a user-defined material, for example "mu/2*(I1 - 3 - 2*ln(J))"; its parameters are set by
     /// --set material.mu=1. Short for material.model=formula and material.energy.

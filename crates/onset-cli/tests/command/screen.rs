@@ -308,7 +308,7 @@ fn gradients_and_stresses_of_simulated_patches_and_bodies_are_read() {
         let files = files.to_str().expect("UTF-8");
         let answer = onset_line(&format!("screen {files} {study} --check"));
         let told = unwrapped(&answer.stdout);
-        for column in ["F=F", "stress=stress", "reference=reference"] {
+        for column in ["F=F", "stress=stress", "X=reference"] {
             assert!(
                 told.contains(column),
                 "{name}: no {column} in {told} {}",
