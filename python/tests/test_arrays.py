@@ -35,7 +35,7 @@ def test_array_verdicts_agree_with_single_states(method: onset.Method) -> None:
             np.testing.assert_allclose(many.critical_time_step[place], one.critical_time_step, rtol=1e-9)
 
 
-def test_damping_costs_verdicts_nothing_and_time_steps_are_searched_for_when_asked_for() -> None:
+def test_damping_costs_verdicts_nothing_and_time_steps_are_searched_for_when_needed() -> None:
     viscous = onset.Method("updated-sph", lattice="square", kernel="cubic-spline", support=2.6, viscosity=0.1)
     stretches = [(1.0, 1.0), (1.1, 0.95)]
     many, plain = (onset.verdicts(RUBBER, method, stretch=stretches) for method in (viscous, SPH))

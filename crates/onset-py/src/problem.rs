@@ -351,7 +351,7 @@ impl Problem {
         Ok(bytes(py, &steps).into_any())
     }
 
-    /// Whether the critical time steps of damped waves need a search of their own.
+    /// Returns true if waves are damped, so that the critical time steps need a separate search.
     #[getter]
     fn is_damped(&self) -> bool {
         self.0.analysis.is_damped()
@@ -630,7 +630,7 @@ fn flag(record: &Record) -> f64 {
     place.unwrap_or(Verdict::ALL.len()) as f64
 }
 
-/// Number of a mechanism, or the number of mechanisms if there is none.
+/// Number of a mechanism, or the number of mechanisms if the verdict has no mechanism.
 fn mechanism(record: &Record) -> f64 {
     let place = |own| MECHANISMS.iter().position(|other| *other == own);
     let place = record.mechanism.and_then(place);

@@ -260,7 +260,7 @@ fn fields(folder: &Scratch) -> (Vec<(f64, String)>, Vec<String>) {
 }
 
 #[test]
-fn fields_contain_the_decisive_frames_and_replace_those_of_an_earlier_run() {
+fn fields_contain_the_decisive_frames_and_replace_the_fields_of_an_earlier_run() {
     let folder = Scratch::new("fields");
     let out = folder.to_str().expect("UTF-8");
     for (most, expected) in [("20", 20), ("3", 3), ("2", 2)] {

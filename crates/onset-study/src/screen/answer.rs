@@ -359,7 +359,7 @@ impl ScreenAnswer {
         mut course: Course,
     ) -> Self {
         let number = |row: usize| recording.and_then(|own| own.particle(row));
-        // Short waves are observed at particles, states belong to elements if there are any.
+        // Short waves are observed at particles; states belong to the elements if the run has elements.
         let has_elements = recording.is_some_and(|own| own.elements > 0);
         let grown = course.grown.as_mut().map(|(event, _)| event);
         let of_states = grown.into_iter().chain(course.lost.as_mut());

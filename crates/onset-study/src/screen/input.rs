@@ -205,7 +205,7 @@ impl Contacts {
         }
     }
 
-    /// Records of a few particles that are damaged in a frame; `None` if there are none.
+    /// Damaged records of a few particles in a frame; `None` if all records are sound.
     ///
     /// Forces act between neighbors. A force that throws a particle out of the body throws its neighbors back, so that they move against each other. A
     /// jump by several spacings is damage if the neighbors stay together, and if velocities in the file do not explain it.
@@ -408,7 +408,7 @@ impl Recording {
             }
             own.read = number + 1;
             let contacts = contacts.get_or_insert_with(|| Contacts::new(start, dimension));
-            // Wrapped positions have an error of their own.
+            // Wrapped positions have a separate error.
             let is_wrapped = start.may_be_wrapped && wraps(start, &frame, dimension);
             let damage = contacts.damage(last.as_ref().unwrap_or(start), &frame, now - time);
             if let Some(damage) = damage.filter(|_| !is_wrapped) {

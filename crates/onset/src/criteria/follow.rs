@@ -542,8 +542,8 @@ impl Jumps<'_, '_> {
         (low, last.0, last.1)
     }
 
-    /// Shift of the limit, in `ln lambda`, caused by rounding of the change of energy: the rounding divided by the slope of this change along the path,
-    /// or the distance to the reference configuration if the change does not exceed its rounding anywhere.
+    /// Shift of the limit, in `ln lambda`, that rounding of the change of energy causes. It is the rounding divided by the slope of this change along the
+    /// path, or the distance to the reference configuration if the change nowhere exceeds its rounding.
     fn undetermined(&self, s: f64, jump: &Jump) -> f64 {
         let mut shift = 0.0;
         let mut step = SLOPE_STEP.min(0.5 * s.abs());

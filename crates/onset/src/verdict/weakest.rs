@@ -15,8 +15,8 @@ use std::sync::OnceLock;
 const GRID: [usize; 3] = [96, 24, 12];
 /// Smallest number of grid points with several particles in a cell.
 const MIN_GRID: usize = 6;
-/// Number of the deepest wells that are followed to their bottom, weakly controlled or not. Of more wells with equal values, which are images of
-/// each other, one is followed.
+/// Number of the deepest wells that are followed to their bottom, weakly controlled or not. Further wells are followed if their values differ: wells
+/// with equal values are images under a symmetry.
 const FOLLOWED_WELLS: usize = 4;
 /// Number of different values of wells that are followed.
 const FOLLOWED_VALUES: usize = 8;

@@ -48,9 +48,9 @@ fn viscous() -> (BravaisLattice<2>, UpdatedSph<2>) {
     )
 }
 
-/// Among the waves between those that grow and those that decay are some that an integrator makes grow very slowly at any step.
+/// Between growing and decaying waves an integrator makes some waves grow very slowly at any step.
 #[test]
-fn waves_that_hardly_decay_beside_growing_waves_do_not_limit_the_step() {
+fn slowly_decaying_waves_near_growing_waves_do_not_limit_the_step() {
     let (_, sph) = viscous();
     let law = ModifiedMooneyRivlin::default();
     let survey = Survey::new(&sph, &law).expect("a survey");
