@@ -197,8 +197,8 @@ impl DampedWave {
 
     /// The wave in a state whose fastest wave grows at a given rate.
     ///
-    /// Wave vectors near those of growing waves have waves that decay very slowly, and an integrator of second order makes some of them grow at any
-    /// step. This growth counts if it is not small compared with the growth of the state.
+    /// Waves with wave vectors near a growing wave decay very slowly, and an integrator of second order makes some of them grow at any step. This
+    /// growth counts if it is not small compared with the growth of the state.
     fn beside(self, growth: f64) -> Self {
         Self {
             slack: SLACK * growth,
