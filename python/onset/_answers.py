@@ -967,7 +967,7 @@ class Verdicts:
     def critical_time_step(self) -> Floats:
         """Critical time step of the infinite lattice, ``2/omega_max`` for central differences, shape (...); time.
 
-        Free faces and distorted cells need a smaller step. With damping the steps are searched for when they are first asked for.
+        Free faces and distorted cells need a smaller step. With damping the steps are computed when they are first needed.
         """
         if self._steps is None:
             steps = cast("Callable[[], bytes]", self._searched)
