@@ -208,9 +208,9 @@ def components(F: ArrayLike) -> str:
 
 def frames_of(
     x: Any, X: ArrayLike | None, time: ArrayLike | None, velocity: Any, F: Any, stress: Any, dimension: int
-) -> tuple[Callable[[int], tuple[float, bytes, bytes | None, bytes | None, bytes | None]], int, Floats, list[bool], list[str]]:
+) -> tuple[Callable[[int], tuple[float, bytes, bytes | None, bytes | None, bytes | None]], int, Floats, list[bool], int]:
     """Returns a function that gives the fields of a frame, the number of frames, the reference positions, the components of stress that are given, and
-    notes. Frames that repeat a time are skipped."""
+    the number of skipped frames, which repeat a time."""
 
     def series(value: Any, what: str) -> tuple[Any, int]:
         # Slices of memory views with several axes are not defined.
@@ -262,11 +262,6 @@ def frames_of(
         late = int(np.argmax(np.diff(times) < 0)) + 1
         raise InputError(f"time[{late}] is {float(times[late])!r}, before {float(times[late - 1])!r}; expected ascending times")
     used = [0, *(np.flatnonzero(np.diff(times) > 0) + 1).tolist()]
-    notes = []
-    if count - len(used) == 1:
-        notes.append("a frame that repeats the time of another frame is skipped")
-    elif len(used) < count:
-        notes.append(f"{count - len(used)} frames that repeat the time of another frame are skipped")
 
     def gradients(value: object, what: str) -> Floats:
         array = numbers(value, what)  # type: ignore[arg-type]
@@ -305,7 +300,7 @@ def frames_of(
             None if stress is None else stresses(stress[number], f"stress[{number}]").tobytes(),
         )
 
-    return give, len(used), reference, given, notes
+    return give, len(used), reference, given, count - len(used)
 
 
 def received(data: bytes, shape: Sequence[int]) -> Floats:

@@ -693,7 +693,7 @@ def screen(
     'none'
     """
     problem = problem_of(material, method)
-    give, count, reference, given, notes = frames_of(x, X, time, velocity, F, stress, problem.dimension)
+    give, count, reference, given, repeated = frames_of(x, X, time, velocity, F, stress, problem.dimension)
     particles = len(reference)
 
     def of_particles(value: ArrayLike | None, what: str, kinds: str) -> Floats | None:
@@ -728,7 +728,7 @@ def screen(
         seed=None if seed is None else share(seed, "seed"),
         bin=share(bin, "bin"),
         actual=None if actual is None else number(actual, "actual"),
-        notes=notes,
+        repeated=repeated,
     )
     take = (lambda _, now, found: kept.append((now, found))) if switch(fields, "fields") else None
     modes: list[bytes] = []

@@ -46,7 +46,7 @@ fn given(pointer: *mut u8, bytes: usize) -> *mut u8 {
     pointer
 }
 
-// SAFETY: all memory comes from the allocator of the system and returns to it. A null pointer ends the process.
+// SAFETY: each call is passed on to the allocator of the system. A null pointer ends the process.
 #[allow(unsafe_code)]
 unsafe impl GlobalAlloc for Memory {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {

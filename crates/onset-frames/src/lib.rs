@@ -30,4 +30,4 @@ pub use columns::{ColumnUse, Support};
 pub use error::{FrameError, Place, brief, cut};
 pub use frame::{Bounds, Cells, Frame, Order};
 pub use reading::{FrameRange, Limits, Quantity, Reading};
-pub use series::{Format, Recognized, Series};
+pub use series::{Format, Recognized, Series, told_repeats};

@@ -331,17 +331,20 @@ fn ordered(stamps: &[Stamp], ignored: &mut Vec<String>) -> Vec<(usize, Stamp)> {
         // A time that is not a number is an error of its frame, and repeats no other time.
         let is_number = |own: &Stamp| own.time.is_none_or(|time| !time.is_nan());
         frames.dedup_by(|(_, b), (_, a)| compare(a, b) == Ordering::Equal && is_number(a));
-        match count - frames.len() {
-            0 => {}
-            1 => {
-                ignored.push("a frame that repeats the time of another frame is skipped".to_owned())
-            }
-            repeated => ignored.push(format!(
-                "{repeated} frames that repeat the time of another frame are skipped"
-            )),
-        }
+        ignored.extend(told_repeats(count - frames.len()));
     }
     frames
+}
+
+/// Note on skipped frames that repeat the time of another frame; `None` without such frames.
+pub fn told_repeats(count: usize) -> Option<String> {
+    match count {
+        0 => None,
+        1 => Some("a frame that repeats the time of another frame is skipped".to_owned()),
+        _ => Some(format!(
+            "{count} frames that repeat the time of another frame are skipped"
+        )),
+    }
 }
 
 /// Compares names, with the numbers in them compared by value.

@@ -177,11 +177,6 @@ fn response(f: &DeformationGradient, numbers: &[f64]) -> Result<Response, Materi
     })
 }
 
-/// Part of a tangent with in-plane indices.
-fn in_plane(tangent: &FourthOrder) -> PlaneTangent {
-    std::array::from_fn(|a| std::array::from_fn(|b| tangent[(a / 2, a % 2, b / 2, b % 2)]))
-}
-
 impl Hyperelastic for FunctionLaw {
     fn response(&self, f: &DeformationGradient) -> Result<Response, MaterialError> {
         let numbers = self.numbers(std::slice::from_ref(f))?;
@@ -207,7 +202,7 @@ impl Hyperelastic for FunctionLaw {
     ) -> Vec<Result<PlaneTangent, MaterialError>> {
         let responses = self.responses(states).into_iter();
         responses
-            .map(|response| Ok(in_plane(&response?.tangent)))
+            .map(|response| Ok(response?.tangent.in_plane()))
             .collect()
     }
 }

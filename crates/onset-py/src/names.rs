@@ -1,7 +1,6 @@
 //! Names and descriptions of keys, laws and verdicts for the Python package.
 
 use crate::failure::Failure;
-use crate::problem::MECHANISMS;
 use onset::verdict::Mechanism;
 use onset_study::Verdict;
 use onset_study::settings::{self, Key, Model, Settings};
@@ -44,7 +43,7 @@ pub fn notes() -> Vec<String> {
 /// Names of the mechanisms in the order of their numbers; the last name is empty, for states without one.
 #[pyfunction]
 pub fn mechanism_names() -> Vec<&'static str> {
-    let names = MECHANISMS.into_iter().map(Mechanism::name);
+    let names = Mechanism::ALL.into_iter().map(Mechanism::name);
     names.chain([""]).collect()
 }
 

@@ -319,11 +319,11 @@ impl Problem {
             records(&problem, &components, Evaluator::for_verdicts)
         })?;
         let columns = PyDict::new(py);
-        let flags: Vec<f64> = records.iter().map(flag).collect();
-        columns.set_item("verdict", bytes(py, &flags))?;
-        let mechanisms: Vec<f64> = records.iter().map(mechanism).collect();
-        columns.set_item("mechanism", bytes(py, &mechanisms))?;
         let number = |take: fn(&Record) -> f64| -> Vec<f64> { records.iter().map(take).collect() };
+        let verdicts = number(|own| code(&Verdict::ALL, own.finding.verdict));
+        let mechanisms = number(|own| code(&Mechanism::ALL, own.mechanism));
+        columns.set_item("verdict", bytes(py, &verdicts))?;
+        columns.set_item("mechanism", bytes(py, &mechanisms))?;
         for (name, take) in NUMBERS {
             columns.set_item(name, bytes(py, &number(*take)))?;
         }
@@ -623,27 +623,11 @@ const VECTORS: &[Taken<[f64; 3]>] = &[
     ("acoustic_direction", |record| record.acoustic_direction),
 ];
 
-/// Number of a verdict, or the number of verdicts if the verdict is missing.
-fn flag(record: &Record) -> f64 {
-    let place = |verdict| Verdict::ALL.iter().position(|other| *other == verdict);
-    let place = record.finding.verdict.and_then(place);
-    place.unwrap_or(Verdict::ALL.len()) as f64
+/// Place of a value in a list, or the length of the list without a value.
+fn code<T: PartialEq>(all: &[T], value: Option<T>) -> f64 {
+    let place = value.and_then(|value| all.iter().position(|other| *other == value));
+    place.unwrap_or(all.len()) as f64
 }
-
-/// Number of a mechanism, or the number of mechanisms if the verdict has no mechanism.
-fn mechanism(record: &Record) -> f64 {
-    let place = |own| MECHANISMS.iter().position(|other| *other == own);
-    let place = record.mechanism.and_then(place);
-    place.unwrap_or(MECHANISMS.len()) as f64
-}
-
-/// Mechanisms in the order of their numbers.
-pub const MECHANISMS: [Mechanism; 4] = [
-    Mechanism::Tensile,
-    Mechanism::Compressive,
-    Mechanism::Flutter,
-    Mechanism::LongWave,
-];
 
 /// Records of states as computed by a map, on all cores.
 fn records(

@@ -8,7 +8,7 @@ use crate::problem::Problem;
 use onset::cancel::checkpoint;
 use onset_study::screen::{
     Actual, Frame, Question, Region, Run, ScreenAnswer, ScreenError, Snapshot, Stepping,
-    stepping_named,
+    stepping_named, told_repeats,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -40,7 +40,7 @@ pub struct Asked {
     seed: Option<f64>,
     bin: f64,
     actual: Option<f64>,
-    notes: Vec<String>,
+    repeated: usize,
 }
 
 /// Rows of a field from bytes of doubles.
@@ -152,8 +152,7 @@ pub fn screen(
         let answer = match (answer, raised.take()) {
             (_, Some(error)) => return Err(Failure::Raised(error)),
             (Ok(mut answer), None) => {
-                let others = std::mem::take(&mut answer.notes);
-                answer.notes = [asked.notes, others].concat();
+                answer.notes.splice(0..0, told_repeats(asked.repeated));
                 answer
             }
             (Err(error), None) => return Err(Failure::input(error)),

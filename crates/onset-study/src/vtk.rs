@@ -1,8 +1,9 @@
 //! Fields of particles and elements in VTK's XML formats, for ParaView and similar programs.
 //!
 //! Arrays are base64 of little-endian numbers after their length, as readers of VTK accept them for all values; in ASCII arrays they do not accept NaN.
-//! The XML output is too short to justify a dependency such as `vtkio`.
+//! The rest of the XML is too short to justify a dependency such as `vtkio`.
 
+use base64::prelude::{BASE64_STANDARD, Engine as _};
 use std::fmt::Write;
 
 /// Points with fields, and elements between them.
@@ -130,24 +131,8 @@ fn array(text: &mut String, kind: &str, name: &str, more: &str, numbers: Vec<u8>
     );
     let mut bytes = (numbers.len() as u64).to_le_bytes().to_vec();
     bytes.extend(numbers);
-    base64(text, &bytes);
+    BASE64_STANDARD.encode_string(&bytes, text);
     text.push_str("\n</DataArray>\n");
-}
-
-/// Appends bytes in base64.
-fn base64(text: &mut String, bytes: &[u8]) {
-    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    text.reserve(bytes.len().div_ceil(3) * 4);
-    for group in bytes.chunks(3) {
-        let byte = |n: usize| u32::from(group.get(n).copied().unwrap_or(0));
-        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
-        for n in 0..4 {
-            text.push(match n > group.len() {
-                true => '=',
-                false => char::from(LETTERS[(bits >> (18 - 6 * n) & 63) as usize]),
-            });
-        }
-    }
 }
 
 /// Collection of the files of a series with their times.
@@ -166,22 +151,8 @@ pub(crate) fn pvd<'f>(files: impl IntoIterator<Item = (f64, &'f str)>) -> String
 
 #[cfg(test)]
 mod tests {
-    use super::{Grid, base64};
+    use super::Grid;
     use onset_frames::{Reading, Series};
-
-    #[test]
-    fn base64_pads_the_last_group() {
-        for (bytes, expected) in [
-            ("", ""),
-            ("f", "Zg=="),
-            ("fo", "Zm8="),
-            ("foobar", "Zm9vYmFy"),
-        ] {
-            let mut text = String::new();
-            base64(&mut text, bytes.as_bytes());
-            assert_eq!(text, expected);
-        }
-    }
 
     #[test]
     fn all_values_are_read_back_exactly() {

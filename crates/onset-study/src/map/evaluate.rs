@@ -94,9 +94,8 @@ impl Evaluator {
     /// Mechanism of a numerical instability, as [`Assessment::mechanism`](onset::verdict::Assessment::mechanism).
     fn mechanism(&self, f: &DeformationGradient, state: &SurveyedState<3>) -> Option<Mechanism> {
         let material = self.material.as_ref()?;
-        let cauchy = material.response(f).ok()?.cauchy();
-        let dimension = self.settings.dimension();
-        let mean = (0..dimension).map(|i| cauchy[(i, i)]).sum::<f64>() / dimension as f64;
+        let response = material.response(f).ok()?;
+        let mean = response.mean_stress(self.settings.dimension());
         Some(Mechanism::of(state.stability, state.long_waves_grow, mean))
     }
 

@@ -2,7 +2,7 @@
 
 use super::actual::Actual;
 use super::course::{
-    Course, ELLIPTIC_MARGIN, Event, Moment, Picture, Sink, StepLimit, crossing, follow,
+    Course, ELLIPTIC_MARGIN, Event, Moment, Picture, Sink, StepLimit, crossing, follow, point,
 };
 use super::input::is_spaced;
 use super::neighborhoods::Neighborhoods;
@@ -278,11 +278,9 @@ fn is_on_lattice(problem: &Problem, run: &Run, spacing: f64) -> bool {
 }
 
 fn place(event: &Event, dimension: usize) -> String {
-    let near = event.place[..dimension].iter().map(|x| told_with(*x, 4));
-    let near: Vec<String> = near.collect();
     let particle = event.particle;
     let particle = particle.map_or(String::new(), |number| format!("particle {number} at "));
-    format!("near {particle}({})", near.join(", "))
+    format!("near {particle}{}", point(&event.place, dimension))
 }
 
 impl ScreenAnswer {
@@ -805,7 +803,7 @@ impl ScreenAnswer {
         let assessed = self.recording.as_ref().filter(|own| own.skipped > 0);
         let rest = assessed.map_or(String::new(), |own| {
             format!(
-                " Only the first {} of {} frames are assessed; the others are skipped (see the note).",
+                " Only the first {} of {} frames are assessed; the others are skipped for the reason in the note.",
                 own.frames,
                 own.frames + own.skipped
             )

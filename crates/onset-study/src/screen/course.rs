@@ -464,6 +464,12 @@ fn around(n: usize, x: &[[f64; 3]], near: &Neighborhoods) -> [f64; 3] {
     mean(&all, x)
 }
 
+/// Coordinates of a place, with four digits.
+pub(super) fn point(place: &[f64; 3], dimension: usize) -> String {
+    let all = place[..dimension].iter().map(|x| told_with(*x, 4));
+    format!("({})", all.collect::<Vec<_>>().join(", "))
+}
+
 /// Number of some points, with the first time and the place of the first point; `None` without points.
 fn first_of(
     points: &[(usize, f64)],
@@ -475,11 +481,10 @@ fn first_of(
     let time = time.min_by(f64::total_cmp)?;
     let at_first = points.iter().filter(|(_, own)| *own == time);
     let (point, _) = largest(at_first.map(|(n, _)| (*n, 0.0)), places)?;
-    let near = places[point][..dimension].iter();
-    let near: Vec<String> = near.map(|x| told_with(*x, 4)).collect();
+    let near = self::point(&places[point], dimension);
     Some((
         counted(points.len(), name),
-        format!("t = {} near ({})", told_with(time, 4), near.join(", ")),
+        format!("t = {} near {near}", told_with(time, 4)),
     ))
 }
 

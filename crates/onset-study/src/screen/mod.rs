@@ -27,7 +27,7 @@ pub use course::{Event, Moment, Snapshot, StepLimit};
 pub use files::ScreenFiles;
 pub use input::{Held, Recording, Reference, Region, Source};
 pub use onset::time_step::Stepping;
-pub use onset_frames::FrameRange;
+pub use onset_frames::{FrameRange, told_repeats};
 pub use remedy::Remedy;
 
 use crate::answers::ProblemError;

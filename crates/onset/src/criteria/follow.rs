@@ -82,7 +82,7 @@ const RESOLUTION: f64 = 1e-14;
 const AT_REFERENCE: f64 = 1e-9;
 /// Finite-difference step of the slope of a measure, in `ln lambda`.
 const SLOPE_STEP: f64 = 1e-5;
-/// Smallest change of the excess of a jump from which its slope is computed, in units of its rounding.
+/// A slope is computed from changes of the excess of a jump that exceed its rounding by this factor.
 const SIGNIFICANT: f64 = 4.0;
 /// Distance beyond a kink, in `ln lambda`, at which the law beyond the kink is evaluated.
 const BEHIND_KINK: f64 = 1e-10;

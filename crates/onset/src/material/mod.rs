@@ -338,10 +338,7 @@ pub trait Hyperelastic: Send + Sync {
     /// # Errors
     /// [`MaterialError::NotFinite`] if it over- or underflows.
     fn plane_tangent(&self, f: &DeformationGradient) -> Result<PlaneTangent, MaterialError> {
-        let tangent = self.response(f)?.tangent;
-        Ok(array_of(|a| {
-            array_of(|b| tangent[(a / 2, a % 2, b / 2, b % 2)])
-        }))
+        Ok(self.response(f)?.tangent.in_plane())
     }
 
     /// Tangents within the plane ([`Hyperelastic::plane_tangent`]) of many states. Each result is bitwise independent of the other states.
@@ -358,10 +355,9 @@ pub trait Hyperelastic: Send + Sync {
     /// [`MaterialError::NotFinite`] if they over- or underflow.
     fn plane_response(&self, f: &DeformationGradient) -> Result<PlaneResponse, MaterialError> {
         let response = self.response(f)?;
-        let tangent = &response.tangent;
         Ok(PlaneResponse {
             first_piola: array_of(|a| response.first_piola[(a / 2, a % 2)]),
-            tangent: array_of(|a| array_of(|b| tangent[(a / 2, a % 2, b / 2, b % 2)])),
+            tangent: response.tangent.in_plane(),
         })
     }
 

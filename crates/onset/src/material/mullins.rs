@@ -21,7 +21,6 @@ use super::{
     Admitted, FourthOrder, Hyperelastic, LaneStress, MaterialError, Parameter, PlaneTangent,
     Response, ResponseEnclosure,
 };
-use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
 use crate::real::{Interval, Lanes};
 use nalgebra::Matrix3;
@@ -284,10 +283,7 @@ impl Hyperelastic for OgdenRoxburgh {
         if let Some(law) = self.primary() {
             return law.plane_tangent(f);
         }
-        let tangent = self.response(f)?.tangent;
-        Ok(array_of(|a| {
-            array_of(|b| tangent[(a / 2, a % 2, b / 2, b % 2)])
-        }))
+        Ok(self.response(f)?.tangent.in_plane())
     }
 
     fn plane_tangents(

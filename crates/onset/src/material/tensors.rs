@@ -1,6 +1,7 @@
 //! Stress measures and elasticity tensors derived from `P` and `A`.
 
-use super::{MaterialError, Response};
+use super::{MaterialError, PlaneTangent, Response};
+use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
 use nalgebra::Matrix3;
 use std::ops::{Index, IndexMut};
@@ -68,6 +69,11 @@ impl FourthOrder {
         })
     }
 
+    /// Part with indices 0 and 1 only, `T_iJkL` at `[2 i + J][2 k + L]`.
+    pub fn in_plane(&self) -> PlaneTangent {
+        array_of(|a| array_of(|b| self[(a / 2, a % 2, b / 2, b % 2)]))
+    }
+
     /// Transforms the second and the fourth index by a matrix: `m_Jj m_Ll T_ijkl`.
     pub(crate) fn with_material_indices(&self, m: &Matrix3<f64>) -> Self {
         let half = Self::from_fn(|i, a, k, l| (0..3).map(|j| m[(a, j)] * self[(i, j, k, l)]).sum());
@@ -115,6 +121,12 @@ fn delta(i: usize, j: usize) -> f64 {
 }
 
 impl Response {
+    /// Mean Cauchy stress in the first `n` dimensions, positive in tension. Units of stress.
+    pub fn mean_stress(&self, n: usize) -> f64 {
+        let cauchy = self.cauchy();
+        (0..n).map(|i| cauchy[(i, i)]).sum::<f64>() / n as f64
+    }
+
     /// Part of the response from the mean stress, `P = (P : F)/n F^-T`, in the first `n` dimensions.
     ///
     /// # Errors

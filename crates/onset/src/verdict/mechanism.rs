@@ -24,6 +24,14 @@ pub enum Mechanism {
 }
 
 impl Mechanism {
+    /// All mechanisms of numerical instability, in the order of their numbers in arrays.
+    pub const ALL: [Self; 4] = [
+        Self::Tensile,
+        Self::Compressive,
+        Self::Flutter,
+        Self::LongWave,
+    ];
+
     /// Mechanism of an instability, from its kind (divergence or flutter), the growth of long waves and the mean Cauchy stress, positive in tension.
     pub fn of(stability: Stability, long_waves_grow: bool, mean_stress: f64) -> Self {
         if stability == Stability::Flutter {

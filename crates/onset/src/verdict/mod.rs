@@ -114,12 +114,11 @@ impl<const D: usize> MaterialAssessment<D> {
             true => minimum.ellipticity(),
             false => stiffness.strong_ellipticity(),
         };
-        let cauchy = response.cauchy();
         Self {
+            mean_stress: response.mean_stress(D),
             response,
             minimum,
             ellipticity,
-            mean_stress: (0..D).map(|i| cauchy[(i, i)]).sum::<f64>() / D as f64,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Arrays of VTK files: text, base64 and binary, plain and compressed.
 
 use super::super::numpy::{Kind, Number};
+use base64::prelude::{BASE64_STANDARD, Engine as _};
 use flate2::read::ZlibDecoder;
 use std::io::Read;
 use std::ops::Range;
@@ -73,7 +74,7 @@ pub(super) fn values(
             return Ok(values);
         }
         Storage::Base64(range) => {
-            let plain = base64(&bytes[range.clone()]).ok_or("base64 data")?;
+            let plain = decoded(&bytes[range.clone()]).ok_or("base64 data")?;
             contents(&plain, encoding, most_bytes)?
         }
         Storage::Raw(range) => contents(&bytes[range.clone()], encoding, most_bytes)?,
@@ -87,34 +88,14 @@ pub(super) fn values(
 }
 
 /// Decodes base64, which may consist of several padded pieces.
-fn base64(text: &[u8]) -> Option<Vec<u8>> {
-    let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
-    let (mut bits, mut count, mut padding) = (0u32, 0, 0);
-    for letter in text.iter().filter(|letter| !letter.is_ascii_whitespace()) {
-        let value = match letter {
-            b'A'..=b'Z' => letter - b'A',
-            b'a'..=b'z' => letter - b'a' + 26,
-            b'0'..=b'9' => letter - b'0' + 52,
-            b'+' => 62,
-            b'/' => 63,
-            b'=' => {
-                padding += 1;
-                0
-            }
-            _ => return None,
-        };
-        if padding > 0 && *letter != b'=' {
-            return None;
-        }
-        bits = bits << 6 | u32::from(value);
-        count += 1;
-        if count == 4 {
-            let [_, all @ ..] = bits.to_be_bytes();
-            bytes.extend(all.iter().take(3usize.checked_sub(padding)?));
-            (bits, count, padding) = (0, 0, 0);
-        }
+fn decoded(text: &[u8]) -> Option<Vec<u8>> {
+    let is_letter = |letter: &u8| !letter.is_ascii_whitespace();
+    let letters: Vec<u8> = text.iter().copied().filter(is_letter).collect();
+    let mut bytes = Vec::with_capacity(letters.len() / 4 * 3);
+    for piece in letters.chunk_by(|own, next| *own != b'=' || *next == b'=') {
+        BASE64_STANDARD.decode_vec(piece, &mut bytes).ok()?;
     }
-    (count == 0).then_some(bytes)
+    Some(bytes)
 }
 
 /// Contents after the header, decompressed; `Err` with the expected contents.
