@@ -65,6 +65,9 @@ const PYTHON: &[Kind] = &[
     Kind::new("formulas of one process", 1_000_000, talk::formulas),
 ];
 
+/// Time between two tables of interim results.
+const BETWEEN_TABLES: Duration = Duration::from_secs(300);
+
 /// Results of one kind of abuse.
 #[derive(Default)]
 struct Tally {
@@ -184,13 +187,34 @@ fn abused(onset: PathBuf, until: Until, seed: u64, only: &[&Kind]) -> Result<(),
         }
     };
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(work))));
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        let mut told = Instant::now();
+        while workers.iter().any(|worker| !worker.is_finished()) {
+            std::thread::sleep(Duration::from_millis(50));
+            if told.elapsed() > BETWEEN_TABLES {
+                told = Instant::now();
+                println!("after {} min", begun.elapsed().as_secs() / 60);
+                table(&kinds, &tallies);
+            }
+        }
+    });
+    match table(&kinds, &tallies) {
+        0 => Ok(()),
+        faults => Err(format!(
+            "{faults} faults; repeat with: cargo xtask abuse --seed {seed}"
+        )),
+    }
+}
+
+/// Prints the events, the faults and the slowest end of each kind, and returns the number of faults.
+fn table(kinds: &[&Kind], tallies: &[Tally]) -> u64 {
     println!(
         "{:<24} {:>7}  hangs  aborts  torn files  messages  slowest end",
         "", "events"
     );
     let mut all = [0; 6];
-    for (kind, tally) in kinds.iter().zip(&tallies) {
+    for (kind, tally) in kinds.iter().zip(tallies) {
         let faults = tally.faults.lock().unwrap_or_else(|held| held.into_inner());
         let of =
             |what: fn(&Fault) -> bool| faults.iter().filter(|fault| what(fault)).count() as u64;
@@ -209,12 +233,7 @@ fn abused(onset: PathBuf, until: Until, seed: u64, only: &[&Kind]) -> Result<(),
         all[5] = all[5].max(counts[5]);
     }
     row("all", all);
-    match all[1..5].iter().sum::<u64>() {
-        0 => Ok(()),
-        faults => Err(format!(
-            "{faults} faults; repeat with: cargo xtask abuse --seed {seed}"
-        )),
-    }
+    all[1..5].iter().sum()
 }
 
 /// Runs a case and counts its events and faults.

@@ -1,5 +1,6 @@
 //! The keys of studies and of the command line, each defined once: kind of value, meaning, and conditions.
 
+use super::declared::words;
 use super::method::{
     APPROXIMATED, CRYSTAL, KERNEL_METHOD, LATTICE, METHOD_KEYS, MethodSettings, NODES_OR_PARTICLES,
     WEIGHTED,
@@ -14,10 +15,15 @@ use super::{
     MapSettings, Model, OUTPUTS, Plane, StateSettings, TimeIntegrator, Units, Value, aliases,
     word_of,
 };
+use onset::approximation::Approximation;
 use onset::kinematics::STRETCHES;
+use onset::lattice::LatticeKind;
 use onset::material::Admitted::{self, Any, Between, Positive, Within};
 use onset::material::Parameter;
-use onset::method::KernelMethodChoices;
+use onset::method::{
+    Background, CurrentLattice, Frame, KernelMethodChoices, Linearization, SupportSize,
+};
+use onset::quadrature::Quadrature;
 use std::collections::BTreeMap;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
@@ -178,7 +184,7 @@ pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
         key("material.model", Kind::Words(models.leak()), "the law"),
         key(
             "material.plane",
-            Kind::Words(&["strain", "stress", "membrane"]),
+            Kind::Words(words::<Plane>()),
             "in two dimensions plane strain, plane stress (a thin sheet whose thickness is computed) or membrane (a two-dimensional law, as for cloth); in one dimension, uniaxial strain or uniaxial stress",
         ),
     ];
@@ -191,8 +197,8 @@ pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
             keys.push(*key);
         }
     }
-    keys.extend(DISCRETIZATION_KEYS);
-    keys.extend(METHOD_KEYS);
+    keys.extend(discretization_keys());
+    keys.extend(METHOD_KEYS.iter().copied());
     keys.extend(TIME_KEYS);
     keys
 });
@@ -286,23 +292,11 @@ const KERNELS: &[&str] = &[
     "laguerre-gauss",
 ];
 
-const DISCRETIZATION_KEYS: &[Key] = &[
+fn discretization_keys() -> Vec<Key> {
+    vec![
     key(
         "discretization.lattice",
-        Kind::Words(&[
-            "chain",
-            "square",
-            "rectangular",
-            "hexagonal",
-            "honeycomb",
-            "oblique",
-            "simple-cubic",
-            "body-centered-cubic",
-            "face-centered-cubic",
-            "hexagonal-close-packed",
-            "diamond",
-            "triclinic",
-        ]),
+        Kind::Words(words::<LatticeKind>()),
         "lattice of the particles",
     )
     .only_with(LATTICE),
@@ -311,16 +305,16 @@ const DISCRETIZATION_KEYS: &[Key] = &[
         Kind::Number("1", RATIO),
         "rectangular lattice: side ratio b/a, of the second to the first side",
     )
-    .only_with(&[&[is("discretization.lattice", &["rectangular"])]]),
+    .only_with(const { &[&[is("discretization.lattice", &["rectangular"])]] }),
     key(
         "discretization.vectors",
         Kind::Numbers("1", Any),
         "oblique and triclinic lattice: components of the primitive vectors in spacings, one vector after the other; finite elements: images of the unit vectors, which shear the mesh",
     )
-    .only_with(&[
+    .only_with(const { &[
         &[is("discretization.lattice", &["oblique", "triclinic"])],
         &[is("discretization.method", &["finite-elements"])],
-    ]),
+    ] }),
     key(
         "discretization.basis",
         Kind::Numbers("1", Any),
@@ -369,28 +363,13 @@ const DISCRETIZATION_KEYS: &[Key] = &[
     .only_with(WEIGHTED),
     key(
         "discretization.approximation",
-        Kind::Words(&[
-            "raw",
-            "shepard",
-            "mls",
-            "mls-2",
-            "mls-3",
-            "randles-libersky",
-            "krongauz-belytschko",
-        ]),
+        Kind::Words(words::<Approximation>()),
         "correction of the weights",
     )
     .only_with(APPROXIMATED),
     key(
         "discretization.quadrature",
-        Kind::Words(&[
-            "nodal",
-            "stress-points",
-            "stress-points-only",
-            "nodal-stabilized",
-            "gauss",
-            "points",
-        ]),
+        Kind::Words(words::<Quadrature>()),
         "quadrature points",
     )
     .only_with(KERNEL_METHOD),
@@ -399,57 +378,52 @@ const DISCRETIZATION_KEYS: &[Key] = &[
         Kind::Number("1", Between(0.0, 1.0)),
         "fraction of the cell's volume at the stress points, below 1; Voronoi volumes by default",
     )
-    .only_with(&[&[is("discretization.quadrature", &["stress-points"])]]),
+    .only_with(const { &[&[is("discretization.quadrature", &["stress-points"])]] }),
     key(
         "discretization.gauss-points",
         Kind::Whole(1, 4),
         "Gauss points per direction",
     )
-    .only_with(&[&[is("discretization.quadrature", &["gauss"])]]),
+    .only_with(const { &[&[is("discretization.quadrature", &["gauss"])]] }),
     key(
         "discretization.points",
         Kind::Numbers("1", Any),
         "the lattice coordinates of each point and its fraction of the cell's volume, in one list; \
          the fractions add up to 1",
     )
-    .only_with(&[&[is("discretization.quadrature", &["points"])]]),
+    .only_with(const { &[&[is("discretization.quadrature", &["points"])]] }),
     key(
         "discretization.frame",
-        Kind::Words(&["lagrangian", "eulerian"]),
+        Kind::Words(words::<Frame>()),
         "coordinates of the kernel",
     )
     .only_with(KERNEL_METHOD),
     key(
         "discretization.background",
-        Kind::Words(&["imposed", "interpolated"]),
+        Kind::Words(words::<Background>()),
         "deformation that the quadrature points carry",
     )
     .only_with(KERNEL_METHOD),
     key(
         "discretization.current-lattice",
-        Kind::Words(&["convected", "regular"]),
+        Kind::Words(words::<CurrentLattice>()),
         "Eulerian kernels: lattice in the deformed state",
     )
     .only_with(EULERIAN_ALONE),
     key(
         "discretization.support-size",
-        Kind::Words(&["fixed", "scaled", "convected"]),
+        Kind::Words(words::<SupportSize>()),
         "Eulerian kernels and updated SPH: change of the support with the deformation",
     )
     .only_with(SUPPORT_SIZE),
     key(
         "discretization.linearization",
-        Kind::Words(&[
-            "exact",
-            "paper",
-            "exact-plane-wave",
-            "paper-interpolated",
-            "frozen-normalization",
-        ]),
+        Kind::Words(words::<Linearization>()),
         "Eulerian kernels: quantities that the linearization varies",
     )
     .only_with(EULERIAN),
-];
+]
+}
 
 /// The keys of a study for the deformation that no axis varies.
 pub const STATE_KEYS: &[Key] = &[

@@ -1,7 +1,7 @@
 //! Families of methods, and the settings of all families except the kernel methods.
 
-use super::Value;
-use super::key::{IN_SPACINGS, Key, Kind, key};
+use super::declared::{declared, words};
+use super::key::IN_SPACINGS;
 use super::needs::{Cases, is, is_not};
 use onset::material::Admitted::{Any, Fraction, NotNegative, Positive, Within};
 use onset::method::CurrentLattice;
@@ -33,19 +33,6 @@ pub enum Family {
     Peridynamics,
     /// Material point methods with a background grid.
     MaterialPoints,
-}
-
-impl Family {
-    /// Values of `discretization.method`, in the order of the variants.
-    pub const WORDS: &'static [&'static str] = &[
-        "kernel",
-        "total-lagrangian-sph",
-        "updated-sph",
-        "finite-elements",
-        "conforming",
-        "peridynamics",
-        "material-points",
-    ];
 }
 
 /// Constitutive model of the bonds of a peridynamic body.
@@ -124,166 +111,109 @@ pub enum Velocities {
 impl Velocities {
     /// The word used in files and on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Continuous => "continuous",
-            Self::Flip => "flip",
-            Self::Pic => "pic",
-            Self::Apic => "apic",
-            Self::Xpic => "xpic",
-            Self::Fmpm => "fmpm",
-        }
+        words::<Self>()
+            .get(self as usize)
+            .copied()
+            .unwrap_or_default()
     }
 }
 
-/// Family of methods, and the settings of families other than kernel methods. Lattice, spacing, density, kernel, support, approximation and support
-/// size are settings of the discretization.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub struct MethodSettings {
-    /// Family that the method belongs to.
-    pub method: Family,
-    /// SPH: whether gradients are exact for linear fields.
-    pub corrected: bool,
-    /// SPH with corrected gradients: whether the forces use them too.
-    pub corrected_forces: bool,
-    /// Updated SPH: form of the forces.
-    pub momentum: MomentumForm,
-    /// Updated SPH: density from summation or from the continuity equation.
-    pub density_evolution: DensityEvolution,
-    /// SPH: coefficient of the zero-energy-mode penalty.
-    pub penalty: f64,
-    /// Total-Lagrangian SPH: form of the penalty.
-    pub penalty_form: PenaltyForm,
-    /// SPH: forces of the shear stress.
-    pub shear_forces: Shear,
-    /// SPH: coefficient of shear forces between pairs; `None` for the published one.
-    pub shear_coefficient: Option<f64>,
-    /// SPH: linear coefficient of artificial viscosity, or zero.
-    pub viscosity: f64,
-    /// SPH: condition and lengths of artificial viscosity.
-    pub viscosity_switch: ViscositySwitch,
-    /// Total-Lagrangian SPH: dissipation of a Riemann solver between pairs.
-    pub upwinding: Upwinding,
-    /// Updated SPH: coefficient of artificial stress, or zero.
-    pub artificial_stress: f64,
-    /// Updated SPH: exponent of artificial stress.
-    pub artificial_stress_exponent: f64,
-    /// SPH: coefficient of XSPH velocity smoothing.
-    pub velocity_smoothing: f64,
-    /// Updated SPH: fields that follow the smoothed velocities.
-    pub smoothed_motion: SmoothedMotion,
-    /// Finite elements: the mesh.
-    pub mesh: ElementMesh,
-    /// Finite elements: degree of the shape functions.
-    pub element_order: ElementOrder,
-    /// Finite elements: integration points.
-    pub integration: Integration,
-    /// Finite elements: coefficient of hourglass stiffness.
-    pub hourglass_stiffness: f64,
-    /// Finite elements: coefficient of hourglass viscosity.
-    pub hourglass_viscosity: f64,
-    /// Finite elements: scale of both hourglass coefficients.
-    pub hourglass_scale: HourglassScale,
-    /// Finite elements: mass matrix.
-    pub mass: ElementMass,
-    /// Conforming nodal integration: domains of strain smoothing.
-    pub smoothing_domain: SmoothingDomain,
-    /// Conforming nodal integration: coefficient of the modification.
-    pub modification: f64,
-    /// Peridynamics: the horizon in spacings.
-    pub horizon: f64,
-    /// Peridynamics: weights of the bonds.
-    pub influence: Influence,
-    /// Peridynamics: treatment of volumes at the horizon.
-    pub partial_volumes: PartialVolumes,
-    /// Peridynamics: the force between particles.
-    pub bonds: Bonds,
-    /// Bond-based peridynamics: calibration of the micromodulus.
-    pub calibration: Calibration,
-    /// Correspondence peridynamics: control of zero-energy modes.
-    pub control: Control,
-    /// Correspondence peridynamics: coefficient of this control.
-    pub control_coefficient: f64,
-    /// Correspondence peridynamics: whether forces contain the influence function.
-    pub weighted_forces: bool,
-    /// Material points: number of points along each side of a cell.
-    pub points_per_side: u32,
-    /// Material points: positions of the points in their cell.
-    pub layout: PointLayout,
-    /// Material points: shift of all points along each axis, in spacings.
-    pub offset: f64,
-    /// Material points: shape functions of the grid.
-    pub grid_functions: GridFunctions,
-    /// Material points: gradients in forces and velocity gradients.
-    pub grid_gradients: GridGradients,
-    /// Dilatation that determines the stress of a material point.
-    pub dilatation: PointDilatation,
-    /// Material points: unknowns of the method.
-    pub unknowns: Unknowns,
-    /// Material points: transfer of velocities through the grid.
-    pub transfer: Velocities,
-    /// Material points: fraction of its velocity that a point keeps in a step (FLIP).
-    pub flip_share: f64,
-    /// Material points: order of the approximation of the full mass matrix (XPIC, FMPM).
-    pub transfer_order: u32,
-    /// Material points: time step for growth rates; zero selects half of the largest stable step.
-    pub time_step: f64,
-    /// Material points: masses of the nodes.
-    pub grid_mass: GridMass,
-    /// Material points: configuration of grid and points at a state.
-    pub grid: CurrentLattice,
-}
-
-impl Default for MethodSettings {
-    fn default() -> Self {
-        Self {
-            method: Family::Kernel,
-            corrected: true,
-            corrected_forces: false,
-            momentum: MomentumForm::Symmetric,
-            density_evolution: DensityEvolution::Continuity,
-            penalty: 0.0,
-            penalty_form: PenaltyForm::Published,
-            shear_forces: Shear::Stress,
-            shear_coefficient: None,
-            viscosity: 0.0,
-            viscosity_switch: ViscositySwitch::Averaged,
-            upwinding: Upwinding::None,
-            artificial_stress: 0.0,
-            artificial_stress_exponent: 4.0,
-            velocity_smoothing: 0.0,
-            smoothed_motion: SmoothedMotion::Everything,
-            mesh: ElementMesh::Quadrilaterals,
-            element_order: ElementOrder::Linear,
-            integration: Integration::Full,
-            hourglass_stiffness: 0.0,
-            hourglass_viscosity: 0.0,
-            hourglass_scale: HourglassScale::Gradients,
-            mass: ElementMass::Lumped,
-            smoothing_domain: SmoothingDomain::Voronoi,
-            modification: 0.0,
-            horizon: 3.0,
-            influence: Influence::Constant,
-            partial_volumes: PartialVolumes::Whole,
-            bonds: Bonds::BondBased,
-            calibration: Calibration::Continuum,
-            control: Control::None,
-            control_coefficient: 0.0,
-            weighted_forces: true,
-            points_per_side: 2,
-            layout: PointLayout::Uniform,
-            offset: 0.0,
-            grid_functions: GridFunctions::Linear,
-            grid_gradients: GridGradients::Functions,
-            dilatation: PointDilatation::Point,
-            unknowns: Unknowns::Updated,
-            transfer: Velocities::Continuous,
-            flip_share: 1.0,
-            transfer_order: 2,
-            time_step: 0.0,
-            grid_mass: GridMass::Lumped,
-            grid: CurrentLattice::Convected,
-        }
+declared! {
+    /// Family of methods, and the settings of families other than kernel methods. Lattice, spacing, density, kernel, support, approximation and support
+    /// size are settings of the discretization.
+    pub struct MethodSettings, METHOD_KEYS of "discretization" {
+        /// Family of discretization methods.
+        method: Family = Family::Kernel, Words;
+        /// SPH: gradients corrected to be exact for linear fields (PySPH: false).
+        corrected: bool = true, Switch, SPH;
+        /// Updated SPH: stresses act along corrected gradients too (LAMMPS' *GRADIENT_CORRECTION); requires discretization.corrected.
+        corrected_forces: bool = false, Switch, UPDATED_SPH;
+        /// Updated SPH: form of the pair force in terms of the two stresses.
+        momentum: MomentumForm = MomentumForm::Symmetric, Words, UPDATED_SPH;
+        /// Updated SPH: density from summation or from the continuity equation.
+        density_evolution: DensityEvolution = DensityEvolution::Continuity, Words, UPDATED_SPH;
+        /// SPH: coefficient of the zero-energy-mode penalty (Ganzenmueller; updated SPH: xi of the generalized non-hourglass formulation of SPHinXsys).
+        penalty: f64 = 0.0, Number("1", NotNegative), SPH;
+        /// Total-Lagrangian SPH: form of the penalty, published or as in LAMMPS' SMD (regularized denominators; the coefficient is the hourglass amplitude).
+        penalty_form: PenaltyForm = PenaltyForm::Published, Words, PENALIZED_TOTAL_SPH;
+        /// SPH: shear forces from the particle stresses, or pairwise (the essentially non-hourglass formulations of SPHinXsys).
+        shear_forces: Shear = Shear::Stress, Words, SPH;
+        /// SPH: coefficient of shear forces between pairs [default: the published one, 1.07, or 0.7 d + 2.1 for updated SPH in d dimensions].
+        shear_coefficient: Option<f64> = None, Number("1", Positive), PAIRWISE;
+        /// SPH: linear coefficient of artificial viscosity (Monaghan).
+        viscosity: f64 = 0.0, Number("1", NotNegative), SPH;
+        /// SPH: artificial viscosity at all times, averaged over compression and expansion, or as in LAMMPS' SMD.
+        viscosity_switch: ViscositySwitch = ViscositySwitch::Averaged, Words, VISCOUS;
+        /// Total-Lagrangian SPH: dissipation of an acoustic Riemann solver on pairs, none, or for velocities constant or linear around each particle.
+        upwinding: Upwinding = Upwinding::None, Words, TOTAL_SPH;
+        /// Updated SPH: coefficient of artificial stress (Gray, Monaghan, Swift).
+        artificial_stress: f64 = 0.0, Number("1", NotNegative), UPDATED_SPH;
+        /// Updated SPH: exponent of artificial stress.
+        artificial_stress_exponent: f64 = 4.0, Number("1", Within(0.0, 100.0)), ARTIFICIALLY_STRESSED;
+        /// SPH: coefficient of smoothed velocities (XSPH).
+        velocity_smoothing: f64 = 0.0, Number("1", NotNegative), SPH;
+        /// Updated SPH: use of the smoothed velocities, for the whole motion or for positions only, as in PySPH.
+        smoothed_motion: SmoothedMotion = SmoothedMotion::Everything, Words, SMOOTHED;
+        /// Finite elements: mesh, which replaces the lattice.
+        mesh: ElementMesh = ElementMesh::Quadrilaterals, Words, ELEMENTS;
+        /// Finite elements: nodes at the corners, or also in the middles of the edges.
+        element_order: ElementOrder = ElementOrder::Linear, Words, ELEMENTS;
+        /// Finite elements: integration points, with the mean dilatation of the element for nearly incompressible laws.
+        integration: Integration = Integration::Full, Words, MULTILINEAR;
+        /// Finite elements: coefficient of hourglass stiffness (Flanagan, Belytschko).
+        hourglass_stiffness: f64 = 0.0, Number("1", NotNegative), ONE_POINT;
+        /// Finite elements: coefficient of hourglass viscosity (Flanagan, Belytschko).
+        hourglass_viscosity: f64 = 0.0, Number("1", NotNegative), ONE_POINT;
+        /// Finite elements: scale of the hourglass coefficients, gradients or sizes as in Radioss.
+        hourglass_scale: HourglassScale = HourglassScale::Gradients, Words, HOURGLASS;
+        /// Finite elements: mass matrix; hrz: lumped in proportion to the diagonal of the consistent matrix (Hinton, Rock, Zienkiewicz).
+        mass: ElementMass = ElementMass::Lumped, Words, ELEMENTS;
+        /// Conforming nodal integration: cells over which gradients are averaged (SCNI, SNNI).
+        smoothing_domain: SmoothingDomain = SmoothingDomain::Voronoi, Words, CONFORMING;
+        /// Conforming nodal integration: coefficient of the modification (M-SCNI).
+        modification: f64 = 0.0, Number("1", Fraction), CONFORMING;
+        /// Peridynamics: horizon in particle spacings of the regular lattice.
+        horizon: f64 = 3.0, Number("1", IN_SPACINGS), PERIDYNAMICS;
+        /// Peridynamics: weights of the bonds.
+        influence: Influence = Influence::Constant, Words, PERIDYNAMICS;
+        /// Peridynamics: treatment of particle volumes that the horizon cuts.
+        partial_volumes: PartialVolumes = PartialVolumes::Whole, Words, PERIDYNAMICS;
+        /// Peridynamics: the force between particles.
+        bonds: Bonds = Bonds::BondBased, Words, PERIDYNAMICS;
+        /// Bond-based peridynamics: calibration of the micromodulus.
+        calibration: Calibration = Calibration::Continuum, Words, BONDS;
+        /// Correspondence peridynamics: control of zero-energy modes.
+        control: Control = Control::None, Words, CORRESPONDENCE;
+        /// Correspondence peridynamics: coefficient of the control of zero-energy modes.
+        control_coefficient: f64 = 0.0, Number("1", NotNegative), CONTROL;
+        /// Correspondence peridynamics: forces contain the influence function (PeriLab up to version 2.2.4: false).
+        weighted_forces: bool = true, Switch, CORRESPONDENCE;
+        /// Material points along each side of a cell.
+        points_per_side: u32 = 2, Whole(1, 8), POINTS;
+        /// Material points: positions in their cell.
+        layout: PointLayout = PointLayout::Uniform, Words, SEVERAL_POINTS;
+        /// Material points: shift of all points along each axis, in spacings.
+        offset: f64 = 0.0, Number("1", Any), POINTS;
+        /// Material points: shape functions of the grid.
+        grid_functions: GridFunctions = GridFunctions::Linear, Words, POINTS;
+        /// Material points: gradients in forces and velocity gradients, of the functions or first moments as in MLS-MPM.
+        grid_gradients: GridGradients = GridGradients::Functions, Words, SMOOTH_FUNCTIONS;
+        /// Material points: dilatation for the stress, of the point itself or the mean of all points in the cell (F-bar), against locking.
+        dilatation: PointDilatation = PointDilatation::Point, Words, SEVERAL_POINTS;
+        /// Material points: points that carry the unknowns.
+        unknowns: Unknowns = Unknowns::Updated, Words, POINTS;
+        /// Material points: transfer of velocities through the grid, in continuous time or once per time step.
+        transfer: Velocities = Velocities::Continuous, Words, PARTICLE_UNKNOWNS;
+        /// Material points: fraction of its velocity that a point keeps in a step, from 0 (PIC) to 1 (FLIP).
+        flip_share: f64 = 1.0, Number("1", Fraction), FLIP;
+        /// Material points: order k of XPIC(k) or FMPM(k), terms of the inverse of the full mass matrix; 1 for PIC.
+        transfer_order: u32 = 2, Whole(1, 100), OF_AN_ORDER;
+        /// Material points: time step for growth rates and onset simulate; 0 for half of the largest stable step.
+        time_step: f64 = 0.0, Number("time", NotNegative), TRANSFERRED;
+        /// Material points: mass matrix of the grid.
+        grid_mass: GridMass = GridMass::Lumped, Words, NODES;
+        /// Material points: positions of grid and points in the deformed state.
+        grid: CurrentLattice = CurrentLattice::Convected, Words, CURRENT;
     }
 }
 
@@ -296,30 +226,6 @@ impl MethodSettings {
         match self.time_step {
             0.0 => largest.map(|step| 0.5 * step),
             step => Some(step),
-        }
-    }
-
-    /// Sets a value by its name; returns false if the name is unknown or the value is of a wrong kind.
-    pub(super) fn set(&mut self, name: &str, value: &Value) -> bool {
-        let Ok(serde_json::Value::Object(mut fields)) = serde_json::to_value(&*self) else {
-            return false;
-        };
-        let Some(field) = fields.get_mut(name) else {
-            return false;
-        };
-        *field = match value {
-            Value::Number(number) if field.is_u64() => (*number as u64).into(),
-            Value::Number(number) => (*number).into(),
-            Value::Word(word) => word.as_str().into(),
-            Value::Switch(on) => (*on).into(),
-            Value::Numbers(_) | Value::Words(_) => return false,
-        };
-        match serde_json::from_value(serde_json::Value::Object(fields)) {
-            Ok(changed) => {
-                *self = changed;
-                true
-            }
-            Err(_) => false,
         }
     }
 }
@@ -395,300 +301,3 @@ const TRANSFERRED: Cases = &[&[is(
     &["flip", "pic", "apic", "xpic", "fmpm"],
 )]];
 const CURRENT: Cases = &[&[is("discretization.unknowns", &["updated", "particles"])]];
-
-/// Keys of the families of methods, in the order of the documentation.
-pub(super) const METHOD_KEYS: &[Key] = &[
-    key(
-        "discretization.method",
-        Kind::Words(Family::WORDS),
-        "family of methods",
-    ),
-    key(
-        "discretization.corrected",
-        Kind::Switch,
-        "SPH: gradients corrected to be exact for linear fields (PySPH: false)",
-    )
-    .only_with(SPH),
-    key(
-        "discretization.corrected-forces",
-        Kind::Switch,
-        "updated SPH: stresses act along corrected gradients too (LAMMPS' *GRADIENT_CORRECTION); requires discretization.corrected",
-    )
-    .only_with(UPDATED_SPH),
-    key(
-        "discretization.momentum",
-        Kind::Words(&["symmetric", "mean", "difference"]),
-        "updated SPH: form of the pair force in terms of the two stresses",
-    )
-    .only_with(UPDATED_SPH),
-    key(
-        "discretization.density-evolution",
-        Kind::Words(&["summation", "continuity"]),
-        "updated SPH: density from summation or from the continuity equation",
-    )
-    .only_with(UPDATED_SPH),
-    key(
-        "discretization.penalty",
-        Kind::Number("1", NotNegative),
-        "SPH: coefficient of the zero-energy-mode penalty (Ganzenmueller; updated SPH: xi of the generalized non-hourglass formulation of SPHinXsys)",
-    )
-    .only_with(SPH),
-    key(
-        "discretization.penalty-form",
-        Kind::Words(&["published", "smd"]),
-        "total-Lagrangian SPH: form of the penalty, published or as in LAMMPS' SMD (regularized denominators; the coefficient is the hourglass amplitude)",
-    )
-    .only_with(PENALIZED_TOTAL_SPH),
-    key(
-        "discretization.shear-forces",
-        Kind::Words(&["stress", "pairs"]),
-        "SPH: shear forces from the particle stresses, or pairwise (the essentially non-hourglass formulations of SPHinXsys)",
-    )
-    .only_with(SPH),
-    key(
-        "discretization.shear-coefficient",
-        Kind::Number("1", Positive),
-        "SPH: coefficient of shear forces between pairs [default: the published one, 1.07, or 0.7 d + 2.1 for updated SPH in d dimensions]",
-    )
-    .only_with(PAIRWISE),
-    key(
-        "discretization.viscosity",
-        Kind::Number("1", NotNegative),
-        "SPH: linear coefficient of artificial viscosity (Monaghan)",
-    )
-    .only_with(SPH),
-    key(
-        "discretization.viscosity-switch",
-        Kind::Words(&["always", "averaged", "smd"]),
-        "SPH: artificial viscosity at all times, averaged over compression and expansion, or as in LAMMPS' SMD",
-    )
-    .only_with(VISCOUS),
-    key(
-        "discretization.upwinding",
-        Kind::Words(&["none", "constant", "linear"]),
-        "total-Lagrangian SPH: dissipation of an acoustic Riemann solver on pairs, none, or for velocities constant or linear around each particle",
-    )
-    .only_with(TOTAL_SPH),
-    key(
-        "discretization.artificial-stress",
-        Kind::Number("1", NotNegative),
-        "updated SPH: coefficient of artificial stress (Gray, Monaghan, Swift)",
-    )
-    .only_with(UPDATED_SPH),
-    key(
-        "discretization.artificial-stress-exponent",
-        Kind::Number("1", Within(0.0, 100.0)),
-        "updated SPH: exponent of artificial stress",
-    )
-    .only_with(ARTIFICIALLY_STRESSED),
-    key(
-        "discretization.velocity-smoothing",
-        Kind::Number("1", NotNegative),
-        "SPH: coefficient of smoothed velocities (XSPH)",
-    )
-    .only_with(SPH),
-    key(
-        "discretization.smoothed-motion",
-        Kind::Words(&["everything", "positions"]),
-        "updated SPH: use of the smoothed velocities, for the whole motion or for positions only, as in PySPH",
-    )
-    .only_with(SMOOTHED),
-    key(
-        "discretization.mesh",
-        Kind::Words(&[
-            "bars",
-            "quadrilaterals",
-            "triangles",
-            "triangles-alternating",
-            "triangles-crossed",
-            "triangles-equilateral",
-            "bricks",
-            "tetrahedra",
-            "tetrahedra-alternating",
-            "tetrahedra-body-centered",
-        ]),
-        "finite elements: mesh, which replaces the lattice",
-    )
-    .only_with(ELEMENTS),
-    key(
-        "discretization.element-order",
-        Kind::Words(&["linear", "quadratic"]),
-        "finite elements: nodes at the corners, or also in the middles of the edges",
-    )
-    .only_with(ELEMENTS),
-    key(
-        "discretization.integration",
-        Kind::Words(&["full", "mean-dilatation", "one-point"]),
-        "finite elements: integration points, with the mean dilatation of the element for nearly incompressible laws",
-    )
-    .only_with(MULTILINEAR),
-    key(
-        "discretization.hourglass-stiffness",
-        Kind::Number("1", NotNegative),
-        "finite elements: coefficient of hourglass stiffness (Flanagan, Belytschko)",
-    )
-    .only_with(ONE_POINT),
-    key(
-        "discretization.hourglass-viscosity",
-        Kind::Number("1", NotNegative),
-        "finite elements: coefficient of hourglass viscosity (Flanagan, Belytschko)",
-    )
-    .only_with(ONE_POINT),
-    key(
-        "discretization.hourglass-scale",
-        Kind::Words(&["gradients", "radioss"]),
-        "finite elements: scale of the hourglass coefficients, gradients or sizes as in Radioss",
-    )
-    .only_with(HOURGLASS),
-    key(
-        "discretization.mass",
-        Kind::Words(&["lumped", "hrz", "consistent"]),
-        "finite elements: mass matrix; hrz: lumped in proportion to the diagonal of the consistent matrix (Hinton, Rock, Zienkiewicz)",
-    )
-    .only_with(ELEMENTS),
-    key(
-        "discretization.smoothing-domain",
-        Kind::Words(&["voronoi", "boxes"]),
-        "conforming nodal integration: cells over which gradients are averaged (SCNI, SNNI)",
-    )
-    .only_with(CONFORMING),
-    key(
-        "discretization.modification",
-        Kind::Number("1", Fraction),
-        "conforming nodal integration: coefficient of the modification (M-SCNI)",
-    )
-    .only_with(CONFORMING),
-    key(
-        "discretization.horizon",
-        Kind::Number("1", IN_SPACINGS),
-        "peridynamics: horizon in particle spacings of the regular lattice",
-    )
-    .only_with(PERIDYNAMICS),
-    key(
-        "discretization.influence",
-        Kind::Words(&["constant", "inverse", "conical", "gaussian", "parabolic"]),
-        "peridynamics: weights of the bonds",
-    )
-    .only_with(PERIDYNAMICS),
-    key(
-        "discretization.partial-volumes",
-        Kind::Words(&["whole", "inside", "tapered"]),
-        "peridynamics: treatment of particle volumes that the horizon cuts",
-    )
-    .only_with(PERIDYNAMICS),
-    key(
-        "discretization.bonds",
-        Kind::Words(&[
-            "bond-based",
-            "ordinary",
-            "correspondence",
-            "bond-associated-form-i",
-            "bond-associated-form-ii",
-            "bond-averaged",
-        ]),
-        "peridynamics: the force between particles",
-    )
-    .only_with(PERIDYNAMICS),
-    key(
-        "discretization.calibration",
-        Kind::Words(&["continuum", "discrete"]),
-        "bond-based peridynamics: calibration of the micromodulus",
-    )
-    .only_with(BONDS),
-    key(
-        "discretization.control",
-        Kind::Words(&["none", "penalty", "hourglass", "stiffness-tensor"]),
-        "correspondence peridynamics: control of zero-energy modes",
-    )
-    .only_with(CORRESPONDENCE),
-    key(
-        "discretization.control-coefficient",
-        Kind::Number("1", NotNegative),
-        "correspondence peridynamics: coefficient of the control of zero-energy modes",
-    )
-    .only_with(CONTROL),
-    key(
-        "discretization.weighted-forces",
-        Kind::Switch,
-        "correspondence peridynamics: forces contain the influence function (PeriLab up to version 2.2.4: false)",
-    )
-    .only_with(CORRESPONDENCE),
-    key(
-        "discretization.points-per-side",
-        Kind::Whole(1, 8),
-        "material points along each side of a cell",
-    )
-    .only_with(POINTS),
-    key(
-        "discretization.layout",
-        Kind::Words(&["uniform", "gauss"]),
-        "material points: positions in their cell",
-    )
-    .only_with(SEVERAL_POINTS),
-    key(
-        "discretization.offset",
-        Kind::Number("1", Any),
-        "material points: shift of all points along each axis, in spacings",
-    )
-    .only_with(POINTS),
-    key(
-        "discretization.grid-functions",
-        Kind::Words(&["linear", "gimp", "cpdi", "quadratic-spline", "cubic-spline"]),
-        "material points: shape functions of the grid",
-    )
-    .only_with(POINTS),
-    key(
-        "discretization.grid-gradients",
-        Kind::Words(&["functions", "moments"]),
-        "material points: gradients in forces and velocity gradients, of the functions or first moments as in MLS-MPM",
-    )
-    .only_with(SMOOTH_FUNCTIONS),
-    key(
-        "discretization.dilatation",
-        Kind::Words(&["point", "cell"]),
-        "material points: dilatation for the stress, of the point itself or the mean of all points in the cell (F-bar), against locking",
-    )
-    .only_with(SEVERAL_POINTS),
-    key(
-        "discretization.unknowns",
-        Kind::Words(&["total-lagrangian", "updated", "particles"]),
-        "material points: points that carry the unknowns",
-    )
-    .only_with(POINTS),
-    key(
-        "discretization.transfer",
-        Kind::Words(&["continuous", "flip", "pic", "apic", "xpic", "fmpm"]),
-        "material points: transfer of velocities through the grid, in continuous time or once per time step",
-    )
-    .only_with(PARTICLE_UNKNOWNS),
-    key(
-        "discretization.flip-share",
-        Kind::Number("1", Fraction),
-        "material points: fraction of its velocity that a point keeps in a step, from 0 (PIC) to 1 (FLIP)",
-    )
-    .only_with(FLIP),
-    key(
-        "discretization.transfer-order",
-        Kind::Whole(1, 100),
-        "material points: order k of XPIC(k) or FMPM(k), terms of the inverse of the full mass matrix; 1 for PIC",
-    )
-    .only_with(OF_AN_ORDER),
-    key(
-        "discretization.time-step",
-        Kind::Number("time", NotNegative),
-        "material points: time step for growth rates and onset simulate; 0 for half of the largest stable step",
-    )
-    .only_with(TRANSFERRED),
-    key(
-        "discretization.grid-mass",
-        Kind::Words(&["lumped", "consistent"]),
-        "material points: mass matrix of the grid",
-    )
-    .only_with(NODES),
-    key(
-        "discretization.grid",
-        Kind::Words(&["convected", "regular"]),
-        "material points: positions of grid and points in the deformed state",
-    )
-    .only_with(CURRENT),
-];

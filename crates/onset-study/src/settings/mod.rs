@@ -8,6 +8,7 @@ mod axis;
 mod blame;
 mod body;
 mod comparison;
+mod declared;
 mod effective;
 mod error;
 mod foreign;
@@ -65,14 +66,11 @@ pub use trust::{TRUST_VARIABLE, Trust};
 pub use units::{Units, stress_unit};
 
 use crate::number::counted;
+use declared::set_field;
 use material::PLANE;
-use onset::approximation::Approximation;
 use onset::kernel::{Kernel, KernelError};
 use onset::lattice::LatticeKind;
-use onset::method::{
-    Background, CurrentLattice, Frame, KernelMethodChoices, Linearization, SupportSize,
-};
-use onset::quadrature::Quadrature;
+use onset::method::KernelMethodChoices;
 use onset::scheme::element::ElementMesh;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -403,13 +401,8 @@ impl Settings {
         // The law itself restricts its parameters, because a user-defined model may use the name for another parameter.
         let accepted = Some(value).filter(|value| key.kind.accepts(value));
         let number = accepted.and_then(Value::number);
-        let numbers = || accepted.and_then(Value::numbers).map(<[f64]>::to_vec);
         let discretization = &mut self.discretization;
         let done = match name {
-            "discretization.aspect" => assign(&mut discretization.aspect, number),
-            "discretization.vectors" => assign(&mut discretization.vectors, numbers()),
-            "discretization.spacing" => assign(&mut discretization.spacing, number),
-            "discretization.density" => assign(&mut discretization.density, number),
             "discretization.support" => {
                 self.smoothing_length = None;
                 assign(&mut discretization.support, number)
@@ -418,9 +411,6 @@ impl Settings {
                 let length = number.map(|length| Some((length, origin.clone())));
                 assign(&mut self.smoothing_length, length)
             }
-            "discretization.lattice" => {
-                assign(&mut discretization.lattice, value.word::<LatticeKind>())
-            }
             "discretization.kernel" => match kernel(value) {
                 // The formula itself reports its errors with their position.
                 Some(Err(error)) if !matches!(error, KernelError::UnknownName { .. }) => {
@@ -428,47 +418,6 @@ impl Settings {
                 }
                 read => assign(&mut discretization.kernel, read.and_then(Result::ok)),
             },
-            "discretization.approximation" => assign(
-                &mut discretization.approximation,
-                value.word::<Approximation>(),
-            ),
-            "discretization.quadrature" => {
-                assign(&mut discretization.quadrature, value.word::<Quadrature>())
-            }
-            "discretization.stress-point-weight" => {
-                assign(&mut discretization.stress_point_weight, number.map(Some))
-            }
-            "discretization.gauss-points" => assign(
-                &mut discretization.gauss_points,
-                number.map(|number| number as u32),
-            ),
-            "discretization.points" => assign(&mut discretization.points, numbers()),
-            "discretization.basis" => assign(&mut discretization.basis, numbers()),
-            "discretization.cells" | "discretization.seed" => {
-                let whole = number.map(|number| number as u32);
-                let target = match name {
-                    "discretization.cells" => &mut discretization.cells,
-                    _ => &mut discretization.seed,
-                };
-                assign(target, whole)
-            }
-            "discretization.perturbation" => assign(&mut discretization.perturbation, number),
-            "discretization.frame" => assign(&mut discretization.frame, value.word::<Frame>()),
-            "discretization.background" => {
-                assign(&mut discretization.background, value.word::<Background>())
-            }
-            "discretization.current-lattice" => assign(
-                &mut discretization.current_lattice,
-                value.word::<CurrentLattice>(),
-            ),
-            "discretization.support-size" => assign(
-                &mut discretization.support_size,
-                value.word::<SupportSize>(),
-            ),
-            "discretization.linearization" => assign(
-                &mut discretization.linearization,
-                value.word::<Linearization>(),
-            ),
             time::INTEGRATOR => assign(
                 &mut self.integrator,
                 match value {
@@ -476,9 +425,10 @@ impl Settings {
                     _ => None,
                 },
             ),
-            name if name.starts_with("discretization.") => {
-                key.kind.accepts(value) && self.method.set(key.parts().1, value)
-            }
+            name if name.starts_with("discretization.") => accepted.is_some_and(|value| {
+                let own = key.parts().1;
+                set_field(discretization, own, value) || set_field(&mut self.method, own, value)
+            }),
             "material.model" => assign(
                 &mut self.material.model,
                 match value {
@@ -645,13 +595,6 @@ impl Value {
     pub(crate) fn number(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(*number),
-            _ => None,
-        }
-    }
-
-    pub(crate) fn numbers(&self) -> Option<&[f64]> {
-        match self {
-            Self::Numbers(numbers) => Some(numbers),
             _ => None,
         }
     }
