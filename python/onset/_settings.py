@@ -196,7 +196,7 @@ class Material(_Settings):
       the state.
     - ``Material(felupe.NeoHooke(mu=1, bulk=2))`` is an elastic material of FElupe or matADi: any object with ``gradient`` and ``hessian``.
     - ``Material("umat", library="./my_umat.so", ...)`` is a user material of Abaqus/Standard, ``"vumat"`` is a user material of Abaqus/Explicit, and
-      ``"library"`` is the function of ``onset law-header``.
+      ``"mfront"`` is a behavior of MFront, and ``"library"`` is the function of ``onset law-header``.
 
     Two of `young`, `poisson`, `bulk` and `shear` replace the parameters of laws with two moduli. Stresses are in any consistent unit, or all values
     have a unit: ``Material("neo-hooke", young="2 MPa", poisson=0.49)``.

@@ -13,7 +13,7 @@ const GUARD: f64 = f64::from_bits(0x7ff8_0a11_0000_b0d1);
 const STATE_GUARD: f64 = f64::from_bits(0x0211_0a11_0000_b0d1);
 
 /// Names of the arguments of all routines.
-pub const NAMES: [&str; 57] = [
+pub const NAMES: [&str; 71] = [
     "STRESS",
     "STATEV",
     "DDSDDE",
@@ -73,6 +73,21 @@ pub const NAMES: [&str; 57] = [
     "W",
     "P",
     "A",
+    // Arguments of a behavior of MFront
+    "s0.gradients",
+    "s1.gradients",
+    "s0.thermodynamic_forces",
+    "s1.thermodynamic_forces",
+    "mass_density",
+    "material_properties",
+    "s0.internal_state_variables",
+    "s1.internal_state_variables",
+    "external_state_variables",
+    "s0.energies",
+    "s1.energies",
+    "K",
+    "rdt",
+    "speed_of_sound",
 ];
 
 /// Block of named arguments with their values.

@@ -40,6 +40,14 @@ pub enum UmatError {
         /// Interface of the routine that the library must contain.
         interface: Interface,
     },
+    /// Library whose routine cannot be used.
+    #[error("{path} cannot be used: {message}", path = path.display())]
+    Unsuitable {
+        /// Path of the library.
+        path: PathBuf,
+        /// Reason, with a hint.
+        message: String,
+    },
     /// Invalid number of increments.
     #[error("a state cannot be reached in {increments} increments; expected 1 or more")]
     Increments {
@@ -140,12 +148,12 @@ pub enum UmatError {
     },
     /// Request of the routine for a smaller increment.
     #[error(
-        "the routine requests a smaller increment (PNEWDT = {factor} in increment {increment} of {increments}){}\n  hint: set \
+        "the routine requests a smaller increment ({factor} times increment {increment} of {increments}){}\n  hint: set \
          material.increments to a larger number",
         at_state(state)
     )]
     SmallerIncrement {
-        /// Value of `PNEWDT`, the requested ratio of increments.
+        /// Requested ratio of increments: `PNEWDT`, or `rdt` of MFront.
         factor: f64,
         /// Number of the increment, from 1.
         increment: u32,

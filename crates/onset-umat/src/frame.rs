@@ -1,13 +1,13 @@
 //! Protocol between this process and the process of the routine: binary frames of known size in native byte order.
 //!
-//! 1. The parent sends the setup: interface of the routine, numbers of properties and state variables, limits of memory and of processor time, and the properties.
-//! 2. The host replies with a greeting: ready, or the reason for a failure.
+//! 1. The parent sends the setup: interface of the routine, numbers of properties and state variables, limits of memory and of processor time, the properties, and the name of the behavior.
+//! 2. The host replies with a greeting: ready, or the reason for a failure, and the number of state variables.
 //! 3. The parent sends batches of paths of deformation gradients; the host replies with one outcome per path, in order, as each is finished.
 
 use std::io::{self, Read};
 
 /// Magic number at the start of the host's greeting, with the version of the protocol.
-pub const GREETING: u64 = u64::from_le_bytes(*b"onsetU03");
+pub const GREETING: u64 = u64::from_le_bytes(*b"onsetU04");
 
 /// Result of loading the library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,6 +15,7 @@ pub enum Loaded {
     Ready,
     Failed,
     NoRoutine,
+    Unsuitable,
 }
 
 impl Loaded {
@@ -23,7 +24,7 @@ impl Loaded {
     }
 
     pub fn of_code(code: u64) -> Option<Self> {
-        [Self::Ready, Self::Failed, Self::NoRoutine]
+        [Self::Ready, Self::Failed, Self::NoRoutine, Self::Unsuitable]
             .into_iter()
             .find(|loaded| loaded.code() == code)
     }
@@ -108,6 +109,19 @@ pub fn put_numbers(frame: &mut Vec<u8>, numbers: &[f64]) {
     for number in numbers {
         put(frame, number.to_bits());
     }
+}
+
+pub fn put_text(frame: &mut Vec<u8>, text: &str) {
+    put(frame, text.len() as u64);
+    frame.extend_from_slice(text.as_bytes());
+}
+
+/// Takes a text; bytes that are not UTF-8 are replaced.
+pub fn take_text(from: &mut impl Read) -> io::Result<String> {
+    let length = take(from)?;
+    let mut text = Vec::new();
+    from.take(length).read_to_end(&mut text)?;
+    Ok(String::from_utf8_lossy(&text).into_owned())
 }
 
 pub fn take(from: &mut impl Read) -> io::Result<u64> {

@@ -5,7 +5,7 @@
 use crate::frame::{self, GREETING, Loaded};
 use crate::interface::Interface;
 use crate::process::FOLDER;
-use crate::routine::{LoadError, Routine};
+use crate::routine::{LoadError, Routine, Setup};
 use nalgebra::Matrix3;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{
@@ -103,19 +103,28 @@ fn answer(library: &Path) -> io::Result<()> {
     let memory = frame::take(&mut requests)?;
     let seconds = frame::take(&mut requests)?;
     let properties = frame::take_numbers(&mut requests, properties)?;
+    let behavior = Some(frame::take_text(&mut requests)?).filter(|name| !name.is_empty());
     limit_memory(memory)?;
     limit_time(seconds)?;
-    let loaded = Routine::load(library, interface, &properties, variables);
+    let setup = Setup {
+        interface,
+        behavior,
+        properties,
+        variables,
+    };
+    let loaded = Routine::load(library, setup);
     let (loaded_code, text) = match &loaded {
         Ok(_) => (Loaded::Ready, ""),
         Err(LoadError::Library(message)) => (Loaded::Failed, message.as_str()),
         Err(LoadError::NoRoutine) => (Loaded::NoRoutine, ""),
+        Err(LoadError::Unsuitable(message)) => (Loaded::Unsuitable, message.as_str()),
     };
     let mut greeting = Vec::new();
     frame::put(&mut greeting, GREETING);
     frame::put(&mut greeting, loaded_code.code());
-    frame::put(&mut greeting, text.len() as u64);
-    greeting.extend_from_slice(text.as_bytes());
+    frame::put_text(&mut greeting, text);
+    let variables = loaded.as_ref().map_or(0, Routine::variables);
+    frame::put(&mut greeting, variables as u64);
     replies.write_all(&greeting)?;
     let Ok(routine) = loaded else {
         return Ok(());

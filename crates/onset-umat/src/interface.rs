@@ -10,10 +10,12 @@ pub enum Interface {
     Vumat,
     /// The function `onset_law` of `onset_law.h`: first Piola-Kirchhoff stress, and its derivative where the function sets it.
     Law,
+    /// A behavior of finite strain that MFront has compiled with its generic interface: first Piola-Kirchhoff stress and its derivative.
+    Mfront,
 }
 
 impl Interface {
-    const ALL: [Self; 3] = [Self::Umat, Self::Vumat, Self::Law];
+    const ALL: [Self; 4] = [Self::Umat, Self::Vumat, Self::Law, Self::Mfront];
 
     /// Names of the symbol in a library, the usual name first.
     pub(crate) fn symbols(self) -> &'static [&'static str] {
@@ -21,6 +23,7 @@ impl Interface {
             Self::Umat => &["umat_", "umat", "UMAT"],
             Self::Vumat => &["vumat_", "vumat", "VUMAT"],
             Self::Law => &["onset_law", "onset_law_"],
+            Self::Mfront => &["<behavior>_mfront_ept"],
         }
     }
 
@@ -29,6 +32,7 @@ impl Interface {
         match self {
             Self::Umat => "SUBROUTINE UMAT compiled as Fortran (or umat_ in C)",
             Self::Vumat => "SUBROUTINE VUMAT compiled as Fortran (or vumat_ in C)",
+            Self::Mfront => "behaviors compiled with mfront --obuild --interface=generic",
             Self::Law => "the function that `onset law-header` declares, extern \"C\" in C++",
         }
     }

@@ -169,10 +169,18 @@ impl Process {
         frame::put(&mut setup, settings.memory_limit);
         frame::put(&mut setup, settings.time_limit.as_secs_f64().ceil() as u64);
         frame::put_numbers(&mut setup, &settings.properties);
+        frame::put_text(&mut setup, settings.behavior.as_deref().unwrap_or_default());
         match self.greeting(&setup) {
-            Ok((Loaded::Ready, _)) => Ok(()),
-            Ok((Loaded::Failed, message)) => Err(self.not_loaded(settings, &message)),
-            Ok((Loaded::NoRoutine, _)) => Err(UmatError::NoRoutine {
+            Ok((Loaded::Ready, _, variables)) => {
+                self.variables = variables;
+                Ok(())
+            }
+            Ok((Loaded::Failed, message, _)) => Err(self.not_loaded(settings, &message)),
+            Ok((Loaded::Unsuitable, message, _)) => Err(UmatError::Unsuitable {
+                path: settings.library.clone(),
+                message,
+            }),
+            Ok((Loaded::NoRoutine, ..)) => Err(UmatError::NoRoutine {
                 path: settings.library.clone(),
                 interface: settings.interface,
             }),
@@ -197,12 +205,17 @@ impl Process {
         self.starter == std::process::id()
     }
 
+    /// Number of state variables of the routine.
+    pub fn variables(&self) -> usize {
+        self.variables
+    }
+
     /// Checksum of the library.
     pub fn fingerprint(&self) -> &str {
         &self.fingerprint
     }
 
-    fn greeting(&mut self, setup: &[u8]) -> io::Result<(Loaded, String)> {
+    fn greeting(&mut self, setup: &[u8]) -> io::Result<(Loaded, String, usize)> {
         self.socket.set_read_timeout(Some(self.limit))?;
         self.socket.set_write_timeout(Some(self.limit))?;
         self.socket.write_all(setup)?;
@@ -210,12 +223,9 @@ impl Process {
             return Err(frame::nonsense());
         }
         let loaded = Loaded::of_code(frame::take(&mut self.socket)?).ok_or_else(frame::nonsense)?;
-        let mut text = Vec::new();
-        let length = frame::take(&mut self.socket)?;
-        Read::by_ref(&mut self.socket)
-            .take(length)
-            .read_to_end(&mut text)?;
-        Ok((loaded, readable(&String::from_utf8_lossy(&text))))
+        let text = frame::take_text(&mut self.socket)?;
+        let variables = frame::take_size(&mut self.socket)?;
+        Ok((loaded, readable(&text), variables))
     }
 
     /// Computes the replies at the ends of paths of equal length.

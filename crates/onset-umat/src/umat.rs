@@ -19,13 +19,15 @@ use std::time::Duration;
 pub struct UmatSettings {
     /// Interface of the routine.
     pub interface: Interface,
+    /// Name of the behavior in an MFront library; `None` for the only one.
+    pub behavior: Option<String>,
     /// Shared library that contains the routine.
     ///
     /// The library is loaded from a copy, which finds other libraries by absolute paths or `LD_LIBRARY_PATH`, not by `$ORIGIN`.
     pub library: PathBuf,
     /// `PROPS`, in the units of the routine.
     pub properties: Vec<f64>,
-    /// `NSTATV`, the number of state variables. They start at zero unless the library contains `sdvini_`.
+    /// `NSTATV`, the number of state variables. They start at zero unless the library contains `sdvini_`. Behaviors of MFront state it themselves.
     pub state_variables: usize,
     /// Number of increments from the identity to a state.
     pub increments: u32,
@@ -46,6 +48,7 @@ impl UmatSettings {
     pub fn new(library: impl Into<PathBuf>, properties: &[f64]) -> Self {
         Self {
             interface: Interface::default(),
+            behavior: None,
             library: library.into(),
             properties: properties.to_vec(),
             state_variables: 0,
@@ -105,6 +108,7 @@ impl Umat {
         // Every further process must run the same library.
         let settings = UmatSettings {
             fingerprint: Some(first.fingerprint().to_owned()),
+            state_variables: first.variables(),
             ..settings
         };
         Ok(Self {
@@ -304,10 +308,11 @@ fn place(interface: Interface, at: usize) -> String {
             match interface {
                 Interface::Umat => format!("STRESS({}) ({sigma})", at + 1),
                 Interface::Vumat => format!("stressNew ({sigma})"),
-                Interface::Law => format!("P ({sigma})"),
+                Interface::Law | Interface::Mfront => format!("P ({sigma})"),
             }
         }
         6..42 if interface == Interface::Law => "A (is only a part of it set?)".to_owned(),
+        6..42 if interface == Interface::Mfront => "K".to_owned(),
         6..42 if !is_umat => "differences of the stress".to_owned(),
         42 if !is_umat => "the energy".to_owned(),
         46.. if !is_umat => format!("state variable {}", at - FIXED + 1),

@@ -86,6 +86,7 @@ fn a_vumat_and_a_function_in_c_are_answered_and_audited_like_the_built_in_law() 
             "The tangent, from differences of the stress, is dP/dF",
         ),
         ("library", "c/blatz_ko_law.c", "A is dP/dF"),
+        ("mfront", "tests/c/mfront_one.c", "K is dP/dF"),
     ];
     for (model, source, words) in sources {
         let material = routine(model, &library(&[source]), "32");
@@ -177,7 +178,7 @@ fn failures_of_a_umat_are_reported_with_exit_code_2() {
         (5, "", "exit code 0"),
         (6, "", "negative stretch"),
         (7, "", "STATEV"),
-        (8, "", "PNEWDT"),
+        (8, "", "requests a smaller increment"),
     ] {
         let answer = state(flaw, more);
         assert_eq!(answer.code, Some(2), "flaw {flaw}: {}", answer.stderr);

@@ -55,6 +55,7 @@ impl Subject<'_> {
         match self {
             Self::User(umat) => match umat.settings().interface {
                 Interface::Umat => "DDSDDE",
+                Interface::Mfront => "K",
                 _ if umat.is_differenced() => "The tangent, from differences of the stress,",
                 _ => "A",
             },

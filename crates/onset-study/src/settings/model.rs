@@ -45,6 +45,7 @@ const OWN: &[OwnModel] = &[
     table::MODEL,
     umat::MODEL,
     umat::VUMAT,
+    umat::MFRONT,
     umat::FUNCTION,
 ];
 

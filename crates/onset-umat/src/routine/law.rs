@@ -1,15 +1,12 @@
 //! The function `onset_law` of `include/onset_law.h`.
 
-use super::{Data, Overrun, Point, SKEW_TOLERANCE, Step, found};
+use super::{Data, Overrun, Point, Step, found};
 use crate::arguments::Arguments;
-use crate::conversion::Delivered;
 use crate::increment::Increment;
 use crate::interface::Interface;
-use crate::voigt::stress_like;
 use libloading::os::unix::Library;
 use nalgebra::Matrix3;
-use onset::kinematics::DeformationGradient;
-use onset::material::{FourthOrder, Response};
+use onset::material::FourthOrder;
 
 type LawFunction = unsafe extern "C" fn(
     start: *const f64,
@@ -80,44 +77,12 @@ impl Law {
         }
         point.variables.copy_from_slice(block.values("state"));
         let piola = Matrix3::from_row_slice(block.values("P"));
-        let kirchhoff = piola * increment.end.transpose();
-        let jacobian = increment.end.determinant();
-        let mean = 0.5 * (kirchhoff + kirchhoff.transpose());
-        point.stress = stress_like(&(mean / jacobian)).into();
-        point.skew = 0.5 * (kirchhoff - kirchhoff.transpose()) / jacobian;
-        point.energies[0] = block.values("W")[0] / jacobian;
         let numbers = block.values("A");
-        point.ddsdde = None;
-        if !numbers.iter().all(|number| number.is_nan()) {
-            let f = |i: usize, j: usize| increment.end[(i, j)];
-            let components = std::array::from_fn(|i| std::array::from_fn(|j| f(i, j)));
-            let Ok(deformation) = DeformationGradient::new(components) else {
-                point.ddsdde = Some([f64::NAN; 36]);
-                return Overrun::check(&block);
-            };
-            let response = Response {
-                deformation,
-                energy: 0.0,
-                first_piola: piola,
-                tangent: FourthOrder::from_fn(|i, j, k, l| numbers[27 * i + 9 * j + 3 * k + l]),
-            };
-            // The tangent of the convected rate has both minor symmetries for an objective law.
-            let c = response.truesdell_tangent();
-            let indices = (0..81).map(|n| (n / 27, n / 9 % 3, n / 3 % 3, n % 3));
-            let skew = indices
-                .map(|(i, j, k, l)| {
-                    let own = c[(i, j, k, l)];
-                    (own - c[(j, i, k, l)])
-                        .abs()
-                        .max((own - c[(i, j, l, k)]).abs())
-                })
-                .fold(0.0, f64::max);
-            point.skew_of_tangent = skew / SKEW_TOLERANCE;
-            let ddsdde = Delivered::of_response(&response).ddsdde;
-            let mut columns = [0.0; 36];
-            columns.copy_from_slice(ddsdde.as_slice());
-            point.ddsdde = Some(columns);
-        }
+        let is_set = !numbers.iter().all(|number| number.is_nan());
+        let tangent =
+            is_set.then(|| FourthOrder::from_fn(|i, j, k, l| numbers[27 * i + 9 * j + 3 * k + l]));
+        point.take(increment, &piola, tangent);
+        point.energies[0] = block.values("W")[0] / increment.end.determinant();
         Overrun::check(&block)
     }
 }

@@ -1,16 +1,20 @@
 //! The routine itself; foreign code is called only here.
 
 mod law;
+mod mfront;
 mod umat;
 mod vumat;
 
 use crate::arguments::Arguments;
+use crate::conversion::Delivered;
 use crate::frame::{Passed, Reply};
 use crate::increment::Increment;
 use crate::interface::Interface;
 use crate::voigt::{VOIGT, stress_like, symmetric};
 use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
 use nalgebra::Matrix3;
+use onset::kinematics::DeformationGradient;
+use onset::material::{FourthOrder, Response};
 use std::path::Path;
 
 /// `CMNAME`, a name of 80 characters.
@@ -40,6 +44,8 @@ const DIFFERENCE_SKEW_TOLERANCE: f64 = 1e-3;
 pub enum LoadError {
     Library(String),
     NoRoutine,
+    /// Routine that cannot be used, with the reason.
+    Unsuitable(String),
 }
 
 /// Index in [`crate::arguments::NAMES`] of an argument that was written beyond its ends.
@@ -59,6 +65,17 @@ enum Entry {
     Umat(umat::Umat),
     Vumat(vumat::Vumat),
     Law(law::Law),
+    Mfront(mfront::Behavior),
+}
+
+/// Routine of a library with its properties.
+pub struct Setup {
+    pub interface: Interface,
+    /// Name of the behavior of an MFront library, if it is given.
+    pub behavior: Option<String>,
+    pub properties: Vec<f64>,
+    /// Number of state variables, unless the library states it.
+    pub variables: usize,
 }
 
 /// Properties and sizes, which every call passes.
@@ -118,44 +135,54 @@ unsafe fn found<T: Copy>(library: &Library, names: &[&str]) -> Option<T> {
 }
 
 impl Entry {
-    fn find(library: &Library, interface: Interface) -> Option<Self> {
-        match interface {
+    fn find(library: &Library, path: &Path, setup: &Setup) -> Result<Self, LoadError> {
+        let found = match setup.interface {
             Interface::Umat => umat::Umat::find(library).map(Self::Umat),
             Interface::Vumat => vumat::Vumat::find(library).map(Self::Vumat),
             Interface::Law => law::Law::find(library).map(Self::Law),
-        }
+            Interface::Mfront => {
+                let (name, count) = (setup.behavior.as_deref(), setup.properties.len());
+                let behavior = mfront::Behavior::find(library, path, name, count)?;
+                return Ok(Self::Mfront(behavior));
+            }
+        };
+        found.ok_or(LoadError::NoRoutine)
     }
 }
 
 impl Routine {
     /// Loads a library and finds its routines.
     #[allow(unsafe_code)]
-    pub fn load(
-        path: &Path,
-        interface: Interface,
-        properties: &[f64],
-        variables: usize,
-    ) -> Result<Self, LoadError> {
+    pub fn load(path: &Path, setup: Setup) -> Result<Self, LoadError> {
         // All routines that the library needs must be resolved now, and not during a call.
         let flags = RTLD_NOW | RTLD_LOCAL;
         // SAFETY: loading runs the initializers of a library that the user named for this purpose. They may do anything; this process is separate
         // from the caller and holds no other data.
         let library = unsafe { Library::open(Some(path), flags) }
             .map_err(|error| LoadError::Library(error.to_string()))?;
-        let entry = Entry::find(&library, interface).ok_or(LoadError::NoRoutine)?;
+        let entry = Entry::find(&library, path, &setup)?;
+        let variables = match &entry {
+            Entry::Mfront(behavior) => behavior.variables,
+            _ => setup.variables,
+        };
         let count = |size: usize| {
             i32::try_from(size).map_err(|_| LoadError::Library("too many numbers".to_owned()))
         };
         Ok(Self {
             entry,
             data: Data {
-                property_count: count(properties.len())?,
-                properties: properties.to_vec(),
+                property_count: count(setup.properties.len())?,
+                properties: setup.properties,
                 variable_count: count(variables)?,
             },
             variables,
             _library: library,
         })
+    }
+
+    /// Number of state variables.
+    pub fn variables(&self) -> usize {
+        self.variables
     }
 
     /// Computes the outcome at the end of a path from the identity.
@@ -224,6 +251,7 @@ impl Routine {
             Entry::Umat(umat) => umat.advance(&self.data, point, increment, step),
             Entry::Vumat(vumat) => vumat.advance(&self.data, point, increment, step),
             Entry::Law(law) => law.advance(&self.data, point, increment, step),
+            Entry::Mfront(behavior) => behavior.advance(&self.data, point, increment, step),
         }
     }
 
@@ -268,6 +296,45 @@ impl Routine {
 }
 
 impl Point {
+    /// Takes over the first Piola-Kirchhoff stress at the end of an increment, and its derivative if the routine delivers it.
+    fn take(&mut self, increment: &Increment, piola: &Matrix3<f64>, tangent: Option<FourthOrder>) {
+        let kirchhoff = piola * increment.end.transpose();
+        let jacobian = increment.end.determinant();
+        let mean = 0.5 * (kirchhoff + kirchhoff.transpose());
+        self.stress = stress_like(&(mean / jacobian)).into();
+        self.skew = 0.5 * (kirchhoff - kirchhoff.transpose()) / jacobian;
+        self.ddsdde = None;
+        let Some(tangent) = tangent else { return };
+        let f = |i: usize, j: usize| increment.end[(i, j)];
+        let components = std::array::from_fn(|i| std::array::from_fn(|j| f(i, j)));
+        let Ok(deformation) = DeformationGradient::new(components) else {
+            self.ddsdde = Some([f64::NAN; 36]);
+            return;
+        };
+        let response = Response {
+            deformation,
+            energy: 0.0,
+            first_piola: *piola,
+            tangent,
+        };
+        // The tangent of the convected rate has both minor symmetries for an objective law.
+        let c = response.truesdell_tangent();
+        let indices = (0..81).map(|n| (n / 27, n / 9 % 3, n / 3 % 3, n % 3));
+        let skew = indices
+            .map(|(i, j, k, l)| {
+                let own = c[(i, j, k, l)];
+                (own - c[(j, i, k, l)])
+                    .abs()
+                    .max((own - c[(i, j, l, k)]).abs())
+            })
+            .fold(0.0, f64::max);
+        self.skew_of_tangent = skew / SKEW_TOLERANCE;
+        let ddsdde = Delivered::of_response(&response).ddsdde;
+        let mut columns = [0.0; 36];
+        columns.copy_from_slice(ddsdde.as_slice());
+        self.ddsdde = Some(columns);
+    }
+
     /// Returns true if the parts of the response that violate the balance of angular momentum are rounding errors.
     fn is_symmetric(&self) -> bool {
         let largest = |numbers: &[f64]| numbers.iter().fold(0.0, |most: f64, x| most.max(x.abs()));

@@ -7,6 +7,7 @@ mod interface;
 mod interfaces;
 mod laws;
 mod localization;
+mod mfront;
 mod utilities;
 
 use fortran::library;

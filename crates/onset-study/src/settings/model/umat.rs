@@ -1,7 +1,7 @@
-//! `model = "umat"`, `"vumat"`, `"library"`: a user-defined material in a shared library.
+//! `model = "umat"`, `"vumat"`, `"mfront"`, `"library"`: a user-defined material in a shared library.
 
 use super::super::error::SettingError;
-use super::super::key::{ANY_DIMENSION, key};
+use super::super::key::{ANY_DIMENSION, Key, key};
 use super::super::{Kind, MaterialSettings, Model, Value};
 use super::OwnModel;
 use onset::material::{Hyperelastic, MaterialError};
@@ -11,6 +11,52 @@ use std::time::Duration;
 
 /// Key of the library, without its section.
 pub(in crate::settings) const LIBRARY: &str = "library";
+
+const THE_LIBRARY: Key = key("material.library", Kind::Text, "path of the shared library");
+const PROPERTIES: Key = key(
+    "material.properties",
+    Kind::Numbers("1", ANY_DIMENSION),
+    "properties of the routine, PROPS; of mfront the material properties in the order of the behavior",
+);
+const STATE_VARIABLES: Key = key(
+    "material.state-variables",
+    Kind::Whole(0, 100_000),
+    "number of state variables of the routine, NSTATV",
+);
+const INCREMENTS: Key = key(
+    "material.increments",
+    Kind::Whole(1, 100_000),
+    "increments in which the routine reaches a state from the reference state",
+);
+const TIME_LIMIT: Key = key(
+    "material.time-limit",
+    Kind::Whole(1, 86_400),
+    "time limit of the routine for one state in seconds, 10 by default",
+);
+const MEMORY_LIMIT: Key = key(
+    "material.memory-limit",
+    Kind::Whole(64, 1 << 24),
+    "memory limit of the routine in MiB, 4096 by default",
+);
+
+/// A behavior of finite strain that MFront has compiled.
+pub(super) const MFRONT: OwnModel = OwnModel {
+    name: "mfront",
+    formula: "P and dP/dF of a behavior in a library of MFront with its generic interface",
+    keys: &[
+        THE_LIBRARY,
+        key(
+            "material.behavior",
+            Kind::Text,
+            "name of the behavior; needed if the library has several",
+        ),
+        PROPERTIES,
+        INCREMENTS,
+        TIME_LIMIT,
+        MEMORY_LIMIT,
+    ],
+    ..MODEL
+};
 
 /// A subroutine of Abaqus/Explicit.
 pub(super) const VUMAT: OwnModel = OwnModel {
@@ -31,32 +77,12 @@ pub(super) const MODEL: OwnModel = OwnModel {
     formula: "stress and DDSDDE of the subroutine umat_ in a shared library",
     source: "your own",
     keys: &[
-        key("material.library", Kind::Text, "path of the shared library"),
-        key(
-            "material.properties",
-            Kind::Numbers("1", ANY_DIMENSION),
-            "properties of the routine, PROPS",
-        ),
-        key(
-            "material.state-variables",
-            Kind::Whole(0, 100_000),
-            "number of state variables of the routine, NSTATV",
-        ),
-        key(
-            "material.increments",
-            Kind::Whole(1, 100_000),
-            "increments in which the routine reaches a state from the reference state",
-        ),
-        key(
-            "material.time-limit",
-            Kind::Whole(1, 86_400),
-            "time limit of the routine for one state in seconds, 10 by default",
-        ),
-        key(
-            "material.memory-limit",
-            Kind::Whole(64, 1 << 24),
-            "memory limit of the routine in MiB, 4096 by default",
-        ),
+        THE_LIBRARY,
+        PROPERTIES,
+        STATE_VARIABLES,
+        INCREMENTS,
+        TIME_LIMIT,
+        MEMORY_LIMIT,
     ],
     required: &[LIBRARY],
     stresses: &[],
@@ -80,6 +106,7 @@ impl MaterialSettings {
             name if name == MODEL.name => Interface::Umat,
             name if name == VUMAT.name => Interface::Vumat,
             name if name == FUNCTION.name => Interface::Law,
+            name if name == MFRONT.name => Interface::Mfront,
             _ => return None,
         };
         let number = |name: &str| self.given(name).and_then(Value::number);
@@ -88,6 +115,9 @@ impl MaterialSettings {
         umat.interface = interface;
         if let Some(Value::Numbers(properties)) = self.given("properties") {
             umat.properties.clone_from(properties);
+        }
+        if let Some(Value::Word(name)) = self.given("behavior") {
+            umat.behavior = Some(name.clone());
         }
         if let Some(count) = number("state-variables") {
             umat.state_variables = count as usize;
