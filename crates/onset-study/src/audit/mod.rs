@@ -154,7 +154,8 @@ impl Audit {
             measured.push(Measured::new(subject, f)?);
         }
         let tangent = TangentFinding::new(subject, &reference, &measured)?;
-        let mut checks = checks::all(subject, &reference, &measured)?;
+        let is_update = tangent.small_strain_update.is_some();
+        let mut checks = checks::all(subject, &reference, &measured, is_update)?;
         checks.push(tangent.check(subject, &measured));
         let deformations = || measured.iter().map(|own| own.sample.deformation);
         let is_open =

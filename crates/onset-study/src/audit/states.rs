@@ -104,16 +104,18 @@ pub fn states(strain: f64) -> Result<Vec<DeformationGradient>, KinematicsError> 
     let longer = 1.0 + strain;
     let shorter = 1.0 / longer;
     let general_isochoric = isochoric(one + strain * general);
-    [
+    let unit = |i: usize| Vector3::from_fn(|j, _| f64::from(u8::from(i == j)));
+    let uniaxial = |i: usize| one + strain * Matrix3::from_diagonal(&unit(i));
+    let about = |i: usize, stretch: Matrix3<f64>| {
+        let turn = Rotation3::new(0.4 * unit(i)).into_inner();
+        turn * stretch * turn.transpose()
+    };
+    let mut all = vec![
         one,
         along(1.0, 1.0, 1.0),
         along(-1.0, -1.0, -1.0),
         rotation,
         rotation * along(1.0, 1.0, 1.0),
-        along(1.0, 0.0, 0.0),
-        along(-1.0, 0.0, 0.0),
-        along(1.0, 1.0, 0.0),
-        along(0.0, -1.0, 0.0),
         along(1.0, 0.3, -0.6),
         along(-0.5, 0.4, 1.0),
         along(-0.2, -1.0, -0.6),
@@ -121,8 +123,6 @@ pub fn states(strain: f64) -> Result<Vec<DeformationGradient>, KinematicsError> 
         Matrix3::from_diagonal(&Vector3::new(shorter * shorter, longer, longer)),
         quarter * along(1.0, 0.3, -0.6),
         rotation * along(1.0, 0.0, 0.0),
-        shear(0, 1),
-        shear(0, 2),
         one + strain * volume,
         turned(along(1.0, 0.0, 0.0)),
         turned(along(1.0, 1.0, 0.0)),
@@ -131,8 +131,17 @@ pub fn states(strain: f64) -> Result<Vec<DeformationGradient>, KinematicsError> 
         one + strain * general,
         rotation * (one - strain * general),
         general_isochoric,
-    ]
-    .iter()
-    .map(super::subject::deformation)
-    .collect()
+    ];
+    for i in 0..3 {
+        let other = (i + 1) % 3;
+        all.extend([
+            uniaxial(i),
+            2.0 * one - uniaxial(i),
+            along(1.0, 1.0, 1.0) + one - uniaxial(i),
+            shear(i.min(other), i.max(other)),
+            about(i, uniaxial(other)),
+            about(i, along(1.0, 0.3, -0.6)),
+        ]);
+    }
+    all.iter().map(super::subject::deformation).collect()
 }

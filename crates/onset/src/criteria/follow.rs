@@ -547,7 +547,7 @@ impl Jumps<'_, '_> {
     fn undetermined(&self, s: f64, jump: &Jump) -> f64 {
         let mut shift = 0.0;
         let mut step = SLOPE_STEP.min(0.5 * s.abs());
-        while step <= 0.5 * s.abs() {
+        while step > 0.0 && step <= 0.5 * s.abs() {
             for side in [-1.0, 1.0] {
                 let state = self.path.at(s + side * step.copysign(s));
                 let beside = state.and_then(|own| self.search.descend(&own.response, jump));

@@ -4,6 +4,9 @@ use super::{FourthOrder, Hyperelastic, MaterialError, Response};
 use crate::kinematics::DeformationGradient;
 use nalgebra::Matrix3;
 
+/// Relative difference of two laws that counts as rounding; their tangents come from turned states.
+const EQUAL_TOLERANCE: f64 = 1e-9;
+
 /// Hill's linear comparison solid, `P = P_0 + A (F - F_0)`, about a state `F_0` of a law.
 ///
 /// Bodies are run with the stress alone. A law whose tangent is not the derivative of its stress is represented near a state by this law, and a law that
@@ -46,6 +49,45 @@ impl Linearized {
             integrated,
             ..self
         }
+    }
+}
+
+impl Linearized {
+    /// Law of the material turned by an orthogonal map `Q`, about the state `Q F_0 Q^T`.
+    pub(crate) fn turned(&self, map: &Matrix3<f64>) -> Self {
+        let of = |response: &Response| {
+            let f = map * response.deformation.matrix() * map.transpose();
+            let components = std::array::from_fn(|i| std::array::from_fn(|j| f[(i, j)]));
+            Response {
+                deformation: DeformationGradient::new(components).unwrap_or(response.deformation),
+                energy: response.energy,
+                first_piola: map * response.first_piola * map.transpose(),
+                tangent: response.tangent.transformed(map),
+            }
+        };
+        Self {
+            base: of(&self.base),
+            undeformed: of(&self.undeformed),
+            integrated: self.integrated.as_ref().map(|own| own.transformed(map)),
+            ..*self
+        }
+    }
+
+    /// Returns true if two laws differ by rounding errors alone.
+    pub(crate) fn equals(&self, other: &Self) -> bool {
+        let (a, b) = (&self.base, &other.base);
+        let indices = || (0..81).map(|n| (n / 27, n / 9 % 3, n / 3 % 3, n % 3));
+        let size = indices().map(|at| a.tangent[at].abs()).fold(0.0, f64::max);
+        let apart = indices().map(|at| (a.tangent[at] - b.tangent[at]).abs());
+        let stress = (a.first_piola - b.first_piola).amax();
+        let apart = apart.fold(stress, f64::max);
+        let f = (a.deformation.matrix() - b.deformation.matrix()).amax();
+        f <= EQUAL_TOLERANCE && apart <= EQUAL_TOLERANCE * size
+    }
+
+    /// State about which the law is linearized.
+    pub(crate) fn state(&self) -> &DeformationGradient {
+        &self.base.deformation
     }
 }
 

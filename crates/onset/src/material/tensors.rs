@@ -87,7 +87,7 @@ impl FourthOrder {
     }
 
     /// Transforms all four indices by a matrix: `m_iI m_jJ m_kK m_lL T_IJKL`.
-    fn transformed(&self, m: &Matrix3<f64>) -> Self {
+    pub(crate) fn transformed(&self, m: &Matrix3<f64>) -> Self {
         // One index at a time: 4 x 3^5 products instead of 3^8.
         let first =
             Self::from_fn(|i, j, k, l| (0..3).map(|a| m[(i, a)] * self[(a, j, k, l)]).sum());

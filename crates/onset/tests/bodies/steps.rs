@@ -328,3 +328,72 @@ fn free_blocks_bound_the_steps_of_methods_without_moving_bodies() {
         }
     }
 }
+
+#[test]
+fn a_mirrored_state_and_a_turned_lattice_have_the_finite_body_step_of_the_original() {
+    let material: Arc<dyn Hyperelastic> = Arc::from(law(0.3));
+    let hexagonal = |vectors: Vec<f64>| {
+        Box::new(KernelMethodChoices {
+            lattice: match vectors.is_empty() {
+                true => LatticeKind::Hexagonal,
+                false => LatticeKind::Oblique,
+            },
+            vectors,
+            ..KernelMethodChoices::default()
+        })
+    };
+    let sph = |vectors| {
+        let choices = TotalLagrangianChoices {
+            radius: 2.2,
+            ..TotalLagrangianChoices::default()
+        };
+        MethodChoices::TotalLagrangianSph(hexagonal(vectors), choices)
+    };
+    let correspondence = |vectors| {
+        let choices = PeridynamicsChoices {
+            horizon: 2.16,
+            model: BondModel::Correspondence {
+                control: ZeroEnergyControl::None,
+            },
+            ..PeridynamicsChoices::default()
+        };
+        MethodChoices::Peridynamics(hexagonal(vectors), choices)
+    };
+    let step = |method: MethodChoices, f: [[f64; 3]; 3]| {
+        let method = analysis(&method, material.clone()).expect("a method");
+        let f = DeformationGradient::new(f).expect("a state");
+        let found = method.finite_bodies(&f, f64::INFINITY);
+        found.expect("a state").expect("a bound").time_step
+    };
+    let sheared = |shear: f64| [[1.0, shear, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    // The lattice turned by `angle`, and the state turned with it: `R F R^T`.
+    let (sine, cosine) = 0.4_f64.sin_cos();
+    let root = 0.75_f64.sqrt();
+    let turned = vec![
+        cosine,
+        sine,
+        0.5 * cosine - root * sine,
+        0.5 * sine + root * cosine,
+    ];
+    let rotation = [[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]];
+    let conjugated = |f: [[f64; 3]; 3]| -> [[f64; 3]; 3] {
+        std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                let parts = (0..9).map(|n| (n / 3, n % 3));
+                parts
+                    .map(|(a, b)| rotation[i][a] * f[a][b] * rotation[j][b])
+                    .sum()
+            })
+        })
+    };
+    for method in [&sph as &dyn Fn(Vec<f64>) -> MethodChoices, &correspondence] {
+        let known = step(method(Vec::new()), sheared(0.2));
+        for other in [
+            step(method(Vec::new()), sheared(-0.2)),
+            step(method(turned.clone()), conjugated(sheared(0.2))),
+            step(method(turned.clone()), conjugated(sheared(-0.2))),
+        ] {
+            assert!((other / known - 1.0).abs() < 1e-6, "{other} {known}");
+        }
+    }
+}

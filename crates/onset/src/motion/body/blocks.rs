@@ -2,13 +2,14 @@
 
 use super::stability::largest_eigenvalue;
 use super::{BodyError, BodyMotion, BodyParticles, PlacedParticle, Shape, Start, with_body};
+use crate::algebra::array_of;
 use crate::bloch::BlochSum;
 use crate::kinematics::DeformationGradient;
-use crate::lattice::Particle;
+use crate::lattice::{BravaisLattice, Crystal, Particle, Reduced, cells_between};
 use crate::material::{Hyperelastic, Linearized};
 use crate::scheme::Discretization;
 use crate::time_step::Stepping;
-use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector};
 
 /// Number of particles across the thinnest blocks. With two rows, gradients are far stiffer than with three, and such bodies are rarely intended.
 const THINNEST: usize = 3;
@@ -23,7 +24,8 @@ const MARGIN: f64 = 0.98;
 /// Returns the smallest critical time step of free blocks in a homogeneous state, less two percent; time. `None` for methods whose forces are not
 /// defined for finite bodies.
 ///
-/// The sizes of the blocks range from three particles to more than the range of the forces, and include corners, edges and faces. The step is
+/// The sizes of the blocks range from three particles to more than the range of the forces, and include corners, edges and faces. A block is also
+/// tried in every position in which a symmetry of the crystal puts it, so that mirror images of a state have the same step. The step is
 /// computed, not proved: a particle that protrudes from a corner may need a smaller step.
 pub(crate) fn step_of_free_blocks<const D: usize>(
     discretization: &dyn Discretization<D>,
@@ -38,10 +40,12 @@ pub(crate) fn step_of_free_blocks<const D: usize>(
     let solid = Linearized::about(material, f)
         .ok()?
         .rotated(&rotation, upright);
+    let crystal = discretization.crystal();
+    let axes = axes(crystal.lattice());
     let is_cut = with_body(
         discretization,
         &solid,
-        &block::<D>(&[THINNEST; D], discretization.crystal().spacing()),
+        &turned_block(crystal, &axes, &[THINNEST; D]),
         &[],
         None,
         &mut |_| (),
@@ -54,27 +58,158 @@ pub(crate) fn step_of_free_blocks<const D: usize>(
     };
     let widest = (2 * reach.ceil() as usize + 2).clamp(THINNEST, most[D - 1]);
     let cubes = (THINNEST..=widest).filter(|n| D < 3 || *n <= THINNEST + 1 || *n == widest);
-    let mut blocks: Vec<[usize; D]> = cubes.map(|n| [n; D]).collect();
+    let cubes: Vec<[usize; D]> = cubes.map(|n| [n; D]).collect();
     // Strips, plates and bars.
-    blocks.extend((1..D).map(|thin| {
-        let side = |i| if i < thin { THINNEST } else { widest };
+    let thin = (1..(1 << D) - 1).map(|thin| {
+        let side = |i| if thin >> i & 1 == 1 { THINNEST } else { widest };
         std::array::from_fn(side)
-    }));
-    let spacing = discretization.crystal().spacing();
-    let vectors = discretization.crystal().lattice().vectors();
-    let is_oblique = !is_diagonal(vectors);
-    // Blocks without a state are skipped: they have too few neighbors, or the law is not defined.
-    let steps = blocks.iter().filter_map(|sides| match has_bodies {
-        true => {
-            let along_axes = step_of_body(discretization, &solid, upright, &block(sides, spacing));
-            let along_rows = is_oblique.then(|| rows(discretization, sides));
-            let along_rows =
-                along_rows.and_then(|body| step_of_body(discretization, &solid, upright, &body));
-            along_axes.into_iter().chain(along_rows).reduce(f64::min)
-        }
-        false => step_of_cells(&*discretization.on_block(*sides).ok()??, material, f),
     });
-    steps.reduce(f64::min).map(|least| MARGIN * least)
+    let thin: Vec<[usize; D]> = thin.filter(|_| widest > THINNEST).collect();
+    let rows = crystal.lattice().vectors();
+    let mut blocks = Vec::new();
+    if has_bodies {
+        blocks.extend(cubes.iter().chain(&thin).map(|sides| (false, *sides)));
+    }
+    if !has_bodies || !is_diagonal(&(axes.transpose() * rows)) {
+        // Oblique plates and bars in space are left out: they would take longer than all other blocks.
+        let of_rows = cubes
+            .iter()
+            .chain(thin.iter().filter(|_| D < 3 || !has_bodies));
+        blocks.extend(of_rows.map(|sides| (true, *sides)));
+    }
+    let maps: Vec<_> = crystal
+        .maps()
+        .into_iter()
+        .map(|map| (map, in_space(&map)))
+        .collect();
+    let same: Vec<_> = maps
+        .iter()
+        .filter(|(_, map)| solid.turned(map).equals(&solid))
+        .collect();
+    let mut known: Vec<(bool, SMatrix<f64, D, D>)> = Vec::new();
+    let mut least: Option<f64> = None;
+    for (is_of_rows, sides) in blocks {
+        let edges = if is_of_rows { rows } else { &axes };
+        let edges = edges * SMatrix::from_diagonal(&SVector::from_fn(|i, _| sides[i] as f64));
+        for (map, in_space) in &maps {
+            let turned = map * edges;
+            let is_image = |(kind, other): &(bool, SMatrix<f64, D, D>)| {
+                *kind == is_of_rows
+                    && same
+                        .iter()
+                        .any(|(own, _)| are_alike(&(own * other), &turned))
+            };
+            if known.iter().any(is_image) {
+                continue;
+            }
+            known.push((is_of_rows, turned));
+            // The turned block in this state is the block in the state turned back.
+            let solid = solid.turned(&in_space.transpose());
+            let state = solid.state();
+            // Blocks without a state are skipped: they have too few neighbors, or the law is not defined.
+            let step = match (has_bodies, is_of_rows) {
+                (true, false) => {
+                    let block = turned_block(crystal, &axes, &sides);
+                    step_of_body(discretization, &solid, state, &block)
+                }
+                (true, true) => step_of_body(
+                    discretization,
+                    &solid,
+                    state,
+                    &block_of_rows(crystal, &sides),
+                ),
+                (false, _) => {
+                    let block = discretization.on_block(sides).ok().flatten();
+                    block.and_then(|block| step_of_cells(&*block, &solid, state))
+                }
+            };
+            least = least.into_iter().chain(step).reduce(f64::min);
+        }
+    }
+    least.map(|least| MARGIN * least)
+}
+
+/// Orthogonal axes of a lattice, in columns: axes of rotation by half a turn that the most symmetries exchange, the shortest of equally symmetric ones;
+/// without them, its shortest row and the perpendicular directions.
+fn axes<const D: usize>(lattice: &BravaisLattice<D>) -> SMatrix<f64, D, D> {
+    let vectors = lattice.vectors();
+    let short = Reduced::canonical(vectors).map_or(*vectors, |reduced| reduced.vectors);
+    let maps = lattice.holohedry();
+    let mut found: Vec<SVector<f64, D>> = Vec::new();
+    for map in maps.iter().filter(|_| D == 3) {
+        // Half a turn about `e` is `2 e (x) e - 1`.
+        let twice = map + SMatrix::identity();
+        let is_half_turn =
+            (map.trace() + 1.0).abs() < 1e-9 && (map * map - SMatrix::identity()).amax() < 1e-9;
+        let column = (0..D).max_by(|i, j| twice[(*i, *i)].total_cmp(&twice[(*j, *j)]));
+        found.extend(
+            column
+                .filter(|_| is_half_turn)
+                .map(|i| twice.column(i).normalize()),
+        );
+    }
+    let is_right = |a: &SVector<f64, D>, b: &SVector<f64, D>| a.dot(b).abs() < 1e-9;
+    let mut best: Option<(usize, SMatrix<f64, D, D>)> = None;
+    for (n, a) in found.iter().enumerate() {
+        for (m, b) in found
+            .iter()
+            .enumerate()
+            .take(n)
+            .filter(|(_, b)| is_right(a, b))
+        {
+            for c in found
+                .iter()
+                .take(m)
+                .filter(|c| is_right(a, c) && is_right(b, c))
+            {
+                let own = [c, b, a];
+                let triad = SMatrix::from_fn(|i, j| own[j][i]);
+                let kept = maps
+                    .iter()
+                    .filter(|map| are_alike(&(*map * triad), &triad))
+                    .count();
+                if best.is_none_or(|(most, _)| kept > most) {
+                    best = Some((kept, triad));
+                }
+            }
+        }
+    }
+    let axes = best.map_or(short, |(_, triad)| triad);
+    // Gram and Schmidt: unit vectors for a triad and for other lattices.
+    let mut own = axes;
+    for i in 0..D {
+        let mut along: SVector<f64, D> = own.column(i).into_owned();
+        for j in 0..i {
+            let earlier: SVector<f64, D> = own.column(j).into_owned();
+            along -= earlier * earlier.dot(&along);
+        }
+        own.set_column(i, &along.normalize());
+    }
+    // The order of the axes is arbitrary.
+    match is_diagonal(&own) {
+        true => SMatrix::identity(),
+        false => own,
+    }
+}
+
+/// Returns true if two sets of vectors in columns are equal up to order and signs.
+fn are_alike<const D: usize>(a: &SMatrix<f64, D, D>, b: &SMatrix<f64, D, D>) -> bool {
+    let size = a.amax();
+    a.column_iter().all(|own| {
+        let mut others = b.column_iter();
+        others.any(|other| {
+            let apart = (own - other).amax().min((own + other).amax());
+            apart <= 1e-9 * size
+        })
+    })
+}
+
+/// Orthogonal map that leaves the directions beyond the dimensions unchanged.
+fn in_space<const D: usize>(map: &SMatrix<f64, D, D>) -> Matrix3<f64> {
+    Matrix3::from_fn(|i, j| match i < D && j < D {
+        true => map[(i, j)],
+        false => f64::from(u8::from(i == j)),
+    })
 }
 
 /// Right stretch `U` of a deformation gradient `F = R U`.
@@ -88,42 +223,55 @@ fn right_stretch<const D: usize>(f: &DeformationGradient) -> DeformationGradient
     f.with_leading(&SMatrix::<f64, D, D>::from_fn(|i, j| stretch[(i, j)]))
 }
 
-/// Block with a number of particles along each side.
-fn block<const D: usize>(sides: &[usize; D], spacing: f64) -> BodyParticles {
-    BodyParticles::Cut(Shape::Block {
-        size: sides.iter().map(|n| *n as f64 * spacing).collect(),
-        hole: None,
-        notch: None,
-    })
+/// Block with a number of particles along each of the axes.
+fn turned_block<const D: usize>(
+    crystal: &Crystal<D>,
+    axes: &SMatrix<f64, D, D>,
+    sides: &[usize; D],
+) -> BodyParticles {
+    let spacing = crystal.spacing();
+    if *axes == SMatrix::<f64, D, D>::identity() {
+        return BodyParticles::Cut(Shape::Block {
+            size: sides.iter().map(|n| *n as f64 * spacing).collect(),
+            hole: None,
+            notch: None,
+        });
+    }
+    let size = SVector::<f64, D>::from_fn(|i, _| sides[i] as f64 * spacing);
+    let back = axes.transpose();
+    let inside = crystal.within(
+        &SVector::zeros(),
+        size.norm() + spacing,
+        &SMatrix::identity(),
+    );
+    let placed = inside.into_iter().filter_map(|particle| {
+        let own = (back * crystal.position(&particle)).add_scalar(0.5 * spacing);
+        let rim = 1e-9 * spacing;
+        let is_in = own
+            .iter()
+            .zip(size.iter())
+            .all(|(x, side)| (-rim..=side + rim).contains(x));
+        is_in.then(|| given(crystal, &particle))
+    });
+    BodyParticles::Given(placed.collect())
 }
 
 /// Body with faces along the rows of the lattice, which meet at the sharp corners of an oblique lattice.
-fn rows<const D: usize>(
-    discretization: &dyn Discretization<D>,
-    sides: &[usize; D],
-) -> BodyParticles {
-    let crystal = discretization.crystal();
-    let count = sides.iter().product::<usize>();
-    let cell = |mut n: usize| -> [i32; D] {
-        std::array::from_fn(|i| {
-            let own = n % sides[i];
-            n /= sides[i];
-            own as i32
-        })
-    };
+fn block_of_rows<const D: usize>(crystal: &Crystal<D>, sides: &[usize; D]) -> BodyParticles {
+    let cells = cells_between(&[0; D], &array_of(|i| sides[i] as i32 - 1));
     let sites = 0..crystal.sites().len();
-    let all = (0..count).flat_map(|n| sites.clone().map(move |site| (site, n)));
-    let placed = all.map(|(site, n)| {
-        let position = crystal.position(&Particle {
-            site,
-            cell: cell(n),
-        });
-        PlacedParticle {
-            position: std::array::from_fn(|i| position.get(i).copied().unwrap_or(0.0)),
-            volume: crystal.volumes()[site],
-        }
-    });
-    BodyParticles::Given(placed.collect())
+    let all = cells
+        .into_iter()
+        .flat_map(|cell| sites.clone().map(move |site| Particle { site, cell }));
+    BodyParticles::Given(all.map(|particle| given(crystal, &particle)).collect())
+}
+
+fn given<const D: usize>(crystal: &Crystal<D>, particle: &Particle<D>) -> PlacedParticle {
+    let position = crystal.position(particle);
+    PlacedParticle {
+        position: std::array::from_fn(|i| position.get(i).copied().unwrap_or(0.0)),
+        volume: crystal.volumes()[particle.site],
+    }
 }
 
 /// Returns true if each row of a matrix has one entry that is not zero.
