@@ -707,3 +707,16 @@ fn the_figure_shows_the_chosen_criteria() {
         );
     }
 }
+
+#[test]
+fn finite_jumps_in_the_reference_state_are_answered_for_every_bulk_modulus() {
+    for kappa in ["1e5", "1e6"] {
+        let answer = crate::document(&format!(
+            "criteria --mode uniaxial --criterion rank-one-convexity --set material.model=mooney-rivlin-isochoric \
+             --set material.c10=0.6 --set material.c01=-0.1 --set material.kappa={kappa}"
+        ));
+        let own = &answer["loadings"][0]["criteria"][0];
+        assert_eq!(own["holds_in_reference"], false, "{own}");
+        assert_eq!(own["tension"]["changes"][0]["witness"]["verified"], true);
+    }
+}

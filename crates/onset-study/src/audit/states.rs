@@ -145,3 +145,32 @@ pub fn states(strain: f64) -> Result<Vec<DeformationGradient>, KinematicsError> 
     }
     all.iter().map(super::subject::deformation).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::states;
+
+    #[test]
+    fn each_axis_is_stretched_alone_and_turned_about_with_equal_stretches() {
+        let all = states(0.1).expect("states");
+        let small = |x: f64| x.abs() < 1e-12;
+        for axis in 0..3 {
+            let others = [(axis + 1) % 3, (axis + 2) % 3];
+            let is_alone = |f: &[[f64; 3]; 3]| {
+                let off = (0..9).filter(|n| n / 3 != n % 3);
+                off.clone().all(|n| small(f[n / 3][n % 3]))
+                    && others.iter().all(|i| small(f[*i][*i] - 1.0))
+                    && f[axis][axis] > 1.0
+            };
+            let is_turned_about = |f: &[[f64; 3]; 3]| {
+                let [j, k] = others;
+                let along = [f[axis][j], f[axis][k], f[j][axis], f[k][axis]];
+                along.into_iter().all(small) && !small(f[j][k]) && small(f[j][k] - f[k][j])
+            };
+            let has = |is: &dyn Fn(&[[f64; 3]; 3]) -> bool| all.iter().any(|f| is(&f.components()));
+            assert!(has(&is_alone), "axis {axis}");
+            let equal = |f: &[[f64; 3]; 3]| is_turned_about(f) && small(f[axis][axis] - 1.0);
+            assert!(has(&equal), "axis {axis}");
+        }
+    }
+}
