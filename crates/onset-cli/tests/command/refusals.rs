@@ -32,6 +32,34 @@ fn assert_assignment_refused(assignments: &[&str], facts: &[&str]) {
 }
 
 #[test]
+fn refused_numbers_are_printed_as_they_are_written() {
+    for (assignments, fact) in [
+        (
+            &[
+                "discretization.method=material-points",
+                "discretization.points-per-side=5",
+                "discretization.layout=gauss",
+            ][..],
+            "points-per-side is 5; expected",
+        ),
+        (
+            &[
+                "discretization.lattice=rectangular",
+                "discretization.aspect=-2",
+            ],
+            "is -2",
+        ),
+        (
+            &["material.model=neo-hooke", "material.mu=-3"],
+            "is -3; expected",
+        ),
+    ] {
+        assert_assignment_refused(assignments, &[fact]);
+    }
+    assert_line_refused("state --stretch 1,-1", &["stretch 2 is -1; a stretch"]);
+}
+
+#[test]
 fn unknown_keys_get_the_nearest_known_key_as_a_hint() {
     for (assignment, nearest) in [
         ("discretization.suport=2", "`discretization.support`"),

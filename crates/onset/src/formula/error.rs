@@ -2,6 +2,7 @@
 
 use super::words;
 use crate::material::Place;
+use crate::real::plain;
 use thiserror::Error;
 
 /// Error of an invalid formula: the problem, its position, and a hint.
@@ -181,7 +182,7 @@ pub enum Problem {
         what: &'static str,
     },
     /// A parameter is infinite or not a number.
-    #[error("parameter {name} is {value:?}; expected a finite number")]
+    #[error("parameter {name} is {}; expected a finite number", plain(*value))]
     ParameterNotFinite {
         /// Name of the parameter.
         name: String,
@@ -189,7 +190,7 @@ pub enum Problem {
         value: f64,
     },
     /// A part without variables is not a finite number.
-    #[error("this is {value:?} at every state, not a finite number")]
+    #[error("this is {} at every state, not a finite number", plain(*value))]
     ConstantNotFinite {
         /// Value of the part.
         value: f64,

@@ -1,7 +1,7 @@
 //! Deformation gradient, its invariants, and straight loading paths.
 
 use crate::algebra::Each;
-use crate::real::Real;
+use crate::real::{Real, plain};
 use nalgebra::{Matrix3, SMatrix};
 use thiserror::Error;
 
@@ -32,7 +32,7 @@ pub enum KinematicsError {
         value: f64,
     },
     /// A principal stretch is not positive.
-    #[error("stretch {index} is {value:?}; a stretch is a ratio of lengths and must be positive")]
+    #[error("stretch {index} is {}; a stretch is a ratio of lengths and must be positive", plain(*value))]
     StretchNotPositive {
         /// Index of the stretch, counted from 1.
         index: usize,

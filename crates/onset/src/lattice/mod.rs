@@ -31,6 +31,7 @@ pub use wave_vectors::{WaveGrid, WaveGrids};
 pub use zone::BrillouinZone;
 
 use crate::algebra::array_of;
+use crate::real::plain;
 use nalgebra::{SMatrix, SVector};
 use thiserror::Error;
 
@@ -59,7 +60,7 @@ pub enum LatticeError {
         requested: usize,
     },
     /// The aspect ratio of a rectangle is not a positive finite number.
-    #[error("the aspect ratio of the rectangles is {value:?}; it must be a positive finite number")]
+    #[error("the aspect ratio of the rectangles is {}; it must be a positive finite number", plain(*value))]
     Aspect {
         /// Value of the aspect ratio.
         value: f64,

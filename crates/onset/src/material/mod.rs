@@ -31,7 +31,7 @@ pub use viscoelastic::{Moduli, PronyTerm, Viscoelastic};
 use crate::algebra::{Each, array_of};
 use crate::cancel::checkpoint;
 use crate::kinematics::DeformationGradient;
-use crate::real::{Dual, Even, Interval, Jet, LANES, Lanes, Mirrored, Real};
+use crate::real::{Dual, Even, Interval, Jet, LANES, Lanes, Mirrored, Real, plain};
 use nalgebra::Matrix3;
 use thiserror::Error;
 
@@ -39,7 +39,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum MaterialError {
     /// A parameter is outside its admissible range.
-    #[error("material parameter {name} is {:?}; expected {expected}", format!("{value:.14e}").parse().unwrap_or(*value))]
+    #[error("material parameter {name} is {}; expected {expected}", plain(format!("{value:.14e}").parse().unwrap_or(*value)))]
     Parameter {
         /// Name of the parameter, as in a study file.
         name: &'static str,
@@ -57,7 +57,7 @@ pub enum MaterialError {
         name: String,
     },
     /// The state is outside the domain of the law.
-    #[error("the law is not defined at this deformation: {what} is {value:?}; {expected}")]
+    #[error("the law is not defined at this deformation: {what} is {}; {expected}", plain(*value))]
     OutsideDomain {
         /// Quantity that is out of bounds.
         what: &'static str,

@@ -19,6 +19,7 @@ use crate::lattice::{
 };
 use crate::material::MaterialError;
 use crate::quadrature::{CellRule, Quadrature, QuadratureError, QuadraturePoint};
+use crate::real::plain;
 use nalgebra::SVector;
 use std::sync::Arc;
 use thiserror::Error;
@@ -231,7 +232,7 @@ impl Default for KernelMethodChoices {
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum MethodError {
     /// A setting is outside its admissible range.
-    #[error("discretization.{name} is {value:?}; expected {expected}")]
+    #[error("discretization.{name} is {}; expected {expected}", plain(*value))]
     Setting {
         /// Name of the setting.
         name: &'static str,
@@ -388,7 +389,7 @@ pub enum MethodError {
 /// Length without the rounding errors of the particle spacing.
 fn length(value: f64) -> String {
     let rounded = format!("{value:.12e}").parse().unwrap_or(value);
-    format!("{rounded:?}")
+    plain(rounded)
 }
 
 impl MethodError {

@@ -57,6 +57,7 @@ pub use return_mapping::{Branch, State, Update};
 
 use crate::kinematics::DeformationGradient;
 use crate::material::{FourthOrder, Hyperelastic, Law, MaterialError, Response};
+use crate::real::plain;
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -137,7 +138,7 @@ impl Hyperelastic for Unloading {
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum PlasticityError {
     /// A parameter is outside its admissible range.
-    #[error("parameter {name} is {value:?}; expected {expected}")]
+    #[error("parameter {name} is {}; expected {expected}", plain(*value))]
     Parameter {
         /// Name of the parameter.
         name: &'static str,

@@ -21,6 +21,12 @@ pub use mirrored::{Even, Mirrored};
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+/// Formats a number of a message as a user writes it: shortest digits, whole numbers without a decimal point.
+pub(crate) fn plain(value: f64) -> String {
+    let shortest = format!("{value:?}");
+    shortest.strip_suffix(".0").unwrap_or(&shortest).to_owned()
+}
+
 /// Side of a threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {

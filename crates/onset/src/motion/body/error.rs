@@ -1,6 +1,7 @@
 //! Errors in the setup of a body, and the particle at which its motion ends.
 
 use crate::method::MethodError;
+use crate::real::plain;
 use thiserror::Error;
 
 /// Error in the setup of a body.
@@ -59,7 +60,7 @@ pub enum BodyError {
         limit: usize,
     },
     /// A number of a shape, a particle, a contact or a grip is outside of its admissible range.
-    #[error("{what} is {value:?}; expected {expected}")]
+    #[error("{what} is {}; expected {expected}", plain(*value))]
     Number {
         /// Description of the number.
         what: String,
