@@ -302,6 +302,8 @@ pub enum Command {
     #[command(after_help = EXPLORE_EXAMPLES)]
     Explore(ExploreArguments),
     /// Compute frequencies of plane waves for one wave vector or along a path
+    ///
+    /// Without a state the reference configuration is used.
     #[command(group(ArgGroup::new("waves").required(true).args(["wave_vector", "path"])))]
     #[command(after_help = DISPERSION_EXAMPLES, after_long_help = with_keys(DISPERSION_EXAMPLES, &keys()))]
     Dispersion {

@@ -145,7 +145,10 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
                 &["dispersion.csv", "density-of-states.csv"],
             )?;
             let problem = problem.build()?;
-            let strain = strain.build(&problem)?;
+            let strain = match strain.is_given() {
+                true => strain.build(&problem)?,
+                false => Strain::reference(),
+            };
             match wave_vector {
                 Some(_) if weak.share != Thresholds::default().weak => Err(Failure::input(
                     "--weak has no effect: it marks waves in the diagram\n  hint: draw the diagram with --path",

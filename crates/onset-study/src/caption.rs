@@ -54,6 +54,14 @@ pub(crate) fn state(f: &[[f64; 3]; 3], dimension: usize) -> String {
     }
 }
 
+/// Names a state like [`state`], and the reference configuration as such.
+pub(crate) fn configuration(f: &[[f64; 3]; 3], dimension: usize) -> String {
+    match *f == std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j)))) {
+        true => "the reference configuration".to_owned(),
+        false => state(f, dimension),
+    }
+}
+
 /// Formats a vector that is not divided between lines.
 fn together(components: &[f64]) -> String {
     vector(components).replace(", ", ",\u{a0}")

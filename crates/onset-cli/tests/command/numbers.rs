@@ -40,6 +40,18 @@ fn lagrangian_particles_become_unstable_with_the_material_for_any_support() {
 }
 
 #[test]
+fn waves_without_a_state_are_waves_of_the_reference_configuration() {
+    for waves in ["--wave-vector 1,0", "--path G-M"] {
+        let told = onset_line(&format!("dispersion {waves}")).stdout;
+        assert!(told.contains("the reference configuration"), "{told}");
+        let same = onset_line(&format!("dispersion {waves} --stretch 1,1")).stdout;
+        assert_eq!(told, same);
+        let other = onset_line(&format!("dispersion {waves} --stretch 1.2,1")).stdout;
+        assert!(other.contains("stretches (1.2,"), "{other}");
+    }
+}
+
+#[test]
 fn a_long_path_lists_the_return_to_stability() {
     let path = document("path --from 1,1 --to 12,12");
     for crossings in ["material_crossings", "discretization_crossings"] {

@@ -169,6 +169,7 @@ impl Diagram {
             .iter()
             .map(|corner| corner.name.as_str())
             .collect();
+        line("state", self.state());
         line("path", corners.join(" "));
         let size = largest(&self.samples).powi(2);
         let imaginary = match told_of(wave.omega_squared.im, size).as_str() {
@@ -277,9 +278,11 @@ impl Diagram {
 
     /// The figure `dispersion`, and the files `dispersion.csv` and `density-of-states.csv`.
     pub fn files(&self) -> Files {
-        let title = format!("Dispersion of particles and continuum at {}", self.state());
         vec![
-            picture("dispersion", self.figure(&title)),
+            picture(
+                "dispersion",
+                self.figure("Dispersion of particles and continuum"),
+            ),
             text("dispersion.csv", self.csv()),
             text("density-of-states.csv", self.density_csv()),
         ]
@@ -289,7 +292,7 @@ impl Diagram {
     fn state(&self) -> String {
         let first = self.samples.first();
         let dimension = first.map_or(3, |sample| sample.wave_vector.len());
-        caption::state(&self.deformation_gradient, dimension)
+        caption::configuration(&self.deformation_gradient, dimension)
     }
 
     /// Draws frequencies upward and growth rates downward, with the density of states in a second panel.
@@ -318,7 +321,11 @@ impl Diagram {
         let range = (if grows { low - margin } else { 0.0 }, high + margin);
         let units = self.settings.units();
         let y = match grows {
-            true => caption::label(units, "frequency ω; below 0: −(growth rate)", "1/time"),
+            true => caption::label(
+                units,
+                "frequency ω; below\u{a0}0:\u{a0}−(growth\u{a0}rate)",
+                "1/time",
+            ),
             false => caption::label(units, "frequency ω", "1/time"),
         };
         let y = Axis::linear(y, range);

@@ -3,6 +3,7 @@
 use super::notes::notes;
 use super::problem::{Problem, ProblemError, Strain, numbers};
 use super::state::ComplexNumber;
+use crate::caption;
 use crate::csv::Table;
 use crate::number::{told_of, vector};
 use crate::settings::{Effective, Units};
@@ -28,6 +29,8 @@ pub struct DispersionAnswer {
 /// Waves of one wave vector, with notes and settings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Waves {
+    /// Deformation gradient `F` of the state, by rows.
+    pub deformation_gradient: [[f64; 3]; 3],
     /// Waves of discretization and continuum.
     #[serde(flatten)]
     pub waves: DispersionAnswer,
@@ -51,6 +54,7 @@ impl Waves {
     ) -> Result<Self, ProblemError> {
         let waves = at_wave_vector(problem, &strain.0, wave_vector)?;
         Ok(Self {
+            deformation_gradient: *strain.0.components(),
             rates: rates(problem, &strain.0, &waves.wave_vector)?,
             waves,
             notes: notes(&problem.settings, &*problem.material),
@@ -142,6 +146,9 @@ pub(super) fn answer(waves: &dyn PlaneWaves, k: &[f64]) -> DispersionAnswer {
 impl std::fmt::Display for Waves {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let units = self.settings.units();
+        let state =
+            caption::configuration(&self.deformation_gradient, self.waves.wave_vector.len());
+        writeln!(formatter, "state                  {state}")?;
         self.waves.tell(formatter, units)?;
         let largest = self.rates.iter().map(|own| own.re.hypot(own.im));
         let largest = largest.fold(0.0, f64::max);
