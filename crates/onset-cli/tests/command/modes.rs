@@ -26,6 +26,26 @@ fn nodal_integration_on_squares_has_three_zero_energy_modes_and_stress_points_ha
 }
 
 #[test]
+fn kinds_in_the_table_of_modes_are_words_without_numbers() {
+    for (line, kind) in [
+        ("modes set lattice=hexagonal", "weakly controlled"),
+        (
+            "modes set lattice=square set quadrature=nodal",
+            "zero energy",
+        ),
+    ] {
+        let table = onset_line(&format!("{line} --format csv")).stdout;
+        let mut rows = table.lines();
+        assert!(rows.next().is_some_and(|head| head.ends_with(",kind")));
+        let kinds: Vec<_> = rows.filter_map(|row| row.rsplit(',').next()).collect();
+        assert!(
+            kinds.len() >= 3 && kinds.iter().all(|own| *own == kind),
+            "{table}"
+        );
+    }
+}
+
+#[test]
 fn a_single_mode_of_a_chain_is_not_reported_as_a_line() {
     let answer = onset_line("modes set lattice=chain set quadrature=nodal");
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);

@@ -33,7 +33,7 @@ impl ModesAnswer {
                 "<figure>{}<figcaption>k = {}: {}</figcaption></figure>",
                 self.moving(mode),
                 escaped(&mode.place()),
-                escaped(&mode.kind())
+                escaped(&mode.description())
             );
         }
         page.push_str("</main></body></html>\n");

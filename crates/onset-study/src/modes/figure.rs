@@ -69,7 +69,11 @@ impl ModesAnswer {
     }
 
     fn panel(&self, mode: &ShownMode) -> Panel {
-        let title = format!("k = {}: {}", mode.place().replace('-', "−"), mode.kind());
+        let title = format!(
+            "k = {}: {}",
+            mode.place().replace('-', "−"),
+            mode.description()
+        );
         if self.dimension == 3 {
             return self.panel_in_space(mode, &title);
         }

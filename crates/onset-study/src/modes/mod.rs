@@ -251,12 +251,21 @@ impl ShownMode {
         format!("({})", parts.join(", "))
     }
 
-    /// Description of the kind of the mode.
-    pub fn kind(&self) -> String {
+    /// Kind of the mode.
+    pub fn kind(&self) -> &'static str {
+        match self.nullity {
+            0 => "weakly controlled",
+            _ => "zero energy",
+        }
+    }
+
+    /// Kind of the mode with its frequency or its number of modes, and its extent.
+    pub fn description(&self) -> String {
+        let kind = self.kind();
         let of_zero = match self.nullity {
             0 => {
                 let share = 100.0 * self.relative_frequency;
-                let weak = format!("weakly controlled, {share:.1} % of the material's frequency");
+                let weak = format!("{kind}, {share:.1} % of the material's frequency");
                 return match &self.unfolded {
                     None => weak,
                     Some(wave) => {
@@ -265,8 +274,8 @@ impl ShownMode {
                     }
                 };
             }
-            1 => "zero energy".to_owned(),
-            count => format!("zero energy, {count} independent modes"),
+            1 => kind.to_owned(),
+            count => format!("{kind}, {count} independent modes"),
         };
         match self.extent {
             Extent::Point => of_zero,
@@ -351,7 +360,12 @@ impl ModesAnswer {
     fn list(&self) -> Vec<String> {
         let modes = self.modes.iter().enumerate();
         let line = |(n, mode): (usize, &ShownMode)| {
-            format!("  {:>2}  k = {:<24} {}", n + 1, mode.place(), mode.kind())
+            format!(
+                "  {:>2}  k = {:<24} {}",
+                n + 1,
+                mode.place(),
+                mode.description()
+            )
         };
         modes.map(line).collect()
     }
