@@ -288,6 +288,11 @@ def dynamical_matrix(
     return matrices.view(np.complex128)
 
 
+def _state_or_reference(F: ArrayLike | None, stretch: ArrayLike | None, dimension: int) -> tuple[str | None, str | None]:
+    """Returns a state in the notation of the command line, by default the reference configuration."""
+    return state_as_typed(F, (1.0,) * dimension if F is None and stretch is None else stretch)
+
+
 @asks
 def waves(
     material: MaterialLike = None,
@@ -306,7 +311,7 @@ def waves(
     wave_vector
         Reference wave vector, shape (D,); 1/length.
     stretch
-        Principal stretches along the axes, shape (D,) to (3,); missing stretches are 1.
+        Principal stretches along the axes, shape (D,) to (3,); missing stretches are 1. The reference configuration if `stretch` and `F` are omitted.
     F
         Deformation gradient instead of `stretch`, shape (3, 3) or (D, D).
 
@@ -326,7 +331,7 @@ def waves(
     (2,)
     """
     problem = problem_of(material, method)
-    given, gradient = state_as_typed(F, stretch)
+    given, gradient = _state_or_reference(F, stretch, problem.dimension)
     answer = Waves(problem.waves(given, gradient, typed(_wave_vector(wave_vector, problem.dimension))))
     return answer._of(lambda: Cell.of(problem, given, gradient))
 
@@ -347,7 +352,7 @@ def bands(
     material, method
         Material law and discretization; the defaults of the command if omitted.
     stretch
-        Principal stretches along the axes, shape (D,) to (3,); missing stretches are 1.
+        Principal stretches along the axes, shape (D,) to (3,); missing stretches are 1. The reference configuration if `stretch` and `F` are omitted.
     F
         Deformation gradient instead of `stretch`, shape (3, 3) or (D, D).
     path
@@ -370,7 +375,7 @@ def bands(
     ('Γ', 'X', 'M', 'Γ', 'k*')
     """
     problem = problem_of(material, method)
-    given, gradient = state_as_typed(F, stretch)
+    given, gradient = _state_or_reference(F, stretch, problem.dimension)
     return Bands(problem.bands(given, gradient, path))._of(lambda: Cell.of(problem, given, gradient))
 
 

@@ -10,6 +10,7 @@ import os
 from pathlib import Path
 import re
 from typing import Self, cast
+import warnings
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -88,6 +89,13 @@ def _bare(text: str) -> str | None:
         return None
     digits = text.lstrip("+-")
     return str(int(text)) if digits.isdecimal() and len(digits) <= _DIGITS else repr(float(text))
+
+
+def _number_or_text(text: str) -> float | str:
+    """Returns the number that a text is, or the text."""
+    if _NUMBER.match(text) is None:
+        return text
+    return int(text) if text.lstrip("+-").isdecimal() else float(text)
 
 
 def quoted(text: object, key: str) -> str:
@@ -342,7 +350,8 @@ class Material(_Settings):
         Returns
         -------
         Material
-            Law with `notes` on its constants, which ``onset.criteria`` and ``onset.card`` also print.
+            Law with `notes` on its constants, which ``onset.criteria`` and ``onset.card`` also print. A `UserWarning` names the parts of the block
+            that are not read.
 
         Raises
         ------
@@ -354,6 +363,10 @@ class Material(_Settings):
         assignments, notes = _onset.read_law(program, name, text, material, [])
         read = law_of(assignments)
         object.__setattr__(read, "notes", tuple(notes))
+        for note in notes:
+            if note.startswith("not read: "):
+                # Above this function is the decorator.
+                warnings.warn(note, UserWarning, stacklevel=4)
         return read
 
     #: Notes on the constants of a law that was read from a block of another program.
@@ -455,7 +468,7 @@ def law_of(assignments: Iterable[str]) -> Material:
     """Returns the law with assignments ``material.key=value``."""
     law = Material()
     pairs = (assignment.partition("=") for assignment in assignments)
-    law._put({key.removeprefix("material."): value for key, _, value in pairs})
+    law._put({key.removeprefix("material."): _number_or_text(text) for key, _, text in pairs})
     return law
 
 

@@ -158,6 +158,21 @@ def test_a_text_that_names_a_file_is_its_path(name: str, tmp_path: Path) -> None
     assert read == onset.Material.read(BLOCK, "abaqus") == onset.Material.read(tmp_path / name, "abaqus")
 
 
+def test_a_law_from_a_deck_has_numbers_and_warns_of_unread_parts(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.warns(UserWarning, match=r"not read: \*EXPANSION") as warned:
+        read = onset.Material.read("*MATERIAL, NAME=A\n*HYPERELASTIC, YEOH\n0.5, -0.01, 0.001, 0.1, 0, 0\n*EXPANSION\n1e-5\n")
+    assert [Path(one.filename).name for one in warned] == ["test_objects.py"]
+    assert repr(read) == "Material(model='yeoh', c10=0.5, c20=-0.01, c30=0.001, kappa=20)"
+    assert capsys.readouterr() == ("", "")
+
+
+def test_waves_without_a_state_are_waves_of_the_reference_configuration() -> None:
+    assert "the reference configuration" in str(onset.waves(RUBBER, wave_vector=(1, 0)))
+    bands = onset.bands(RUBBER, path="G-M")
+    assert str(bands) == str(onset.bands(RUBBER, path="G-M", stretch=(1, 1)))
+    assert "the reference configuration" in str(bands)
+
+
 def test_examples_of_docstrings_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every public function has parameters, the returned value, exceptions and an example."""
     monkeypatch.chdir(tmp_path)
