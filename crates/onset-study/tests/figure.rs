@@ -205,6 +205,35 @@ fn a_nan_breaks_a_line() {
 }
 
 #[test]
+fn a_wide_line_that_ends_at_the_frame_does_not_cross_it() {
+    let panel = |points| unit_panel("").with(Line::new(points).width(12.0).color(palette::BLUE));
+    let ending = vec![(0.0, 0.3), (0.5, 0.5)];
+    let figure = |points| Figure::new("").columns(1).with(panel(points));
+    let svg = figure(ending.clone()).to_svg();
+    assert_eq!(svg.matches("<clipPath").count(), 1);
+    assert!(
+        !figure(vec![(0.2, 0.3), (0.5, 0.5)])
+            .to_svg()
+            .contains("<clipPath")
+    );
+    let left = svg
+        .split_once("<rect x=\"")
+        .and_then(|(_, rest)| rest.split('"').next());
+    let left: f64 = left.and_then(|left| left.parse().ok()).expect("a window");
+    let image = decode(&figure(ending).to_png().expect("a PNG"));
+    let wanted = [palette::BLUE.red, palette::BLUE.green, palette::BLUE.blue];
+    let pixels = image.rgb.chunks_exact(3).enumerate();
+    let columns = pixels
+        .filter(|(_, pixel)| *pixel == wanted)
+        .map(|(n, _)| n as u32 % image.width);
+    let first = columns.min().expect("a line");
+    assert!(
+        (2.0 * left - 1.0..2.0 * left + 9.0).contains(&f64::from(first)),
+        "{first} {left}"
+    );
+}
+
+#[test]
 fn empty_figures_panels_and_layers_can_be_drawn() {
     let empty = unit_panel("")
         .with(Regions::default())

@@ -8,7 +8,7 @@ use onset::criteria::{Change, Criterion, Discontinuity};
 pub const DEFAULT_CRITERIA: [Criterion; 2] =
     [Criterion::StrongEllipticity, Criterion::DruckerAbaqus];
 /// Largest number of criteria in a figure, which have different colors.
-pub const MAX_CRITERIA: usize = palette::SERIES.len();
+pub const MAX_CRITERIA: usize = palette::BARS.len();
 
 /// Width of a bar, distance of neighboring bars, and space around the bars of a row, in pixels.
 const BAR: f64 = 7.0;
@@ -61,7 +61,7 @@ impl Bar {
     pub(super) fn of(n: usize, criterion: Criterion, holds: Vec<(f64, f64)>) -> Self {
         Self {
             name: criterion.title(),
-            color: palette::SERIES[n % palette::SERIES.len()],
+            color: palette::BARS[n % palette::BARS.len()],
             holds,
         }
     }

@@ -196,6 +196,16 @@ impl Frame<'_> {
         let mut outline = PathBuilder::new();
         let mut last: Option<(f64, f64)> = None;
         let mut drawn_to: Option<(f64, f64)> = None;
+        let width = pixels(line.width);
+        let window = [self.left, self.top, self.width, self.height];
+        // A wide line that ends at an edge of the box would cross it.
+        let crosses = |(x, y): (f64, f64)| {
+            let near = |at: f64, start: f64, length: f64| {
+                (at - start).abs().min((at - start - length).abs()) < 0.5 * width
+            };
+            width > 3.0 && (near(x, self.left, self.width) || near(y, self.top, self.height))
+        };
+        let mut is_clipped = false;
         for &point in &line.points {
             let place = self.at(point);
             if let (Some(from), Some(to)) = (last, place) {
@@ -204,6 +214,7 @@ impl Frame<'_> {
                         outline.move_to(from.0 as f32, from.1 as f32);
                     }
                     outline.line_to(to.0 as f32, to.1 as f32);
+                    is_clipped |= crosses(from) || crosses(to);
                     drawn_to = Some(to);
                 }
             } else {
@@ -211,10 +222,11 @@ impl Frame<'_> {
             }
             last = place;
         }
-        pen.outline(
-            outline,
-            Paint::stroke(line.color, pixels(line.width), line.dash),
-        );
+        let paint = Paint::stroke(line.color, width, line.dash);
+        match is_clipped {
+            true => pen.clipped(outline, paint, window),
+            false => pen.outline(outline, paint),
+        }
     }
 
     /// Part of a segment inside the box (Liang and Barsky).

@@ -13,14 +13,16 @@ const TITLE: f64 = 16.0;
 const WORDS: f64 = 13.0;
 /// Distance between baselines, in font sizes.
 const LEADING: f64 = 1.3;
-/// White space around the figure and between its parts.
+/// White space around the figure, around a bare figure, for which the page has margins, and between the parts.
 const PADDING: f64 = 14.0;
+const BARE_PADDING: f64 = 2.0;
 const GAP: f64 = 18.0;
 /// Length of a tick, and its distance from the label.
 const TICK: f64 = 5.0;
 const TICK_GAP: f64 = 4.0;
-/// Distance between the baselines of named ticks.
+/// Distance between the baselines of named ticks, and of the lines of a name.
 const NAME: f64 = 17.0;
+const NAME_LEADING: f64 = 13.0;
 /// Distance between the tick labels and the label of the axis.
 const LABEL_GAP: f64 = 8.0;
 /// Distance of the color bar from the panel, and its width.
@@ -92,7 +94,8 @@ fn height_in_print(scene: &Scene, width: f64) -> f64 {
     scene.height * width / scene.width / MILLIMETER
 }
 
-/// Shortens the names of the ticks of vertical axes that are wider than `widest`, but keeps them distinct.
+/// Divides the names of the ticks of vertical axes that are wider than `widest` into two lines if the rows are high enough, and shortens names that are
+/// still wider, but keeps them distinct.
 fn shorten_names(figure: &mut Figure, widest: f64) {
     let short = |name: &str| -> String {
         let mut kept: Vec<char> = name.chars().collect();
@@ -107,7 +110,14 @@ fn shorten_names(figure: &mut Figure, widest: f64) {
         let Some(ticks) = &mut panel.y.ticks else {
             continue;
         };
-        let names: Vec<String> = ticks.iter().map(|(_, name)| short(name)).collect();
+        let row = NAME * LOWEST_ROWS * panel.lines.unwrap_or(0.0) / ticks.len().max(1) as f64;
+        let fitted = |name: &str| match font::wrap(name, NUMBERS, widest).as_slice() {
+            [first, rest @ ..] if !rest.is_empty() && row >= 2.0 * NAME_LEADING => {
+                format!("{}\n{}", short(first), short(&rest.join(" ")))
+            }
+            _ => short(name),
+        };
+        let names: Vec<String> = ticks.iter().map(|(_, name)| fitted(name)).collect();
         let others = |n: usize| names[..n].iter().chain(&names[n + 1..]);
         let is_distinct: Vec<bool> = (0..names.len())
             .map(|n| others(n).all(|other| *other != names[n]))
@@ -180,6 +190,8 @@ struct Grid<'a> {
     columns: usize,
     /// Left margin, box and right margin of each column.
     widths: Vec<[f64; 3]>,
+    /// White space around the panels.
+    padding: f64,
 }
 
 impl<'a> Grid<'a> {
@@ -214,6 +226,10 @@ impl<'a> Grid<'a> {
             panels,
             columns,
             widths,
+            padding: match figure.is_bare {
+                true => BARE_PADDING,
+                false => PADDING,
+            },
         }
     }
 
@@ -224,18 +240,19 @@ impl<'a> Grid<'a> {
 
     /// Width of a picture of the panels.
     fn width(&self) -> f64 {
-        self.content() + 2.0 * PADDING
+        self.content() + 2.0 * self.padding
     }
 }
 
 /// Draws the whole figure with at least the given width, and with panels of a relative height.
 fn drawn(figure: &Figure, usual: Option<f64>, lowered: f64, least: f64) -> Scene {
     let grid = Grid::of(figure, usual, lowered);
-    let content = grid.content();
+    let (content, padding) = (grid.content(), grid.padding);
     let Grid {
         panels,
         columns,
         widths,
+        ..
     } = grid;
     let row = |index: usize, size: fn(&Measured) -> f64| {
         let members = panels.iter().skip(index * columns).take(columns);
@@ -243,17 +260,17 @@ fn drawn(figure: &Figure, usual: Option<f64>, lowered: f64, least: f64) -> Scene
     };
     let mut entries = figure.legend_entries();
     if least > 0.0 {
-        entries = legend::wrapped(entries, least - 2.0 * PADDING);
+        entries = legend::wrapped(entries, least - 2.0 * padding);
     }
     let widest = entries
         .iter()
         .map(legend::entry_width)
         .fold(260.0, f64::max);
-    let width = (content.max(widest) + 2.0 * PADDING).ceil().max(least);
+    let width = (content.max(widest) + 2.0 * padding).ceil().max(least);
 
     let mut pen = Pen::default();
-    let mut y = PADDING;
-    for line in font::wrap(&figure.title, TITLE, width - 2.0 * PADDING) {
+    let mut y = padding;
+    for line in font::wrap(&figure.title, TITLE, width - 2.0 * padding) {
         y += TITLE * LEADING;
         pen.words(line, (width / 2.0, y - 0.3 * TITLE), Anchor::Middle, TITLE);
     }
@@ -275,19 +292,19 @@ fn drawn(figure: &Figure, usual: Option<f64>, lowered: f64, least: f64) -> Scene
         y = top + row(index, |p| p.height) + row(index, |p| p.bottom);
     }
     if !entries.is_empty() {
-        y = legend::draw(&mut pen, &entries, (PADDING, width - PADDING), y + 10.0);
+        y = legend::draw(&mut pen, &entries, (padding, width - padding), y + 10.0);
     }
-    let caption = font::wrap(&figure.caption, NUMBERS, width - 2.0 * PADDING);
+    let caption = font::wrap(&figure.caption, NUMBERS, width - 2.0 * padding);
     if !caption.is_empty() {
         y += 6.0;
     }
     for line in caption {
         y += NUMBERS * LEADING;
-        pen.words(line, (PADDING, y - 0.3 * NUMBERS), Anchor::Start, NUMBERS);
+        pen.words(line, (padding, y - 0.3 * NUMBERS), Anchor::Start, NUMBERS);
     }
     Scene {
         width,
-        height: (y + PADDING).ceil(),
+        height: (y + padding).ceil(),
         title: figure.title.clone(),
         description: figure.caption.clone(),
         shapes: pen.shapes,
@@ -331,8 +348,8 @@ impl<'a> Measured<'a> {
     fn new(panel: &'a Panel, size: Size, is_named: bool) -> Self {
         let (width, height) = box_size(panel, size);
         let title = font::wrap(&panel.title, WORDS, width + 50.0);
-        let x_label = font::wrap(&panel.x.label, WORDS, width + 50.0);
-        let y_label = font::wrap(&panel.y.label, WORDS, height + 10.0);
+        let x_label = label_lines(&panel.x.label, width + 50.0);
+        let y_label = label_lines(&panel.y.label, height + 10.0);
         let x_marks = spaced_marks(&panel.x, width);
         let mut y_marks = panel.y.labeled_marks(match panel.y.scale {
             Scale::Linear => mark_target(height, 42.0),
@@ -434,14 +451,18 @@ impl<'a> Measured<'a> {
             let Some(y) = frame.y(mark.at) else { continue };
             let length = if mark.minor { 0.6 * TICK } else { TICK };
             segment(&mut axes, (left - length, y), (left, y));
-            let place = (left - TICK - TICK_GAP, y + 0.5 * CAPITAL * NUMBERS);
-            pen.words(mark.label.clone(), place, Anchor::End, NUMBERS);
+            let last = mark.label.lines().count().saturating_sub(1) as f64;
+            for (n, line) in mark.label.lines().enumerate() {
+                let shift = (n as f64 - 0.5 * last) * NAME_LEADING;
+                let place = (left - TICK - TICK_GAP, y + 0.5 * CAPITAL * NUMBERS + shift);
+                pen.words(line.to_owned(), place, Anchor::End, NUMBERS);
+            }
         }
         pen.outline(axes, Paint::stroke(INK, 1.0, Dash::Solid));
 
         let line = WORDS * LEADING;
         let center = left + self.width / 2.0;
-        for (i, words) in self.title.iter().rev().enumerate() {
+        for (i, words) in self.title.iter().rev().enumerate().rev() {
             let place = (center, top - 9.0 - i as f64 * line);
             pen.words(words.clone(), place, Anchor::Middle, WORDS);
         }
@@ -451,7 +472,7 @@ impl<'a> Measured<'a> {
             pen.words(words.clone(), place, Anchor::Middle, WORDS);
         }
         let before = left - TICK - TICK_GAP - widest(&self.y_marks) - LABEL_GAP;
-        for (i, words) in self.y_label.iter().rev().enumerate() {
+        for (i, words) in self.y_label.iter().rev().enumerate().rev() {
             let place = (before - (i as f64 + 0.22) * line, top + self.height / 2.0);
             pen.words_upward(words.clone(), place, WORDS);
         }
@@ -544,6 +565,16 @@ fn mark_target(length: f64, spacing: f64) -> usize {
     (length / spacing).floor().clamp(1.0, 9.0) as usize
 }
 
+/// Lines of the label of an axis. Its unit, in brackets at its end, stays with the word before it.
+fn label_lines(label: &str, available: f64) -> Vec<String> {
+    let kept = match label.rsplit_once(" (").filter(|_| label.ends_with(')')) {
+        Some((quantity, unit)) => format!("{quantity}\u{a0}({unit}"),
+        None => label.to_owned(),
+    };
+    let lines = font::wrap(&kept, WORDS, available).into_iter();
+    lines.map(|line| line.replace('\u{a0}', " ")).collect()
+}
+
 /// Ticks of a horizontal axis whose labels do not overlap.
 fn spaced_marks(axis: &Axis, width: f64) -> Vec<Tick> {
     let clear = |marks: &[Tick]| {
@@ -601,7 +632,8 @@ fn ends_of(marks: &[Tick]) -> Vec<Tick> {
 }
 
 fn widest(marks: &[Tick]) -> f64 {
-    let widths = marks.iter().map(|mark| font::width(&mark.label, NUMBERS));
+    let lines = marks.iter().flat_map(|mark| mark.label.lines());
+    let widths = lines.map(|line| font::width(line, NUMBERS));
     widths.fold(0.0, f64::max)
 }
 
@@ -609,7 +641,7 @@ impl<'a> Bar<'a> {
     fn new(field: &'a Field, height: f64) -> Self {
         let axis = Axis::linear(field.label.clone(), field_range(field));
         let marks = axis.labeled_marks(mark_target(height, 42.0));
-        let label = font::wrap(&field.label, WORDS, height + 10.0);
+        let label = label_lines(&field.label, height + 10.0);
         let lines = label.len() as f64 * WORDS * LEADING;
         let width = BAR_GAP + BAR + TICK + TICK_GAP + widest(&marks) + LABEL_GAP + lines;
         Self {
@@ -760,6 +792,53 @@ mod tests {
                 assert!(scene.scale >= PRINTED * 7.0 / 8.0, "{}", scene.scale);
             }
         }
+    }
+
+    #[test]
+    fn long_names_of_rows_have_two_lines_if_the_rows_are_high_enough() {
+        let names = [
+            "Lagrangian Shepard, stress points",
+            "SPH, smoothed velocities 0.5",
+        ];
+        for (lines, expected) in [(2.0, true), (1.0, false)] {
+            let rows = names
+                .into_iter()
+                .enumerate()
+                .map(|(n, name)| (n as f64, name));
+            let rows = Axis::linear("", (-0.5, 1.5)).ticks(rows);
+            let panel = Panel::new("", Axis::linear("x (m)", (0.0, 1.0)), rows);
+            let mut figure = Figure::new("").with(panel.lines(2.0 * lines));
+            shorten_names(&mut figure, 140.0);
+            let told: Vec<_> = figure.panels[0].y.ticks.iter().flatten().collect();
+            for ((_, told), name) in told.into_iter().zip(names) {
+                assert_eq!(told.replace('\n', " ") == name, expected, "{told}");
+                assert!(told.lines().all(|line| font::width(line, NUMBERS) <= 140.0));
+            }
+        }
+    }
+
+    #[test]
+    fn the_unit_of_an_axis_stays_with_its_word() {
+        let label = "coefficient of the penalty (1/m)";
+        let width = font::width("coefficient of the penalty (", WORDS);
+        let expected = ["coefficient of the", "penalty (1/m)"];
+        assert_eq!(label_lines(label, width), expected);
+        assert_eq!(label_lines(label, 1e3), [label]);
+    }
+
+    #[test]
+    fn a_bare_figure_has_narrow_margins_and_wider_panels() {
+        let axis = || Axis::linear("x (m)", (0.0, 1.0));
+        let figure = Figure::new("")
+            .columns(1)
+            .with(Panel::new("", axis(), axis()));
+        let sheet = |bare| Sheet {
+            size: Some(Asked::Picture(84.0)),
+            bare,
+            ..Sheet::default()
+        };
+        let panel = |bare| widest_panel(&sheet(bare).dressed(&figure), 350.0);
+        assert!(panel(true) > panel(false) + 20.0);
     }
 
     #[test]

@@ -177,7 +177,7 @@ fn legend_rows(entries: &[LegendEntry], available: f64) -> Vec<(f64, Vec<&Legend
     rows
 }
 
-/// Draws the entries in centered rows between left and right, and returns the lower end of the legend.
+/// Draws the entries in rows that begin at one place, centered between left and right, and returns the lower end of the legend.
 pub(super) fn draw(
     pen: &mut Pen,
     entries: &[LegendEntry],
@@ -195,11 +195,12 @@ pub(super) fn draw(
         }
         rows = narrower;
     }
+    let widest = rows.iter().map(|(used, _)| *used).fold(0.0, f64::max);
     let mut y = top;
-    for (used, row) in rows {
+    for (_, row) in rows {
         let lines = row.iter().map(|entry| entry.name.lines().count());
         let more = lines.max().unwrap_or(1).saturating_sub(1);
-        let mut x = (left + right - used) / 2.0;
+        let mut x = (left + right - widest) / 2.0;
         let middle = (y + LEGEND_ROW / 2.0).round() + 0.5;
         for entry in row {
             draw_symbol(pen, entry.symbol, x, middle);

@@ -64,6 +64,9 @@ pub struct Figure {
     pub legend: Vec<LegendEntry>,
     /// Width and height of the box of a panel in pixels (1/96 inch); the maximum for an equal aspect. `None` for the usual size.
     pub panel_size: Option<(f64, f64)>,
+    /// Whether the page supplies title, caption and margins.
+    #[serde(skip)]
+    pub is_bare: bool,
 }
 
 /// Two axes with the layers between them.

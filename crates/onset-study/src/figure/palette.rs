@@ -28,6 +28,9 @@ pub const PURPLE: Color = Color::hex(0xcc79a7);
 /// Colors of the curves of a panel, in order.
 pub const SERIES: [Color; 7] = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK];
 
+/// Colors of bars that lie close together, in order; the first four differ in lightness, so that they can be distinguished in greyscale.
+pub const BARS: [Color; 7] = [BLUE, ORANGE, BLACK, GREEN, PURPLE, VERMILION, SKY];
+
 /// Colors of uniaxial tension, uniaxial compression, equibiaxial tension and equibiaxial compression; the lighter of the two blues is equibiaxial.
 pub const LOADS: [Color; 4] = [BLUE, ORANGE, SKY, BLACK];
 
@@ -123,8 +126,11 @@ mod tests {
     }
 
     #[test]
-    fn verdict_colors_differ_in_greyscale() {
-        for ((a, first), (b, second)) in pairs() {
+    fn verdicts_and_bars_differ_in_greyscale() {
+        let names = ["first bar", "second bar", "third bar", "fourth bar"];
+        let bar = |n: usize| (names[n], BARS[n]);
+        let bars = (0..4).flat_map(|i| (0..i).map(move |j| (bar(i), bar(j))));
+        for ((a, first), (b, second)) in pairs().chain(bars) {
             let difference = (lab(linear(first))[0] - lab(linear(second))[0]).abs();
             assert!(
                 difference > 8.0,

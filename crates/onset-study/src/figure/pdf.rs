@@ -83,6 +83,17 @@ impl Scene {
                 Shape::Outline { outline, paint } => {
                     paint_path(&mut out, outline.clone(), &self.theme.paint(paint));
                 }
+                Shape::Clipped {
+                    outline,
+                    paint,
+                    window: [left, top, width, height],
+                } => {
+                    out.save_state();
+                    out.rect(*left, *top, *width, *height);
+                    out.clip_nonzero().end_path();
+                    paint_path(&mut out, outline.clone(), &self.theme.paint(paint));
+                    out.restore_state();
+                }
                 Shape::Stamps { outline, at, paint } => {
                     // One by one, because they may overlap.
                     let paint = self.theme.paint(paint);

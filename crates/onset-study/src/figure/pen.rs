@@ -31,6 +31,22 @@ impl Pen {
         }
     }
 
+    /// Adds an outline that is painted in a window only: left, top, width and height.
+    pub(super) fn clipped(&mut self, outline: PathBuilder, paint: Paint, window: [f64; 4]) {
+        let before = self.shapes.len();
+        self.outline(outline, paint);
+        let window = window.map(|own| own as f32);
+        for shape in &mut self.shapes[before..] {
+            if let Shape::Outline { outline, paint } = shape {
+                *shape = Shape::Clipped {
+                    outline: outline.clone(),
+                    paint: *paint,
+                    window,
+                };
+            }
+        }
+    }
+
     pub(super) fn stamps(&mut self, outline: PathBuilder, at: Vec<(f64, f64)>, paint: Paint) {
         if let Some(outline) = finish(outline, &paint) {
             let rim = self.rim(&paint).map(|paint| Shape::Stamps {

@@ -7,7 +7,8 @@ use super::{Color, Dash, FigureError, Theme, font, palette};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use tiny_skia::{
-    FillRule, LineCap, LineJoin, Path, PathSegment, Pixmap, PixmapMut, StrokeDash, Transform,
+    FillRule, LineCap, LineJoin, Mask, Path, PathBuilder, PathSegment, Pixmap, PixmapMut, Rect,
+    StrokeDash, Transform,
 };
 use ttf_parser::GlyphId;
 
@@ -46,6 +47,12 @@ pub(super) enum Shape {
     Outline {
         outline: Path,
         paint: Paint,
+    },
+    /// An outline that is painted in a window only: left, top, width and height.
+    Clipped {
+        outline: Path,
+        paint: Paint,
+        window: [f32; 4],
     },
     /// One outline repeated at many positions.
     Stamps {
@@ -173,9 +180,25 @@ impl Scene {
             "<rect width=\"100%\" height=\"100%\" fill=\"{background}\"/>"
         );
         let _ = writeln!(svg, "<g stroke-linejoin=\"round\" font-family=\"{FONTS}\">");
-        let mut stamps = 0;
+        let (mut stamps, mut windows) = (0, 0);
         for shape in &self.shapes {
             match shape {
+                Shape::Clipped {
+                    outline,
+                    paint,
+                    window: [left, top, width, height],
+                } => {
+                    windows += 1;
+                    let _ = write!(
+                        svg,
+                        "<clipPath id=\"w{windows}\"><rect x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\"/></clipPath>\n\
+                         <path clip-path=\"url(#w{windows})\""
+                    );
+                    write_paint(&mut svg, &self.theme.paint(paint));
+                    svg.push_str(" d=\"");
+                    write_outline(&mut svg, outline);
+                    svg.push_str("\"/>\n");
+                }
                 Shape::Outline { outline, paint } => {
                     svg.push_str("<path");
                     write_paint(&mut svg, &self.theme.paint(paint));
@@ -229,13 +252,29 @@ impl Scene {
         for shape in &self.shapes {
             match shape {
                 Shape::Outline { outline, paint } => {
-                    paint_outline(&mut canvas, outline, &self.theme.paint(paint), pixels);
+                    paint_outline(&mut canvas, outline, &self.theme.paint(paint), pixels, None);
+                }
+                Shape::Clipped {
+                    outline,
+                    paint,
+                    window: [left, top, wide, high],
+                } => {
+                    let window = Rect::from_xywh(*left, *top, *wide, *high);
+                    let mask = window
+                        .zip(Mask::new(width, height))
+                        .map(|(window, mut mask)| {
+                            let window = PathBuilder::from_rect(window);
+                            mask.fill_path(&window, FillRule::Winding, true, pixels);
+                            mask
+                        });
+                    let paint = self.theme.paint(paint);
+                    paint_outline(&mut canvas, outline, &paint, pixels, mask.as_ref());
                 }
                 Shape::Stamps { outline, at, paint } => {
                     let paint = self.theme.paint(paint);
                     for &(x, y) in at {
                         let place = pixels.pre_translate(x as f32, y as f32);
-                        paint_outline(&mut canvas, outline, &paint, place);
+                        paint_outline(&mut canvas, outline, &paint, place, None);
                     }
                 }
                 Shape::Words(words) => {
@@ -254,6 +293,7 @@ impl Scene {
                                     outline,
                                     &paint,
                                     place.pre_translate(x, 0.0),
+                                    None,
                                 );
                             }
                         }
@@ -265,7 +305,13 @@ impl Scene {
     }
 }
 
-fn paint_outline(canvas: &mut PixmapMut<'_>, outline: &Path, paint: &Paint, place: Transform) {
+fn paint_outline(
+    canvas: &mut PixmapMut<'_>,
+    outline: &Path,
+    paint: &Paint,
+    place: Transform,
+    mask: Option<&Mask>,
+) {
     let source = |color: Color, smooth: bool| {
         let mut source = tiny_skia::Paint::default();
         source.set_color_rgba8(color.red, color.green, color.blue, 255);
@@ -278,7 +324,7 @@ fn paint_outline(canvas: &mut PixmapMut<'_>, outline: &Path, paint: &Paint, plac
             &source(color, !paint.crisp),
             FillRule::Winding,
             place,
-            None,
+            mask,
         );
     }
     if let Some(stroke) = paint.stroke {
@@ -292,7 +338,7 @@ fn paint_outline(canvas: &mut PixmapMut<'_>, outline: &Path, paint: &Paint, plac
             dash: pattern.and_then(|pattern| StrokeDash::new(pattern, 0.0)),
             ..tiny_skia::Stroke::default()
         };
-        canvas.stroke_path(outline, &source(stroke.color, true), &style, place, None);
+        canvas.stroke_path(outline, &source(stroke.color, true), &style, place, mask);
     }
 }
 

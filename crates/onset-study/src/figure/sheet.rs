@@ -128,6 +128,7 @@ impl Sheet {
         if self.bare {
             figure.title.clear();
             figure.caption.clear();
+            figure.is_bare = true;
         }
         if let Some(Size::Panel(width, height)) = self.size {
             figure.panel_size = Some((width, height));
@@ -159,10 +160,21 @@ pub(super) fn told_omitted(titles: &[String]) -> Option<String> {
     (!shown.is_empty()).then(|| format!("Not shown at this width: {}.", shown.join(", ")))
 }
 
-/// Text with a full stop at its end.
+/// Text with a capital and a full stop. A single letter at the beginning is a symbol, and stays as it is.
 fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first: String = letters
+        .next()
+        .into_iter()
+        .flat_map(char::to_uppercase)
+        .collect();
+    let is_word = text.chars().take(2).all(|own| own.is_ascii_lowercase());
+    let text = match is_word {
+        true => first + letters.as_str(),
+        false => text.to_owned(),
+    };
     match text.ends_with(['.', '!', '?', ':']) {
-        true => text.to_owned(),
+        true => text,
         false => format!("{text}."),
     }
 }
@@ -349,6 +361,13 @@ mod tests {
                 "Waves at $\\lambda_{1}$ = 1.2. $\\omega^{2}$ below 0 grows; 50 \\% of k$^{3}$ a\\_b. Not shown at this width: Cost.\n"
             )
         );
+        for (text, expected) in [
+            ("neo-hooke in updated-sph", "Neo-hooke in updated-sph."),
+            ("k at the corner", "k at the corner."),
+            ("λ₁ = 1.2:", "λ₁ = 1.2:"),
+        ] {
+            assert_eq!(sentence(text), expected);
+        }
         for (text, expected) in [
             ("10⁻³ F₁₂", "10$^{-3}$ F$_{12}$"),
             ("λ⁻⁴", "$\\lambda^{-4}$"),

@@ -75,15 +75,13 @@ impl SimulateAnswer {
             told(&own.rate, own.uncertainty)
         });
         let state = caption::state(&self.deformation_gradient, self.wave_vector.len());
-        Figure::new(format!(
-            "Motion of a wave against its prediction at {state}"
-        ))
-        .with(panel)
-        .caption(format!(
-            "State: {state}. Predicted: {}. Measured: {measured}. {}",
-            told(&self.predicted, 0.0),
-            caption::settings(&self.settings)
-        ))
+        Figure::new("Motion of a wave against its prediction")
+            .with(panel)
+            .caption(format!(
+                "State: {state}. Predicted: {}. Measured: {measured}. {}",
+                told(&self.predicted, 0.0),
+                caption::settings(&self.settings)
+            ))
     }
 
     /// Motion with a rate that is closest to the record; `None` if the record does not determine it.

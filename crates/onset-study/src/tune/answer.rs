@@ -292,24 +292,26 @@ impl TuneAnswer {
         };
         let shares = Axis::linear("fraction of the window of states (%)", (0.0, 100.0))
             .covering([0.0, 100.0]);
-        let unit = || {
-            Axis::linear(
-                "frequency relative to the material's slowest wave (−)",
-                (0.0, 1.0),
-            )
-            .covering([0.0, 1.0])
-        };
-        let steps = Axis::linear("c Δt / spacing (−)", (0.0, 1.0));
-        let steps = steps.covering(
+        let measured = || {
             self.tried
                 .iter()
-                .filter_map(|one| Some(one.measured.as_ref().ok()?.courant))
-                .chain([0.0]),
+                .filter_map(|one| one.measured.as_ref().ok())
+        };
+        let frequency = Axis::linear(
+            "frequency relative to the material's slowest wave (−)",
+            (0.0, 1.0),
+        )
+        .covering(
+            measured()
+                .map(|own| own.weakest)
+                .chain([0.0, self.thresholds.weak]),
         );
+        let steps = Axis::linear("c Δt / spacing (−)", (0.0, 1.0));
+        let steps = steps.covering(measured().map(|own| own.courant).chain([0.0]));
         Figure::new(format!("Effect of {}", self.key))
             .columns(3)
             .with(marked(
-                Panel::new("Most weakly controlled mode", axis(), unit())
+                Panel::new("Most weakly controlled mode", axis(), frequency)
                     .with(line(&|m| m.weakest).color(palette::BLUE))
                     .with(
                         Rule::horizontal(self.thresholds.weak)
