@@ -11,6 +11,7 @@ use onset_study::audit::Convention;
 use onset_study::catalog;
 use onset_study::criteria::{Criterion, Lateral, Mode};
 use onset_study::figure::{ColorMap, Theme};
+use onset_study::fit::families;
 use onset_study::limit::Integrator;
 use onset_study::localization::PARAMETERS;
 use onset_study::map;
@@ -123,6 +124,10 @@ fn words(command: &str, argument: &str) -> Option<Words> {
         ("criteria", "drawn") => |typed| after_commas(typed, Criterion::ALL.map(Criterion::name)),
         ("plot", "color_map") => |_| plain(ColorMap::ALL.map(ColorMap::name)),
         ("screen", "fail_on") => |_| plain(Cause::ALL.map(Cause::name)),
+        ("fit", "law") => |_| {
+            let all = families(&["all".to_owned()]).unwrap_or_default();
+            plain(all.iter().map(|family| family.name()))
+        },
         ("fit", _) => return None,
         (_, "fail_on") => |typed| after_commas(typed, fail_on::names()),
         ("localize", "model" | "path" | "load") => return plastic_words(argument),

@@ -41,7 +41,11 @@ pub fn plot(arguments: &PlotArguments) -> Result<ExitCode, Failure> {
     };
     let made = draw(&asked, &arguments.trust.trust(), &counter);
     counter.finish();
-    let Drawn { figure, unfinished } = made.map_err(|error| match error.is_input() {
+    let Drawn {
+        figure,
+        unfinished,
+        has_edges,
+    } = made.map_err(|error| match error.is_input() {
         true => Failure::input(error),
         false => Failure::machine(error),
     })?;
@@ -54,6 +58,9 @@ pub fn plot(arguments: &PlotArguments) -> Result<ExitCode, Failure> {
         let store = own.store.display();
         text +=
             &format!("\nnote: {store}: {own}\n  hint: onset map STUDY.toml --out STORE --resume");
+    }
+    if has_edges {
+        text += "\nnote: the boundaries are the edges of the map's cells\n  hint: --trace follows them, without a time limit";
     }
     let document = Document { files, unfinished };
     print(&document, &text, || of_files(&document.files))

@@ -57,6 +57,8 @@ fn bash_completes_keys_values_and_words_of_options() {
         ),
         ("onset card --from cal", vec!["calculix"]),
         ("onset path --read-as cal", vec!["calculix"]),
+        ("onset fit pull.csv --law yeo", vec!["yeoh"]),
+        ("onset fit pull.csv --law yeoh,gen", vec!["yeoh,gent"]),
         ("onset plot --field growth", vec!["growth_rate"]),
         (
             "onset compare --vary discretization.kern",

@@ -1,6 +1,6 @@
 //! `onset criteria` and `onset card`.
 
-use super::{Scratch, Written, assert_close, document, number, onset};
+use super::{Scratch, Written, assert_close, document, number, onset, onset_line};
 use serde_json::Value;
 
 const BLATZ_KO: &str = "--set material.model=blatz-ko";
@@ -719,4 +719,18 @@ fn finite_jumps_in_the_reference_state_are_answered_for_every_bulk_modulus() {
         assert_eq!(own["holds_in_reference"], false, "{own}");
         assert_eq!(own["tension"]["changes"][0]["witness"]["verified"], true);
     }
+}
+
+#[test]
+fn a_loss_that_is_regained_is_marked_and_the_mark_is_explained() {
+    let ogden = "criteria --incompressible --mode equibiaxial set material.model=ogden set material.mu1=1.05 set material.alpha1=1.3 \
+                 set material.mu2=0.00144 set material.alpha2=5 set material.mu3=0.018 set material.alpha3=-2";
+    let told = onset_line(ogden).stdout;
+    assert!(told.contains("* is regained farther on"), "{told}");
+    assert!(
+        told.lines()
+            .any(|line| line.starts_with("equibiaxial") && line.contains('*'))
+    );
+    let plain = onset_line("criteria --mode equibiaxial set material.model=blatz-ko").stdout;
+    assert!(!plain.contains('*'), "{plain}");
 }

@@ -89,3 +89,26 @@ fn a_map_is_drawn_as_pdf_svg_and_png() {
     let svg = std::fs::read_to_string(folder.join("figure.svg")).expect("a figure");
     assert!(svg.contains("A map"));
 }
+
+#[test]
+fn boundaries_that_are_edges_of_cells_are_reported() {
+    let folder = Scratch::new("edges");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    // An axis varies the method, so that the boundaries are not traced by default.
+    let text = "[[axes]]\nquantity = 'stretch-1'\nrange = [0.8, 3.2]\nstates = 4\n\
+         [[axes]]\nquantity = 'discretization.support'\nrange = [1.5, 2.5]\nstates = 4\n";
+    std::fs::write(folder.join("study.toml"), text).expect("a file");
+    let path = |name: &str| folder.join(name).display().to_string();
+    let store = path("a.zarr");
+    let made = onset(&["map", &path("study.toml"), "--out", &store, "--quiet"]);
+    assert_eq!(made.code, Some(0), "{}", made.stderr);
+    let figure = path("figure.pdf");
+    let plot = ["plot", &store, "--out", &figure];
+    let told = onset(&plot).stdout;
+    assert!(
+        told.contains("edges of the map's cells") && told.contains("--trace"),
+        "{told}"
+    );
+    let asked = onset(&[&plot[..], &["--no-trace"]].concat()).stdout;
+    assert!(!asked.contains("edges"), "{asked}");
+}

@@ -452,3 +452,13 @@ fn keys_and_laws_of_other_commands_get_a_hint_to_the_command() {
         answer.stderr
     );
 }
+
+#[test]
+fn defaults_in_lists_are_whole_numbers_without_a_point() {
+    let told = onset_line("list method material-points").stdout;
+    assert!(
+        told.contains("discretization.spacing [default: 1]"),
+        "{told}"
+    );
+    assert!(!told.contains(".0]"), "{told}");
+}

@@ -52,9 +52,14 @@ impl Brief for CriteriaAnswer {
                 format!("in compression and in tension from {low} to {high}; {shear}")
             }
         };
+        let table: Vec<String> = table.collect();
+        let again = match table.iter().any(|line| line.contains('*')) {
+            true => "; * is regained farther on, where --all says",
+            false => "",
+        };
         Short::new(self.summary())
             .table(std::iter::once(format!("{what:TITLE$}{head}")).chain(table))
-            .row(0, "limits", format!("{searched}; - is never"))
+            .row(0, "limits", format!("{searched}; - is never{again}"))
             .row(
                 1,
                 "see also",

@@ -173,6 +173,8 @@ pub struct Drawn {
     pub figure: Figure,
     /// Stores with tiles that are not yet computed.
     pub unfinished: Vec<Unfinished>,
+    /// Whether the boundaries are edges of cells, because they were not traced within the time limit or without gaps.
+    pub has_edges: bool,
 }
 
 /// Store with tiles that are not yet computed.
@@ -233,13 +235,13 @@ pub fn plot_allowing(
         },
         ..*plot
     };
-    let figure = match &maps[..] {
+    let (figure, is_traced) = match &maps[..] {
         [map] => single(map, plot, watch)?,
-        [] => Figure::default(),
+        [] => (Figure::default(), true),
         _ if plot.field == VERDICT => {
-            let figure = overlay::overlay(&maps, plot.boundaries, watch)?;
+            let (figure, is_traced) = overlay::overlay(&maps, plot.boundaries, watch)?;
             let caption = format!("{} {captions}", figure.caption);
-            figure.caption(caption.trim_start())
+            (figure.caption(caption.trim_start()), is_traced)
         }
         _ => {
             let slices = maps.iter().flat_map(|map| {
@@ -253,7 +255,8 @@ pub fn plot_allowing(
                 })
             });
             let figure = Figure::new("").columns(maps.len().min(3));
-            panels(figure, &slices.collect::<Vec<_>>(), plot, watch)?.caption(captions)
+            let (figure, is_traced) = panels(figure, &slices.collect::<Vec<_>>(), plot, watch)?;
+            (figure.caption(captions), is_traced)
         }
     };
     let mut figure = plot.look.applied(figure)?;
@@ -270,6 +273,7 @@ pub fn plot_allowing(
     Ok(Drawn {
         figure,
         unfinished: unfinished.into_iter().flatten().collect(),
+        has_edges: plot.boundaries == Lines::Best && !is_traced,
     })
 }
 
@@ -334,14 +338,19 @@ fn captions(maps: &[StoredMap]) -> String {
     common + &own.collect::<String>()
 }
 
-fn single(map: &StoredMap, plot: &Plot<'_>, watch: &dyn Watch) -> Result<Figure, PlotError> {
+/// Figure of one map, and whether its boundaries are traced.
+fn single(
+    map: &StoredMap,
+    plot: &Plot<'_>,
+    watch: &dyn Watch,
+) -> Result<(Figure, bool), PlotError> {
     let slices = map.slices(SLICES);
     let figure = Figure::new(map.title()).columns(slices.len().min(3));
     let slices = slices.into_iter().map(|slice| {
         let title = slice.title.clone().unwrap_or_default();
         (map, slice, title)
     });
-    let figure = panels(figure, &slices.collect::<Vec<_>>(), plot, watch)?;
+    let (figure, is_traced) = panels(figure, &slices.collect::<Vec<_>>(), plot, watch)?;
     let mut caption = map.settings();
     if map.study.map.adaptive && plot.field != VERDICT && map.words(plot.field).is_none() {
         caption = format!(
@@ -351,7 +360,7 @@ fn single(map: &StoredMap, plot: &Plot<'_>, watch: &dyn Watch) -> Result<Figure,
     if !map.may_be_evaluated() {
         caption = format!("{NOT_LOADED} {caption}");
     }
-    Ok(figure.caption(caption))
+    Ok((figure.caption(caption), is_traced))
 }
 
 /// Panel with the two axes of the study.
@@ -371,13 +380,13 @@ fn axes(study: &Study, title: &str) -> Panel {
     }
 }
 
-/// Adds one panel with boundaries for each section, and its title.
+/// Adds one panel with boundaries for each section, and its title; also returns whether the boundaries are traced.
 fn panels(
     figure: Figure,
     slices: &[(&StoredMap, Slice, String)],
     plot: &Plot<'_>,
     watch: &dyn Watch,
-) -> Result<Figure, PlotError> {
+) -> Result<(Figure, bool), PlotError> {
     let studies = slices.iter().map(|(_, slice, _)| &slice.study);
     let traced = lines::boundaries(studies, plot.boundaries, watch)?;
     let mut figure = figure;
@@ -390,7 +399,7 @@ fn panels(
         figure = figure.with(lines.into_iter().fold(panel, Panel::with));
     }
     share_colors(&mut figure);
-    Ok(figure)
+    Ok((figure, traced.is_some()))
 }
 
 /// Applies one color scale to the fields of all panels, so that they can be compared.

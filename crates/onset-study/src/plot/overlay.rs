@@ -26,12 +26,12 @@ const COLORS: [Color; 6] = [
 ];
 const DASHES: [Dash; 3] = [Dash::Solid, Dash::Dashed, Dash::Dotted];
 
-/// Figure of several maps with two axes.
+/// Figure of several maps with two axes, and whether their boundaries are traced.
 pub(super) fn overlay(
     maps: &[StoredMap],
     boundaries: Lines,
     watch: &dyn Watch,
-) -> Result<Figure, PlotError> {
+) -> Result<(Figure, bool), PlotError> {
     let first = &maps[0];
     for other in maps {
         if let Some(difference) = first.differs_from(other) {
@@ -92,9 +92,10 @@ pub(super) fn overlay(
         line.dash = DASHES[n % DASHES.len()];
         panel = panel.with(line);
     }
-    Ok(Figure::new("Where the discretizations lose stability")
+    let figure = Figure::new("Where the discretizations lose stability")
         .columns(1)
-        .with(panel))
+        .with(panel);
+    Ok((figure, traced.is_some()))
 }
 
 /// Domain in which the material is strongly elliptic for in-plane perturbations.

@@ -678,6 +678,9 @@ impl Key {
                 let words: Vec<&str> = words.iter().filter_map(|word| word.as_str()).collect();
                 words.join(",")
             }
+            serde_json::Value::Number(number) => number
+                .as_f64()
+                .map_or_else(|| number.to_string(), crate::number::exact),
             other => other.to_string(),
         }
     }
