@@ -182,6 +182,8 @@ pub struct Fit {
     pub conditions: usize,
     /// Norm of the weighted measured values.
     pub norm: f64,
+    /// Sum of the weights of all squared errors.
+    pub weight: f64,
     /// Other constants whose sum of squares is within 5 % of the best, as values and sum.
     pub others: Vec<(Vec<f64>, f64)>,
     /// Limits of the principal stretches of the range; `None` without a range.
@@ -236,6 +238,10 @@ const GUESS_LIMITS: Limits = Limits {
     gain: 1e-9,
 };
 const IMPROVED: usize = 12;
+/// Largest ratio of the sum of squares at some of the points to the lowest for which an optimum is improved at all points.
+const IMPROVED_RATIO: f64 = 2.0;
+/// Number of optima that are improved in any case.
+const LEAST_IMPROVED: usize = 3;
 /// Largest number of points of each test at which first guesses are improved.
 const GUESS_POINTS: usize = 40;
 /// Largest number of optima at some of the points that are improved at all points.
@@ -398,6 +404,7 @@ impl Search<'_> {
             spare: self.equations.len() - self.is_free.iter().filter(|own| **own).count(),
             conditions: self.equations.len(),
             norm: self.equations.norm(),
+            weight: self.equations.weight,
             others: self.others(&free),
             stretches: None,
             bound: None,
@@ -459,8 +466,11 @@ impl Search<'_> {
             ..problem
         };
         let starts = self.optima(&guesses, &first);
-        let best = starts.into_iter().take(IMPROVED);
-        let best: Vec<Vec<f64>> = best.map(|own| own.constants).collect();
+        let least = starts.first().map_or(0.0, |own| own.loss);
+        let best = starts.into_iter().take(IMPROVED).enumerate();
+        let best =
+            best.filter(|(n, own)| *n < LEAST_IMPROVED || own.loss <= IMPROVED_RATIO * least);
+        let best: Vec<Vec<f64>> = best.map(|(_, own)| own.constants).collect();
         self.optima(&best, &problem)
     }
 

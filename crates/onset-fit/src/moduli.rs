@@ -278,10 +278,19 @@ pub(crate) fn isochoric_basis() -> [[f64; 3]; 2] {
 
 /// Number of points along an edge of the triangle of squared directions at which the search starts.
 const DIRECTIONS: usize = 12;
+/// Smallest step of the search. The stiffness is stationary at its minimum, so that its error is of the order of the squared step.
+pub(crate) const LEAST_STEP: f64 = 1e-6;
+/// Smallest step where only the order of states matters.
+pub(crate) const COARSE_STEP: f64 = 5e-3;
 
 impl Moduli<f64> {
-    /// Lowest value of a criterion at a state, with its perturbation.
-    pub fn lowest(&self, criterion: Criterion, compressible: bool) -> (f64, Perturbation) {
+    /// Lowest value of a criterion at a state, with its perturbation. Directions of waves are found within a smallest step.
+    pub fn lowest(
+        &self,
+        criterion: Criterion,
+        compressible: bool,
+        least_step: f64,
+    ) -> (f64, Perturbation) {
         match (criterion, compressible) {
             (Criterion::Drucker, false) => {
                 let matrix = self.isochoric();
@@ -295,11 +304,11 @@ impl Moduli<f64> {
                 let (value, vector) = lowest_of(matrix);
                 (value, Perturbation::Strain(vector))
             }
-            (Criterion::StrongEllipticity, _) => self.softest_wave(compressible),
+            (Criterion::StrongEllipticity, _) => self.softest_wave(compressible, least_step),
         }
     }
 
-    fn softest_wave(&self, compressible: bool) -> (f64, Perturbation) {
+    fn softest_wave(&self, compressible: bool, least_step: f64) -> (f64, Perturbation) {
         // Stiffness alone, which is all that the search over directions needs.
         let (trace, determinant) = self.elliptic_forms();
         let inverse = self.squares.map(f64::recip);
@@ -307,9 +316,9 @@ impl Moduli<f64> {
             true => lowest_root(&self.acoustic(p.map(f64::sqrt))),
             false => {
                 let q = [p[0] * inverse[0], p[1] * inverse[1], p[2] * inverse[2]];
-                let length = q[0] + q[1] + q[2];
-                let trace = quadratic_form(&trace, q) / length;
-                let determinant = cubic_form(&determinant, q) / length;
+                let unit = (q[0] + q[1] + q[2]).recip();
+                let trace = quadratic_form(&trace, q) * unit;
+                let determinant = cubic_form(&determinant, q) * unit;
                 let root = (trace * trace - 4.0 * determinant).max(0.0).sqrt();
                 match trace > 0.0 {
                     true => 2.0 * determinant / (trace + root),
@@ -328,7 +337,7 @@ impl Moduli<f64> {
             }
         }
         let mut step = 0.5 / DIRECTIONS as f64;
-        while step > 1e-6 {
+        while step > least_step {
             let before = best;
             for [du, dv] in [
                 [1.0, 0.0],
@@ -403,15 +412,11 @@ fn quadratic_form(form: &[f64; 6], [a, b, c]: [f64; 3]) -> f64 {
 }
 
 /// Value of a cubic form with coefficients in the Bernstein basis.
-fn cubic_form(form: &[f64; 10], p: [f64; 3]) -> f64 {
-    let mut sum = 6.0 * form[9] * p[0] * p[1] * p[2];
-    for a in 0..3 {
-        sum += form[a] * p[a] * p[a] * p[a];
-        for b in (0..3).filter(|b| *b != a) {
-            sum += 3.0 * form[cubic(a, a, b)] * p[a] * p[a] * p[b];
-        }
-    }
-    sum
+fn cubic_form(form: &[f64; 10], [a, b, c]: [f64; 3]) -> f64 {
+    a * a * (form[0] * a + 3.0 * (form[3] * b + form[4] * c))
+        + b * b * (form[1] * b + 3.0 * (form[5] * c + form[6] * a))
+        + c * c * (form[2] * c + 3.0 * (form[7] * a + form[8] * b))
+        + 6.0 * form[9] * a * b * c
 }
 
 /// Lowest eigenvalue of a symmetric matrix with its unit eigenvector.

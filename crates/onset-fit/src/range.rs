@@ -1,7 +1,7 @@
 //! States at which a law must be stable, and the worst of them.
 
 use crate::family::Family;
-use crate::moduli::{Criterion, PAIRS, Perturbation, isochoric_basis};
+use crate::moduli::{COARSE_STEP, Criterion, LEAST_STEP, PAIRS, Perturbation, isochoric_basis};
 use crate::solve::Cut;
 use crate::tests_of_specimens::Test;
 use rayon::prelude::*;
@@ -238,11 +238,16 @@ impl Numbers<'_> {
     /// Lowest relative value of the criteria at a state. States beyond the locking of chains, at which the
     /// law has no energy, have an infinite value.
     pub fn worst_at(&self, logs: [f64; 3], shear: f64) -> Worst {
+        self.worst_within(logs, shear, LEAST_STEP)
+    }
+
+    /// Like [`Self::worst_at`]; directions of waves are found within a smallest step.
+    fn worst_within(&self, logs: [f64; 3], shear: f64, least_step: f64) -> Worst {
         let moduli = self.family.moduli(self.constants, logs);
         let compressible = self.family.is_compressible();
         let mut worst: Option<Worst> = None;
         for criterion in self.criteria {
-            let (value, perturbation) = moduli.lowest(*criterion, compressible);
+            let (value, perturbation) = moduli.lowest(*criterion, compressible, least_step);
             let value = match value.is_nan() {
                 true => f64::INFINITY,
                 false => value / criterion.reference(shear.abs()),
@@ -409,11 +414,13 @@ pub(crate) fn low_states_of(
                 let at = place(n);
                 patch
                     .contains(&at)
-                    .then(|| law.worst_at(patch.logs(&at), shear))
+                    .then(|| law.worst_within(patch.logs(&at), shear, COARSE_STEP))
             })
             .collect();
         let low = values.iter().flatten().filter(|own| own.value < below);
-        found.extend(low.cloned());
+        let low: Vec<[f64; 3]> = low.map(|own| own.logs).collect();
+        let exact = low.into_par_iter().map(|logs| law.worst_at(logs, shear));
+        found.par_extend(exact);
         let value = |n: usize| values[n].as_ref().map_or(f64::INFINITY, |own| own.value);
         let is_low = |n: usize| {
             (0..dimension).all(|a| {
@@ -432,9 +439,7 @@ pub(crate) fn low_states_of(
             let steps: Vec<f64> = (0..dimension)
                 .map(|a| 0.5 * (patch.high[a] - patch.low[a]) / (count - 1) as f64)
                 .collect();
-            let Some(start) = values[n].clone() else {
-                continue;
-            };
+            let start = law.worst_at(patch.logs(&place(n)), shear);
             let (worst, middle) =
                 improved(law, patch, shear, place(n), steps.clone(), start, sampling);
             if worst.value < below {

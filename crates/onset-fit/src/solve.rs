@@ -253,11 +253,14 @@ impl Problem<'_> {
 
     /// Optimal moduli for given values of the other constants.
     fn of_moduli(&self, constants: &[f64], is_free: &[bool]) -> Option<Solution> {
-        let (mut errors, mut jacobian) = self.equations.errors(self.family, constants);
-        let moduli = self.family.constants().iter().map(|own| own.is_modulus);
-        let free: Vec<bool> = moduli
+        let (mut errors, jacobian) = self.equations.errors(self.family, constants);
+        let constants_of_law = self.family.constants().iter();
+        let is_modulus: Vec<bool> = constants_of_law.map(|own| own.is_modulus).collect();
+        let rest = self.equations.at_rest();
+        let free: Vec<bool> = is_modulus
+            .iter()
             .zip(is_free)
-            .map(|(own, free)| own && *free)
+            .map(|(own, free)| *own && *free)
             .collect();
         if !jacobian
             .iter()
@@ -280,7 +283,15 @@ impl Problem<'_> {
             for (x, s) in found.iter_mut().zip(step.iter()) {
                 *x += s;
             }
-            (errors, jacobian) = self.equations.errors(self.family, &found);
+            if self.family.is_linear() {
+                errors = self.equations.errors(self.family, &found).0;
+                continue;
+            }
+            // The errors are linear in the moduli; the terms need not be evaluated again.
+            errors.copy_from(&rest);
+            for (n, value) in found.iter().enumerate().filter(|(n, _)| is_modulus[*n]) {
+                errors.axpy(*value, &jacobian.column(n), 1.0);
+            }
         }
         Some(Solution {
             loss: errors.norm_squared(),
@@ -454,8 +465,8 @@ fn projected(target: &DVector<f64>, rows: &[DVector<f64>], bounds: &[f64]) -> Op
     let mut right = DVector::zeros(count + 1);
     right[count] = 1.0;
     let (active, rest) = nonnegative(&columns, &right)?;
-    // The dual has no error if the constraints contradict each other.
-    if rest.norm() < 1e-12 {
+    // The dual has no error if the constraints contradict each other. More active constraints than unknowns depend on each other.
+    if rest.norm() < 1e-12 || active.len() > count {
         return None;
     }
     // y = target - N (N^T N)^-1 (N^T target - b), with the normals of the active constraints as the columns of N = Q R.

@@ -62,6 +62,8 @@ struct Equation {
 #[derive(Clone, Debug)]
 pub(crate) struct Equations {
     all: Vec<Equation>,
+    /// Sum of the weights of all squared errors.
+    pub weight: f64,
     /// For a law that is linear in its constants: upper triangular matrix `R` and vector `d` with the sum of squares `|R c - d|^2`, which replace the
     /// conditions.
     reduced: Option<(DMatrix<f64>, DVector<f64>)>,
@@ -71,21 +73,25 @@ impl Equations {
     /// Conditions of tests on a law. Points in the reference configuration carry no information and are skipped.
     pub fn new(tests: &[Test], compressible: bool, weights: Weights) -> Self {
         let mut all = Vec::new();
+        let mut weight = 0.0;
         let used = tests.iter().filter(|test| test.mode != Mode::Volumetric);
         let points: usize = used.clone().map(|test| test.points.len()).sum();
         let mean = points as f64 / used.count().max(1) as f64;
         for (t, test) in tests.iter().enumerate() {
             let magnitudes = test.points.iter().map(|point| point.stress.abs());
             let largest = magnitudes.fold(0.0, f64::max);
+            let part = match weights {
+                Weights::ByTest(_) => test.weight * mean / test.points.len() as f64,
+                Weights::Relative(_) | Weights::Absolute => test.weight,
+            };
             for (p, point) in test.points.iter().enumerate() {
-                let scale = match weights {
-                    Weights::Relative(floor) => point.stress.abs().max(floor * largest).recip(),
-                    Weights::ByTest(floor) => {
-                        let part = (mean / test.points.len() as f64).sqrt();
-                        part / point.stress.abs().max(floor * largest)
+                let unit = match weights {
+                    Weights::Relative(floor) | Weights::ByTest(floor) => {
+                        point.stress.abs().max(floor * largest)
                     }
                     Weights::Absolute => 1.0,
-                } * test.weight.sqrt();
+                };
+                let scale = part.sqrt() / unit;
                 let at = |logs: [f64; 3], factors: [f64; 3], measured| Equation {
                     place: (t, p),
                     logs,
@@ -112,6 +118,7 @@ impl Equations {
                     (Mode::Planar, true) => at([h, 0.0, across], [inverse, 0.0, 0.0], point.stress),
                 };
                 all.push(first);
+                weight += part;
                 if compressible && test.mode != Mode::SimpleShear {
                     let factors = [0.0, 0.0, (-across).exp()];
                     all.push(Equation {
@@ -119,10 +126,15 @@ impl Equations {
                         measured: 0.0,
                         ..first
                     });
+                    weight += part;
                 }
             }
         }
-        Self { all, reduced: None }
+        Self {
+            all,
+            weight,
+            reduced: None,
+        }
     }
 
     /// Conditions with the same sum of squares for a law that is linear in its constants; their number exceeds the number of constants by one at most.
@@ -141,6 +153,7 @@ impl Equations {
         let upper = matrix.qr().r();
         Self {
             all: Vec::new(),
+            weight: self.weight,
             reduced: Some((
                 upper.columns(0, count).into_owned(),
                 upper.column(count).into_owned(),
@@ -164,6 +177,7 @@ impl Equations {
         });
         Self {
             all: kept.collect(),
+            weight: self.weight,
             reduced: None,
         }
     }
@@ -188,6 +202,16 @@ impl Equations {
             .iter()
             .map(|own| (own.scale * own.measured).powi(2));
         squares.sum::<f64>().sqrt()
+    }
+
+    /// Scaled errors of a law whose moduli are zero.
+    pub fn at_rest(&self) -> DVector<f64> {
+        match &self.reduced {
+            Some((_, right)) => -right,
+            None => DVector::from_fn(self.all.len(), |n, _| {
+                -self.all[n].scale * self.all[n].measured
+            }),
+        }
     }
 
     /// Scaled errors of a law, and their derivatives with respect to its constants.
