@@ -831,6 +831,7 @@ def fit(
     law: str | Iterable[str] = "all",
     *,
     weights: str = "relative",
+    weight: Mapping[str, float] | None = None,
     floor: float | None = None,
     stable: str | None = "data",
     criterion: str = "both",
@@ -861,9 +862,11 @@ def fit(
         and ``lateral_stretch`` if it was measured. The arrays are stretch (dimensionless) and nominal stress (stress), and may be followed by the lateral
         stretch. Simple shear has the amount of shear as stretch, and a volumetric test the volume ratio and the pressure.
     law
-        Names of laws, or ``all``.
+        Names of laws, or ``all``; if the volume of the specimens changes, ``all`` are the laws of foam.
     weights
         ``relative`` (``s_i`` is the measured stress), ``by-test`` (relative, with the same weight for each test) or ``absolute``.
+    weight
+        Weights of the squared errors of tests by their loading, for example ``{"equibiaxial": 3}``; 1 if omitted.
     floor
         Smallest scale of relative errors, as a fraction of the largest stress of the test, from 0 to 1; 0, and 0.02 with ``by-test``, if omitted.
     stable
@@ -911,6 +914,7 @@ def fit(
         tests=_tests(tests),
         law=laws,
         weights=weights,
+        weight=[(name, positive(value, f"weight[{name!r}]")) for name, value in (weight or {}).items()],
         floor=part if part is None or part == 0.0 else share(part, "floor"),
         stable=stable if stable is not None else "none",
         criterion=criterion,

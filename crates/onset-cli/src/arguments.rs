@@ -804,6 +804,9 @@ pub struct FitArguments {
     /// Weights of the points: relative (errors divided by the measured stress), by-test (relative, with the same weight for each test) or absolute.
     #[arg(long, value_name = "KIND", value_parser = ["relative", "by-test", "absolute"], default_value = "relative", help_heading = "Fit")]
     pub weights: String,
+    /// Weight of the squared errors of a test, by its loading, for example equibiaxial=3 (may be given several times) [default: 1].
+    #[arg(long, value_name = "TEST=NUMBER", value_parser = weight, allow_hyphen_values = true, help_heading = "Fit")]
+    pub weight: Vec<(String, f64)>,
     /// Smallest stress in the denominator of relative errors, as a fraction of the largest stress of the test [default: 0, and 0.02 with by-test].
     #[arg(long, value_name = "PART", value_parser = share, allow_negative_numbers = true, help_heading = "Fit")]
     pub floor: Option<f64>,
@@ -862,6 +865,13 @@ fn constant(text: &str) -> Result<(String, f64), String> {
         Some((name.trim().to_owned(), value))
     });
     pair.ok_or_else(|| "expected NAME=VALUE, for example alpha1=2".to_owned())
+}
+
+fn weight(text: &str) -> Result<(String, f64), String> {
+    let found = constant(text).ok().filter(|own| own.1 > 0.0);
+    found.ok_or_else(|| {
+        "expected TEST=NUMBER with a positive number, for example equibiaxial=3".to_owned()
+    })
 }
 
 fn bound(text: &str) -> Result<(String, [f64; 2]), String> {

@@ -26,6 +26,7 @@ pub struct Asked {
     tests: Vec<Given>,
     law: Vec<String>,
     weights: String,
+    weight: Vec<(String, f64)>,
     floor: Option<f64>,
     stable: String,
     criterion: String,
@@ -83,7 +84,6 @@ fn source((mode, path, arrays, cells): Given) -> Result<Source, Failure> {
 #[pyfunction]
 pub fn fit(py: Python<'_>, asked: Asked) -> PyResult<Answer> {
     interrupt::answer(py, move || {
-        let families = families(&asked.law)?;
         let range = stable_range(&asked.stable);
         let options = Options {
             weights: weights(&asked.weights, asked.floor)?,
@@ -103,8 +103,10 @@ pub fn fit(py: Python<'_>, asked: Asked) -> PyResult<Answer> {
             area: asked.area,
             range: asked.range,
             material: asked.material,
+            weights: asked.weight,
         };
-        let tests = Tests::read(&sources, &reading).map_err(FittingError::from)?;
+        let mut tests = Tests::read(&sources, &reading).map_err(FittingError::from)?;
+        let families = families(&asked.law, &mut tests)?;
         let answer = fitted(tests, &families, &options, asked.bulk, &mut |_| {})?;
         let told = Answer::of(&answer, &answer, answer.csv())?;
         Ok(told.with_files(move || Ok(answer.files()?)))

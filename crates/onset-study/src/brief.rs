@@ -28,6 +28,7 @@ pub trait Brief: Display {
 pub struct Short {
     sentence: String,
     table: Vec<String>,
+    table_lines: usize,
     rows: Vec<Row>,
     notes: Vec<String>,
     settings: Vec<(&'static str, String)>,
@@ -47,6 +48,7 @@ impl Short {
     pub(crate) fn new(sentence: impl Into<String>) -> Self {
         Self {
             sentence: sentence.into(),
+            table_lines: TABLE_LINES,
             ..Self::default()
         }
     }
@@ -61,6 +63,12 @@ impl Short {
     /// Adds a table: its head, then its lines, the most important ones first.
     pub(crate) fn table(mut self, lines: impl IntoIterator<Item = String>) -> Self {
         self.table.extend(lines);
+        self
+    }
+
+    /// Sets the number of lines of the table that notes do not displace.
+    pub(crate) fn table_lines(mut self, lines: usize) -> Self {
+        self.table_lines = lines;
         self
     }
 
@@ -88,7 +96,7 @@ impl Short {
             let own = own.filter(|(row, _)| row.rank == rank);
             own.map(|(_, lines)| lines.len()).sum::<usize>()
         };
-        let room = left.saturating_sub(kept(0) + self.table.len().min(TABLE_LINES));
+        let room = left.saturating_sub(kept(0) + self.table.len().min(self.table_lines));
         let notes = self.shown_notes(room.clamp(1, NOTE_LINES));
         left = left.saturating_sub(notes.len());
         let table = self.cut_table(left.saturating_sub(kept(0)));

@@ -55,6 +55,7 @@ pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
         area: arguments.area,
         range: arguments.range,
         material: arguments.material.clone(),
+        weights: arguments.weight.clone(),
     };
     if arguments.fail_on.is_some() && arguments.stable.0.is_none() {
         return Err(Failure::input(
@@ -69,8 +70,8 @@ pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
             )));
         }
     }
-    let families = families(&arguments.law)?;
-    let tests = Tests::read(&files, &reading).map_err(FittingError::Table)?;
+    let mut tests = Tests::read(&files, &reading).map_err(FittingError::Table)?;
+    let families = families(&arguments.law, &mut tests)?;
     let place = arguments.out.as_deref();
     let output = arguments
         .drawing
@@ -116,7 +117,9 @@ pub fn fit(arguments: &FitArguments) -> Result<ExitCode, Failure> {
     let shown = match output {
         Some(output) => {
             let written = output.write(&answer.files()?)?;
-            format!("{text}\n\n{}", wrote(&written))
+            let missing = answer.missing_blocks().filter(|_| written.len() > 1);
+            let missing = missing.map_or(String::new(), |own| format!("\n{own}"));
+            format!("{text}\n\n{}{missing}", wrote(&written))
         }
         None => text,
     };

@@ -6,9 +6,9 @@ use crate::csv::Table;
 use crate::json;
 use crate::number::{counted, told, told_with};
 use crate::output::{Files, picture, text};
-use crate::settings::{Program, Units, law_written};
+use crate::settings::{Program, Units, WriteError, law_written};
 use crate::shell::quoted;
-use onset_fit::{Criterion, Fit, Misfit, Mode, Model, Options, Proof, Range, Test, Weights};
+use onset_fit::{Criterion, Fit, Misfit, Mode, Model, Options, Point, Proof, Range, Test, Weights};
 use serde::Serialize;
 use std::fmt::{self, Write};
 
@@ -23,6 +23,8 @@ pub struct TestAnswer {
     pub points: usize,
     /// Smallest and largest stretch; in simple shear the amount of shear, in volumetric tests the volume ratio.
     pub stretches: [f64; 2],
+    /// Weight of the squared errors.
+    pub weight: f64,
 }
 
 /// Fitted constant with its deviation.
@@ -53,6 +55,9 @@ pub struct LossAnswer {
     pub stretch: f64,
     /// Whether the state is within the range of the tests.
     pub inside_of_data: bool,
+    /// Test that reaches the state, with its range of stretches.
+    #[serde(skip)]
+    data: Option<String>,
 }
 
 /// State at which the chains of a law are fully extended.
@@ -77,12 +82,16 @@ pub struct LawAnswer {
     pub shear_modulus: f64,
     /// Root mean square of the errors relative to the measured stresses.
     pub error: f64,
+    /// Root mean square of the errors as they are weighted in the minimized sum: relative, or in units of stress with absolute weights.
+    pub minimized: f64,
     /// Minimized sum of squares.
     pub loss: f64,
     /// Errors of each test.
     pub tests: Vec<Misfit>,
     /// Error of the best fit without the stability constraint.
     pub free_error: f64,
+    /// Root mean square of the weighted errors of the best fit without the stability constraint.
+    pub free_minimized: f64,
     /// Sum of squares of the best fit without the stability constraint.
     pub free_loss: f64,
     /// Smallest stretches up to 10 at which the best fit without the stability constraint violates a criterion in tension.
@@ -138,6 +147,8 @@ pub struct FitAnswer {
     pub laws: Vec<LawAnswer>,
     /// Laws that could not be fitted, with the reasons.
     pub refused: Vec<(String, String)>,
+    /// Questions on stresses that contradict the other tests.
+    pub questions: Vec<String>,
     /// Remarks for the reader.
     pub notes: Vec<String>,
     #[serde(skip)]
@@ -181,6 +192,7 @@ impl FitAnswer {
                         stretches.clone().fold(f64::INFINITY, f64::min),
                         stretches.fold(0.0, f64::max),
                     ],
+                    weight: test.weight,
                 }
             })
             .collect();
@@ -220,6 +232,9 @@ impl FitAnswer {
             .into_iter()
             .map(|fit| LawAnswer::new(fit, &tables.tests, &tests, bulk, &fixed));
         let laws: Vec<LawAnswer> = laws.collect::<Result<_, _>>()?;
+        if let Some(note) = beyond_range(options.range, &tables.tests, &laws[0]) {
+            notes.insert(0, note);
+        }
         notes.extend(remarks(&laws));
         notes.extend(outliers(&laws[0], &tables.tests));
         notes.extend(contradicted(&laws[0], &tables.tests, bulk)?);
@@ -231,6 +246,7 @@ impl FitAnswer {
             criteria: options.criteria.clone(),
             laws,
             refused,
+            questions: tables.questions,
             notes,
             tests,
             data: tables.tests,
@@ -263,16 +279,46 @@ impl FitAnswer {
         }
     }
 
-    fn sentence(&self) -> String {
+    /// Minimized error, with the unit of stress for absolute weights.
+    fn measured(&self, minimized: f64) -> String {
+        match (self.weights, &self.unit) {
+            (Weights::Absolute, Some(unit)) => format!("{} {unit}", told_with(minimized, 3)),
+            (Weights::Absolute, None) => told_with(minimized, 3),
+            _ => percent(minimized),
+        }
+    }
+
+    /// Name of the minimized error.
+    fn measure(&self) -> String {
+        let is_weighted = matches!(self.weights, Weights::ByTest(_))
+            || matches!(self.weights, Weights::Relative(floor) if floor > 0.0)
+            || self.tests.iter().any(|test| test.weight != 1.0);
+        format!(
+            "root mean square of {}{}errors{}",
+            if is_weighted { "weighted " } else { "" },
+            match self.weights {
+                Weights::Absolute => "",
+                _ => "relative ",
+            },
+            match self.best().fit.family.is_compressible() {
+                true => " along and across the load",
+                false => "",
+            }
+        )
+    }
+
+    /// First sentence: the error, and the range in which the best law is stable.
+    fn result(&self) -> String {
         let best = self.best();
         let mut text = format!(
-            "{} fits the {} within {} (root mean square of relative errors)",
+            "{} fits the {} within {} ({})",
             best.law,
             match self.tests.len() {
                 1 => "test".to_owned(),
                 count => counted(count, "test"),
             },
-            percent(best.error)
+            self.measured(best.minimized),
+            self.measure()
         );
         match &best.proof {
             Some(Proof::Proved { .. }) => {
@@ -283,12 +329,18 @@ impl FitAnswer {
             }
             None => text.push_str("; stability was not required."),
         }
-        text.push(' ');
-        text.push_str(&best.demand());
+        text
+    }
+
+    fn sentence(&self) -> String {
+        let best = self.best();
+        let mut text = format!("{} {}", self.result(), self.demand());
         if let [_, others @ ..] = self.laws.as_slice()
             && let Some(simple) = others
                 .iter()
-                .filter(|own| own.error < SIMILAR * best.error && own.unknown() < best.unknown())
+                .filter(|own| {
+                    own.minimized < SIMILAR * best.minimized && own.unknown() < best.unknown()
+                })
                 .min_by_key(|own| own.unknown())
         {
             let _ = write!(
@@ -297,7 +349,7 @@ impl FitAnswer {
                 counted(simple.unknown(), "constant"),
                 best.unknown(),
                 simple.law,
-                percent(simple.error)
+                self.measured(simple.minimized)
             );
         }
         text
@@ -311,15 +363,21 @@ impl FitAnswer {
             .max()
             .unwrap_or(0)
             .max(3);
+        let errors: Vec<String> = self
+            .laws
+            .iter()
+            .map(|own| self.measured(own.minimized))
+            .collect();
+        let wide = errors.iter().map(String::len).max().unwrap_or(0).max(6);
         let mut lines = vec![format!(
-            "{:width$}  constants   error  worst test             in the range  without the constraint",
-            "law"
+            "{:width$}  constants  {:>wide$}  worst test             in the range  without the constraint",
+            "law", "error"
         )];
-        for own in &self.laws {
+        for (own, error) in self.laws.iter().zip(&errors) {
             let worst = own.tests.iter().filter(|test| test.relative.is_finite());
-            let worst = worst.max_by(|a, b| a.relative.total_cmp(&b.relative));
+            let worst = worst.max_by(|a, b| self.of_test(a).total_cmp(&self.of_test(b)));
             let worst = worst.map_or(String::new(), |test| {
-                format!("{} {}", test.test, percent(test.relative))
+                format!("{} {}", test.test, self.measured(self.of_test(test)))
             });
             let stable = match &own.proof {
                 Some(Proof::Proved { .. }) => "proved",
@@ -328,17 +386,95 @@ impl FitAnswer {
             };
             let free = match (own.needs_no_demand, own.free_losses.first()) {
                 (true, _) => "the same".to_owned(),
-                (false, None) => percent(own.free_error),
-                (false, Some(loss)) => format!("{}, {}", percent(own.free_error), loss.brief()),
+                (false, None) => self.measured(own.free_minimized),
+                (false, Some(loss)) => {
+                    format!("{}, {}", self.measured(own.free_minimized), loss.brief())
+                }
             };
             lines.push(format!(
-                "{:width$}  {:>9}  {:>6}  {worst:21}  {stable:12}  {free}",
+                "{:width$}  {:>9}  {error:>wide$}  {worst:21}  {stable:12}  {free}",
                 own.law,
                 own.unknown(),
-                percent(own.error),
             ));
         }
         lines
+    }
+
+    /// Error of a test: relative, or in units of stress with absolute weights.
+    fn of_test(&self, test: &Misfit) -> f64 {
+        match self.weights {
+            Weights::Absolute => test.absolute,
+            _ => test.relative,
+        }
+    }
+
+    /// Errors of the tests of a law in one line.
+    fn errors_in_words(&self, law: &LawAnswer) -> String {
+        let tests = law.tests.iter().filter(|own| own.relative.is_finite());
+        let tests = tests.map(|own| format!("{} {}", own.test, self.measured(self.of_test(own))));
+        tests.collect::<Vec<_>>().join(", ")
+    }
+
+    /// Measured stretches by test in one line.
+    fn data_in_words(&self) -> String {
+        let tests = self.tests.iter().map(|own| {
+            let [low, high] = own.stretches.map(short);
+            let weight = match own.weight {
+                1.0 => String::new(),
+                weight => format!(" (weight {})", told(weight)),
+            };
+            format!("{} {low} to {high}{weight}", own.name)
+        });
+        let tests = tests.collect::<Vec<_>>().join(", ");
+        match self.range {
+            Some(Range::Data(factor)) => format!(
+                "{tests}; range: up to {} times the largest stretch in all loadings",
+                told(factor)
+            ),
+            _ => tests,
+        }
+    }
+
+    /// Sentence on the cost of the stability constraint.
+    fn demand(&self) -> String {
+        let best = self.best();
+        if best.proof.is_none() {
+            return match best.free_losses.first() {
+                None => "It violates no criterion in uniaxial, equibiaxial and planar tension up to stretch 10; other states are not examined.".to_owned(),
+                Some(_) => format!("It violates {}.", in_words(&best.free_losses)),
+            };
+        }
+        if best.needs_no_demand {
+            return "The best fit is stable without the constraint, which therefore costs nothing."
+                .to_owned();
+        }
+        let mut text = format!(
+            "Without the stability constraint it would fit within {}",
+            self.measured(best.free_minimized)
+        );
+        let _ = match best.free_losses.is_empty() {
+            true => write!(
+                text,
+                ", and lose stability within the range, though not in these tests"
+            ),
+            false => write!(text, ", and lose {}", in_words(&best.free_losses)),
+        };
+        text + "."
+    }
+
+    /// Sentence on the programs for which [`FitAnswer::files`] has no block, or `None` if all programs have one.
+    pub fn missing_blocks(&self) -> Option<String> {
+        let missing = BLOCKS.into_iter();
+        let missing =
+            missing.filter_map(|(program, _)| Some((program.title(), self.block(program).err()?)));
+        let (names, reasons): (Vec<&str>, Vec<WriteError>) = missing.unzip();
+        let law = &self.best().law;
+        let reason = match reasons.first()? {
+            WriteError::Law { .. } => format!("{law} is written for no other program"),
+            WriteError::Lacks { .. } => format!("without the law {law}"),
+            other => other.to_string(),
+        };
+        Some(format!("no block for {}: {reason}", names.join(", ")))
     }
 
     /// Command that evaluates the stability criteria of the best law.
@@ -400,15 +536,15 @@ impl FitAnswer {
             picture("fit", self.figure()),
         ];
         for (program, name) in BLOCKS {
-            if let Some(block) = self.block(program) {
+            if let Ok(block) = self.block(program) {
                 files.push(text(name, block));
             }
         }
         Ok(files)
     }
 
-    /// Block of the best law for another program; `None` if the program lacks the law.
-    fn block(&self, program: Program) -> Option<String> {
+    /// Block of the best law for another program, or the reason why the program has no block.
+    fn block(&self, program: Program) -> Result<String, WriteError> {
         let best = self.best();
         let law = match best.fit.family.model() {
             Model::Library(name) => name,
@@ -421,9 +557,7 @@ impl FitAnswer {
         let parameters: Vec<(&str, f64)> = constants
             .chain(best.kappa.map(|own| ("kappa", own)))
             .collect();
-        law_written(program, law, &parameters)
-            .ok()
-            .map(|own| own.text)
+        law_written(program, law, &parameters).map(|own| own.text)
     }
 
     /// Study with the best law, for other commands.
@@ -444,6 +578,81 @@ impl FitAnswer {
         study
     }
 }
+
+/// Note on measured points beyond the range of the stability constraint, if the user gave its limits.
+fn beyond_range(range: Option<Range>, data: &[Test], best: &LawAnswer) -> Option<String> {
+    let (limits, is_path) = match range? {
+        Range::Box(low, high) => ([low.ln(), high.ln()], false),
+        Range::Loadings(low, high) => ([low.ln(), high.ln()], true),
+        Range::Data(_) => return None,
+    };
+    let is_compressible = best.fit.family.is_compressible();
+    let logs_of = |test: &Test, own: &Point| match own.lateral.filter(|_| is_compressible) {
+        Some(lateral) => {
+            let width = match test.mode {
+                Mode::Uniaxial => lateral,
+                Mode::Equibiaxial => own.stretch,
+                _ => 1.0,
+            };
+            [own.stretch, width, lateral].map(f64::ln)
+        }
+        None => test.mode.logs(own.stretch),
+    };
+    let is_inside = |logs: [f64; 3]| {
+        let used = if is_path { &logs[..1] } else { &logs[..] };
+        used.iter()
+            .all(|log| (limits[0] - SLACK..=limits[1] + SLACK).contains(log))
+    };
+    let tests = data.iter().filter_map(|test| {
+        if test.mode == Mode::Volumetric {
+            return None;
+        }
+        let (inside, beyond): (Vec<&Point>, Vec<&Point>) = test
+            .points
+            .iter()
+            .partition(|own| is_inside(logs_of(test, own)));
+        let rest = if test.mode == Mode::SimpleShear {
+            0.0
+        } else {
+            1.0
+        };
+        let strain = |own: &&Point| (own.stretch - rest).abs();
+        let last = beyond
+            .iter()
+            .max_by(|a, b| strain(a).total_cmp(&strain(b)))?;
+        let side = |own: &&&Point| (own.stretch > rest) == (last.stretch > rest);
+        let within = inside.iter().filter(side).map(|own| own.stretch);
+        let within = match last.stretch > rest {
+            true => within.fold(rest, f64::max),
+            false => within.fold(rest, f64::min),
+        };
+        Some(format!(
+            "{} {} (the data reach {})",
+            test.name,
+            short(within),
+            short(last.stretch)
+        ))
+    });
+    let tests: Vec<String> = tests.collect();
+    let lost: Vec<&LossAnswer> = best
+        .losses
+        .iter()
+        .filter(|own| own.inside_of_data)
+        .collect();
+    (!tests.is_empty()).then(|| {
+        format!(
+            "the data reach beyond the range of the stability constraint, whose last points are {}; beyond, {}",
+            tests.join(", "),
+            match lost.first() {
+                Some(loss) => format!("{} is {}", best.law, loss.brief()),
+                None => format!("{} may be unstable", best.law),
+            }
+        )
+    })
+}
+
+/// Difference of logarithms of stretches that is a rounding error.
+const SLACK: f64 = 1e-9;
 
 /// Smallest errors of an outlier: relative to the median error of its test, and relative to the stress.
 const OUTLIER: f64 = 8.0;
@@ -588,6 +797,11 @@ const PRINTED_LEAST: f64 = 1e-6;
 /// Digits of printed constants of compressible laws.
 const COMPRESSIBLE_DIGITS: usize = 8;
 
+/// Lines of a ranking that notes do not displace: the head, three laws and the number of the others.
+const RANKING_LINES: usize = 5;
+/// Largest number of characters of the constants in a ranking.
+const RANKING_CONSTANTS: usize = 170;
+
 /// Largest ratio of the errors of two laws that fit about as well.
 const SIMILAR: f64 = 1.25;
 
@@ -628,6 +842,8 @@ impl LawAnswer {
                 fit.free.misfits[n] = own;
             }
         }
+        let weight = fit.weight;
+        let root_mean = |loss: f64| (loss / weight).sqrt();
         let deviations = &result.uncertainty.deviations;
         let constants = fit
             .family
@@ -643,7 +859,7 @@ impl LawAnswer {
                     Mode::Uniaxial => [limit.stretch, limit.stretch.powf(-0.5), 1.0],
                     _ => [1.0, 1.0, limit.stretch],
                 };
-                let is_reached = |test: &TestAnswer| {
+                let is_reached = |test: &&TestAnswer| {
                     let [low, high] = test.stretches;
                     let within = |stretch: f64| stretch != 1.0 && (low..=high).contains(&stretch);
                     match test.mode {
@@ -653,11 +869,16 @@ impl LawAnswer {
                         _ => false,
                     }
                 };
+                let reached = tests.iter().find(is_reached);
                 LossAnswer {
                     mode: limit.mode,
                     criterion: limit.criterion,
                     stretch: limit.stretch,
-                    inside_of_data: tests.iter().any(is_reached),
+                    inside_of_data: reached.is_some(),
+                    data: reached.map(|test| {
+                        let [low, high] = test.stretches.map(short);
+                        format!("{} data, {low} to {high}", test.name)
+                    }),
                 }
             });
             all.collect()
@@ -677,9 +898,11 @@ impl LawAnswer {
             kappa,
             shear_modulus: result.shear_modulus,
             error: result.relative,
+            minimized: root_mean(result.loss),
             loss: result.loss,
             tests: misfits,
             free_error: fit.free.relative,
+            free_minimized: root_mean(fit.free.loss),
             free_loss: fit.free.loss,
             free_losses: losses(&fit.free),
             losses: losses(&result),
@@ -741,15 +964,17 @@ impl LawAnswer {
         digits.map_or(values.clone(), at)
     }
 
-    /// Constants with their deviations in one line.
-    fn constants_in_words(&self, data: &[Test], unit: Option<&str>) -> String {
+    /// Constants in one line, with or without their deviations.
+    fn constants_in_words(&self, data: &[Test], unit: Option<&str>, deviations: bool) -> String {
         let told = self.constants.iter().zip(self.rounded(data));
         let told = told.map(|(own, value)| {
             let after = match (own.is_fixed, own.is_at_bound, own.deviation) {
                 (true, _, _) => " (fixed)".to_owned(),
                 (_, true, _) => " (at its bound)".to_owned(),
                 (_, _, Some(0.0)) => " (set by the stability constraint)".to_owned(),
-                (_, _, Some(deviation)) => format!(" ± {}", told_with(deviation, 2)),
+                (_, _, Some(deviation)) if deviations => {
+                    format!(" ± {}", told_with(deviation, 2))
+                }
                 _ => String::new(),
             };
             let unit = match (own.unit, unit) {
@@ -759,13 +984,6 @@ impl LawAnswer {
             format!("{} {}{after}{unit}", own.name, told_with(value, 17))
         });
         told.collect::<Vec<_>>().join(", ")
-    }
-
-    /// Errors of the tests in one line.
-    fn errors_in_words(&self) -> String {
-        let tests = self.tests.iter().filter(|own| own.relative.is_finite());
-        let tests = tests.map(|own| format!("{} {}", own.test, percent(own.relative)));
-        tests.collect::<Vec<_>>().join(", ")
     }
 
     /// Strongly correlated constants in one line.
@@ -793,32 +1011,6 @@ impl LawAnswer {
             count => format!("{count} other optima have sums of squares within 5 %"),
         }
     }
-
-    /// Sentence on the cost of the stability constraint.
-    fn demand(&self) -> String {
-        if self.proof.is_none() {
-            return match self.free_losses.first() {
-                None => "It violates no criterion in uniaxial, equibiaxial and planar tension up to stretch 10; other states are not examined.".to_owned(),
-                Some(_) => format!("It violates {}.", in_words(&self.free_losses)),
-            };
-        }
-        if self.needs_no_demand {
-            return "The best fit is stable without the constraint, which therefore costs nothing."
-                .to_owned();
-        }
-        let mut text = format!(
-            "Without the stability constraint it would fit within {}",
-            percent(self.free_error)
-        );
-        let _ = match self.free_losses.is_empty() {
-            true => write!(
-                text,
-                ", and lose stability within the range, though not in these tests"
-            ),
-            false => write!(text, ", and lose {}", in_words(&self.free_losses)),
-        };
-        text + "."
-    }
 }
 
 /// Sentence on the first violation of each criterion.
@@ -835,11 +1027,9 @@ fn in_words(losses: &[LossAnswer]) -> String {
             loss.criterion.of_library().title(),
             short(loss.stretch),
             loss.mode.name(),
-            if loss.inside_of_data {
-                " (inside the data)"
-            } else {
-                ""
-            }
+            loss.data
+                .as_ref()
+                .map_or(String::new(), |data| format!(" (inside the {data})"))
         )
     });
     told.collect::<Vec<_>>().join(" and ")
@@ -848,18 +1038,29 @@ fn in_words(losses: &[LossAnswer]) -> String {
 impl Brief for FitAnswer {
     fn brief(&self) -> Short {
         let best = self.best();
-        let mut short = Short::new(self.sentence());
-        if self.laws.len() > 1 {
-            short = short.table(self.table());
-        } else {
-            short = short.row(1, "by test", best.errors_in_words());
+        let is_ranking = self.laws.len() > 1;
+        let mut short = match is_ranking {
+            true => Short::new(self.result())
+                .table(self.table())
+                .table_lines(RANKING_LINES),
+            false => Short::new(self.sentence()).row(1, "by test", self.errors_in_words(best)),
+        };
+        for question in &self.questions {
+            short = short.row(0, "question", question);
         }
-        let constants = best.constants_in_words(&self.data, self.unit.as_deref());
+        let unit = self.unit.as_deref();
+        let mut constants = best.constants_in_words(&self.data, unit, true);
+        if is_ranking && constants.chars().count() > RANKING_CONSTANTS {
+            constants = best.constants_in_words(&self.data, unit, false);
+        }
         short = short.row(0, "constants", constants);
+        // A ranking has no room for these.
+        let rank = if is_ranking { 3 } else { 0 };
         for (rank, name, text) in [
-            (0, "uncertain", best.undetermined_in_words()),
-            (0, "correlated", best.correlated_in_words()),
+            (rank, "uncertain", best.undetermined_in_words()),
+            (rank, "correlated", best.correlated_in_words()),
             (2, "not unique", best.others_in_words()),
+            (3, "data", self.data_in_words()),
         ] {
             if !text.is_empty() {
                 short = short.row(rank, name, text);
@@ -877,25 +1078,32 @@ impl fmt::Display for FitAnswer {
         }
         let unit = self.unit.as_deref().unwrap_or("the unit of the tables");
         writeln!(formatter)?;
+        for question in &self.questions {
+            writeln!(formatter, "question    {question}")?;
+        }
         for own in &self.tests {
             writeln!(
                 formatter,
-                "test        {}: {} at {} from {} to {}",
+                "test        {}: {} at {} from {} to {}{}",
                 own.name,
                 counted(own.points, "point"),
                 own.mode.measures(),
                 short(own.stretches[0]),
-                short(own.stretches[1])
+                short(own.stretches[1]),
+                match own.weight {
+                    1.0 => String::new(),
+                    weight => format!(", weight {}", told(weight)),
+                }
             )?;
         }
         writeln!(formatter, "\nconstants   (stresses in {unit})")?;
         for own in &self.laws {
-            let constants = own.constants_in_words(&self.data, self.unit.as_deref());
+            let constants = own.constants_in_words(&self.data, self.unit.as_deref(), true);
             writeln!(formatter, "{}: {constants}", own.law)?;
             for (name, text) in [
                 ("uncertain", own.undetermined_in_words()),
                 ("correlated", own.correlated_in_words()),
-                ("by test", own.errors_in_words()),
+                ("by test", self.errors_in_words(own)),
                 ("not unique", own.others_in_words()),
             ] {
                 if !text.is_empty() {

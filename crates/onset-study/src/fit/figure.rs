@@ -2,7 +2,7 @@
 
 use super::FitAnswer;
 use crate::figure::{Axis, Figure, Line, Panel, Points, Regions, palette};
-use onset_fit::{Mode, Test};
+use onset_fit::{Fitted, Mode, Test};
 
 /// Points of a curve.
 const CURVE: usize = 200;
@@ -14,6 +14,8 @@ const FINE_CELLS: usize = CELLS * PARTS;
 const BLANK_CLASS: u8 = 9;
 /// Ratio of the largest stretch of a curve to the largest measured stretch.
 const EXTENT_RATIO: f64 = 1.1;
+/// Margin at the most compressed point, as a fraction of the width of a panel.
+const MARGIN: f64 = 0.04;
 
 /// Number of strokes of a hatching along a diagonal of a panel, and number of points of a stroke.
 const STROKES: usize = 40;
@@ -51,9 +53,13 @@ impl FitAnswer {
     /// Draws the law with the smallest error.
     pub fn figure(&self) -> Figure {
         let best = self.best();
-        let mut figure = Figure::new(format!("{} fitted to {}", best.law, crate::number::counted(self.tests.len(), "test")))
-            .caption("Circles: measured. Lines: fitted. Dotted and hatched: a criterion is violated, in grey without the stability constraint. Plane: largest stretch and inverse of the smallest one at constant volume.")
-            .columns(2);
+        let mut figure = Figure::new(format!(
+            "{} fitted to {}",
+            best.law,
+            crate::number::counted(self.tests.len(), "test")
+        ))
+        .caption(self.caption())
+        .columns(2);
         for test in self
             .data
             .iter()
@@ -67,6 +73,24 @@ impl FitAnswer {
         figure.with(self.plane())
     }
 
+    fn caption(&self) -> String {
+        let best = self.best();
+        let mut caption = format!(
+            "Nominal stress of {} fitted to the tests (line) and measured (circles).",
+            best.law
+        );
+        if !best.needs_no_demand {
+            caption += " Dashed: fitted without the stability constraint.";
+        }
+        if !best.free_losses.is_empty() || !best.losses.is_empty() {
+            caption += " Dotted and hatched: a criterion is violated, in grey without the stability constraint.";
+        }
+        if !best.fit.family.is_compressible() {
+            caption += " Plane: states at constant volume, by the largest stretch and the inverse of the smallest one.";
+        }
+        caption
+    }
+
     fn panel(&self, test: &Test) -> Panel {
         let best = self.best();
         let fit = &best.fit;
@@ -78,17 +102,30 @@ impl FitAnswer {
         };
         let low = stretches.iter().fold(rest, |a, b| a.min(*b));
         let high = stretches.iter().fold(rest, |a, b| a.max(*b)) * EXTENT_RATIO;
-        let unit = self
-            .unit
-            .as_deref()
-            .map_or(String::new(), |unit| format!(" ({unit})"));
-        let stresses = test.points.iter().map(|point| point.stress);
+        // Compressed points are not on the frame.
+        let low = if low < rest {
+            low - MARGIN * (high - low)
+        } else {
+            low
+        };
+        let unit = self.unit.as_deref().unwrap_or("unit of the tables");
+        // The fitted curve is visible up to the last measured point.
+        let fitted = stretches.iter().filter_map(|stretch| {
+            fit.family
+                .stress(&fit.result().constants, test.mode, *stretch)
+        });
+        let fitted: Vec<f64> = fitted.collect();
+        let stresses = test.points.iter().map(|point| point.stress).chain(fitted);
         let label = match test.mode {
             Mode::SimpleShear => "amount of shear γ (−)",
             _ => "stretch λ (−)",
         };
-        let vertical = Axis::linear(format!("nominal stress{unit}"), (0.0, 0.0))
-            .covering(stresses.chain([0.0]));
+        let stress = match test.mode {
+            Mode::SimpleShear => "shear stress",
+            _ => "nominal stress",
+        };
+        let vertical =
+            Axis::linear(format!("{stress} ({unit})"), (0.0, 0.0)).covering(stresses.chain([0.0]));
         let (bottom, top) = vertical.range;
         let mut panel = Panel::new(&test.name, Axis::linear(label, (low, high)), vertical);
         let needs_both = !best.needs_no_demand;
@@ -97,7 +134,12 @@ impl FitAnswer {
             drawn.insert(0, (&fit.free, "without the constraint", palette::GREY, 1.5));
         }
         for (fitted, name, color, width) in drawn {
+            let is_free = name != "fitted";
             let (mut held, mut lost) = (Vec::new(), Vec::new());
+            if fit.family.is_compressible() {
+                // The stress depends on the measured lateral stretch too.
+                held = self.at_points(test, fitted);
+            }
             for n in 0..=CURVE {
                 let stretch = low + (high - low) * n as f64 / CURVE as f64;
                 let stress = fit.family.stress(&fitted.constants, test.mode, stretch);
@@ -113,7 +155,7 @@ impl FitAnswer {
                 lost.push(if is_held { gap } else { point });
             }
             let line = Line::new(held).color(color).width(width).named(name);
-            panel = panel.with(line);
+            panel = panel.with(if is_free { line.dashed() } else { line });
             if lost.iter().any(|own| own.0.is_finite()) {
                 let at = |u: f64, v: f64| (low + (high - low) * u, bottom + (top - bottom) * v);
                 let is_lost = |u: f64, _| {
@@ -125,7 +167,7 @@ impl FitAnswer {
                     .color(palette::VERMILION)
                     .width(width)
                     .dotted();
-                panel = panel.with(line.named("lost"));
+                panel = panel.with(line.named("criterion violated"));
             }
         }
         let points = test
@@ -138,6 +180,18 @@ impl FitAnswer {
                 .open()
                 .named("measured"),
         )
+    }
+
+    /// Fitted stresses at the measured points, by increasing stretch.
+    fn at_points(&self, test: &Test, fitted: &Fitted) -> Vec<(f64, f64)> {
+        let misfit = fitted.misfits.iter().find(|own| own.test == test.name);
+        let stresses = misfit.map_or(&[][..], |own| &own.stresses);
+        let points = test.points.iter().zip(stresses);
+        let mut points: Vec<(f64, f64)> = points
+            .map(|(point, stress)| (point.stretch, *stress))
+            .collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        points
     }
 
     /// States of constant volume, by their largest stretch and the inverse of their smallest stretch.
@@ -162,7 +216,7 @@ impl FitAnswer {
                 return BLANK_CLASS;
             }
             let logs = [x, y - x, -y];
-            let state = |own: &onset_fit::Fitted| {
+            let state = |own: &Fitted| {
                 best.fit
                     .family
                     .is_stable_at(&own.constants, &self.criteria, logs)
@@ -200,14 +254,14 @@ impl FitAnswer {
         let key = [
             ("stable, in the range", crate::figure::Color::hex(0xcfe8f3)),
             (
-                "lost without the constraint",
+                "violated without the constraint",
                 crate::figure::Color::hex(0xf2c07a),
             ),
             (
                 "stable, beyond the range",
                 crate::figure::Color::hex(0xe6ecf6),
             ),
-            ("lost", crate::figure::Color::hex(0xd9895f)),
+            ("criterion violated", crate::figure::Color::hex(0xd9895f)),
         ];
         let hatched = [(1, palette::GREY), (3, palette::VERMILION)].map(|(class, color)| {
             let is_own = |u: f64, v: f64| {

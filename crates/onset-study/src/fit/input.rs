@@ -7,7 +7,7 @@ use crate::input::{self, MOST_TEXT};
 use crate::number::{counted, told, told_with};
 use crate::settings::units::{names_of, value_of};
 use crate::settings::{fields_of_keyword, stress_unit};
-use onset_fit::{Mode, Point, Test};
+use onset_fit::{Family, Mode, Options, Point, Test, Weights, fit};
 use std::ops::RangeBounds;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -104,6 +104,15 @@ pub(super) struct Opened<'a> {
     /// Whether the text is the text of a file, so that its lines can be named.
     pub is_file: bool,
     pub arrays: Option<&'a Arrays>,
+    /// Weight of the test in a list of tests.
+    pub weight: Option<f64>,
+}
+
+/// Origin of a test.
+struct Origin {
+    path: PathBuf,
+    /// Whether its column named true stresses, which were converted to nominal stresses.
+    is_true: bool,
 }
 
 impl<'a> Opened<'a> {
@@ -116,6 +125,7 @@ impl<'a> Opened<'a> {
                 mode: None,
                 is_file: false,
                 arrays: Some(arrays),
+                weight: None,
             }],
             Source::Columns(own) => vec![Self {
                 path: PathBuf::from(&own.name),
@@ -127,6 +137,7 @@ impl<'a> Opened<'a> {
                 mode: Some(own.mode),
                 is_file: false,
                 arrays: None,
+                weight: None,
             }],
             Source::File(path, None) if list::is_list(path) => {
                 list::tests(path, &Self::file(path, None)?.text)?
@@ -149,6 +160,7 @@ impl<'a> Opened<'a> {
             mode,
             is_file: true,
             arrays: None,
+            weight: None,
         })
     }
 }
@@ -164,6 +176,8 @@ pub struct Reading {
     pub range: Option<[f64; 2]>,
     /// Material whose tests are read from decks with several materials; `None` for decks with one material.
     pub material: Option<String>,
+    /// Weights of the squared errors of tests, by their loadings or by their names in answers.
+    pub weights: Vec<(String, f64)>,
 }
 
 /// Tests with remarks on their tables.
@@ -173,6 +187,8 @@ pub struct Tests {
     pub tests: Vec<Test>,
     /// Unit of all stresses; `None` if the tables state no unit.
     pub unit: Option<String>,
+    /// Questions on stresses that contradict the other tests.
+    pub questions: Vec<String>,
     /// Remarks for the reader.
     pub notes: Vec<String>,
 }
@@ -205,6 +221,14 @@ const CONSTANT_VOLUME: f64 = 0.1;
 /// note.
 const CONTRADICTION: f64 = 10.0;
 const DISAGREEMENT: f64 = 2.5;
+/// Law that is fitted with stresses per undeformed and per deformed area.
+const COMPARED_LAW: &str = "james-green-simpson";
+/// A question needs this ratio of the errors of both fits, and a smaller error of the better fit than the second number.
+const OTHER_STRESS: f64 = 2.0;
+const FITTING_STRESS: f64 = 0.12;
+/// Least number of points, and largest number of tests, for which both are fitted.
+const LEAST_COMPARED: usize = 12;
+const MOST_COMPARED: usize = 6;
 
 impl Tests {
     /// Reads files and arrays, in the given order.
@@ -216,6 +240,7 @@ impl Tests {
         let mut units: Vec<(String, Option<String>)> = Vec::new();
         let mut used_area = false;
         let mut used_material = false;
+        let mut origins: Vec<Origin> = Vec::new();
         let mut given = Vec::new();
         for own in sources {
             given.extend(Opened::all(own)?);
@@ -238,6 +263,7 @@ impl Tests {
                 columns: is_deck.then_some(ABAQUS),
                 reading,
             };
+            let mut is_true = false;
             let found = match own.arrays {
                 Some(arrays) => vec![(table.arrays(arrays)?, None)],
                 None if is_deck => {
@@ -249,7 +275,7 @@ impl Tests {
                     table.of_material(table.ansys()?)?
                 }
                 None => {
-                    vec![table.csv(own.mode, &mut all.notes, &mut used_area)?]
+                    vec![table.csv(own.mode, &mut all.notes, &mut used_area, &mut is_true)?]
                 }
             };
             for (mut test, unit) in found {
@@ -298,12 +324,15 @@ impl Tests {
                         "give each test once; it would count twice",
                     ));
                 }
-                all.notes.extend(table.volume(&test));
+                test.weight = own.weight.unwrap_or(1.0);
                 all.notes.extend(table.repeated(&test));
                 all.notes.extend(table.decreasing(&test));
+                all.questions.extend(table.compressed(&test));
                 all.notes.extend(table.offset(&test));
                 units.push((test.name.clone(), unit.or_else(|| reading.unit.clone())));
                 all.tests.push(test);
+                let path = path.clone();
+                origins.push(Origin { path, is_true });
             }
         }
         if reading.area.is_some() && !used_area {
@@ -323,6 +352,8 @@ impl Tests {
         all.convert(&units)?;
         all.compare()?;
         all.number();
+        all.weigh(&reading.weights)?;
+        all.questions.extend(all.other_stress(&origins));
         Ok(all)
     }
 
@@ -400,6 +431,138 @@ impl Tests {
         Ok(())
     }
 
+    /// Sets weights by loadings, or by names of tests.
+    fn weigh(&mut self, weights: &[(String, f64)]) -> Result<(), TableError> {
+        for (name, weight) in weights {
+            let wrong = |message: String, hint: String| TableError::Tests { message, hint };
+            if !(*weight > 0.0 && weight.is_finite()) {
+                return Err(wrong(
+                    format!("the weight of {name} is {weight}"),
+                    "expected a positive number; to ignore a test, omit its table".to_owned(),
+                ));
+            }
+            let names: Vec<String> = self.tests.iter().map(|test| test.name.clone()).collect();
+            let own = self.tests.iter_mut();
+            let mut own = own
+                .filter(|test| test.name == *name || test.mode.name() == name)
+                .peekable();
+            match own.peek() {
+                None => {
+                    return Err(wrong(
+                        format!("a weight is given for {name}, but there is no such test"),
+                        format!("the tests are {}", names.join(", ")),
+                    ));
+                }
+                Some(test) if test.mode == Mode::Volumetric => {
+                    return Err(wrong(
+                        "a weight is given for the volumetric test, which alone determines the bulk modulus".to_owned(),
+                        "omit the weight".to_owned(),
+                    ));
+                }
+                Some(_) => own.for_each(|test| test.weight = *weight),
+            }
+        }
+        Ok(())
+    }
+
+    /// Question whether stresses refer to the other area, the deformed or the undeformed one, if a law fits all tests much better then.
+    fn other_stress(&self, origins: &[Origin]) -> Option<String> {
+        let used: Vec<usize> = (0..self.tests.len())
+            .filter(|n| Mode::LOADINGS.contains(&self.tests[*n].mode))
+            .collect();
+        let points: usize = used.iter().map(|n| self.tests[*n].points.len()).sum();
+        let is_one_mode = |mode: Mode| used.iter().all(|n| self.tests[*n].mode == mode);
+        if Mode::LOADINGS.into_iter().any(is_one_mode)
+            || used.len() > MOST_COMPARED
+            || points < LEAST_COMPARED
+            || self.volume_change().is_some()
+        {
+            return None;
+        }
+        let family = Family::named(COMPARED_LAW)?;
+        let options = Options {
+            weights: Weights::Relative(super::TEST_FLOOR),
+            range: None,
+            criteria: Vec::new(),
+            ..Options::default()
+        };
+        // Bits of the number of a reading are set for the tests whose stresses refer to the other area.
+        let error = |reading: usize| {
+            let read = used.iter().enumerate().map(|(bit, n)| {
+                let mut test = self.tests[*n].clone();
+                test.weight = 1.0;
+                if reading >> bit & 1 == 1 {
+                    for point in &mut test.points {
+                        point.stress *= match origins[*n].is_true {
+                            true => point.stretch,
+                            false => point.stretch.recip(),
+                        };
+                    }
+                }
+                test
+            });
+            let tests: Vec<Test> = read.collect();
+            let found = fit(&tests, &family, &options).ok()?;
+            Some(found.free.relative)
+        };
+        let given = error(0)?;
+        // The reading that changes the smallest number of tests is the most likely.
+        let others =
+            (1..1_usize << used.len()).filter_map(|reading| Some((reading, error(reading)?)));
+        let fits = others.filter(|(_, own)| *own < FITTING_STRESS && OTHER_STRESS * own <= given);
+        let (reading, best) = fits.min_by(|(a, x), (b, y)| {
+            let tests = a.count_ones().cmp(&b.count_ones());
+            tests.then(x.total_cmp(y))
+        })?;
+        let read = used.iter().enumerate();
+        let read: Vec<usize> = read
+            .filter(|(bit, _)| reading >> bit & 1 == 1)
+            .map(|(_, n)| *n)
+            .collect();
+        let names = read
+            .iter()
+            .map(|n| format!("{} ({})", self.tests[*n].name, origins[*n].path.display()));
+        let (area, column) = match read.iter().all(|n| origins[*n].is_true) {
+            true => ("undeformed", "nominal_stress"),
+            false => ("deformed", "true_stress"),
+        };
+        Some(format!(
+            "{}: do the stresses refer to the {area} area? {COMPARED_LAW} fits all tests within {} % then, and within {} % as given; if so, name the column {column}",
+            names.collect::<Vec<_>>().join(", "),
+            told_with(100.0 * best, 3),
+            told_with(100.0 * given, 3)
+        ))
+    }
+
+    /// Test with the largest change of volume by its lateral stretches, and this change; `None` if the volume is nearly constant.
+    pub(super) fn volume_change(&self) -> Option<(&Test, f64)> {
+        let changes = self.tests.iter().flat_map(|test| {
+            let points = test.points.iter();
+            points.filter_map(move |own| {
+                let lateral = own.lateral?;
+                let volume = match test.mode {
+                    Mode::Uniaxial => own.stretch * lateral * lateral,
+                    Mode::Equibiaxial => own.stretch * own.stretch * lateral,
+                    Mode::Planar => own.stretch * lateral,
+                    Mode::SimpleShear | Mode::Volumetric => return None,
+                };
+                Some((test, volume - 1.0))
+            })
+        });
+        let most = changes.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        most.filter(|(_, change)| change.abs() > CONSTANT_VOLUME)
+    }
+
+    /// Returns true if the volume changes, and all points of stretched specimens have lateral stretches, so that laws of foam can be fitted.
+    pub(super) fn is_foam(&self) -> bool {
+        let mut stretched = self
+            .tests
+            .iter()
+            .filter(|test| Mode::LOADINGS.contains(&test.mode));
+        let has_laterals = |test: &Test| test.points.iter().all(|own| own.lateral.is_some());
+        self.volume_change().is_some() && stretched.all(has_laterals)
+    }
+
     /// Numbers the tests that have the same name.
     fn number(&mut self) {
         let names: Vec<String> = self.tests.iter().map(|test| test.name.clone()).collect();
@@ -441,6 +604,8 @@ const LEAST_PERCENT: f64 = 1.0;
 const MOST_FRACTION: f64 = 0.1;
 /// Largest relative error of neo-Hooke's law for a reading of the strains that fits, and the least ratio of the error of the other reading.
 const FITTING_READING: f64 = 0.03;
+/// Largest relative error of neo-Hooke's law for strains that are read as compression.
+const FITTING_COMPRESSION: f64 = 0.08;
 const OTHER_READING: f64 = 4.0;
 
 /// Root mean square of the relative errors of neo-Hooke's law with its best modulus, if all strains are multiplied by a factor.
@@ -613,6 +778,24 @@ fn split(header: &str) -> (String, Option<String>) {
     (plain.trim_matches('_').to_owned(), unit)
 }
 
+/// Hint for a header without the expected columns.
+fn hint_on_names(names: &[String]) -> &'static str {
+    let plain: Vec<String> = names.iter().map(|own| split(own).0).collect();
+    let has = |words: &[&str]| {
+        let parts = plain.iter().flat_map(|own| own.split('_'));
+        parts.into_iter().any(|part| words.contains(&part))
+    };
+    if names.iter().any(|own| own.starts_with("PK")) {
+        "save the sheet as CSV"
+    } else if has(&["displacement", "extension", "elongation"]) {
+        "divide the displacement by the gauge length, and name the column strain"
+    } else if names.len() < 2 || names.iter().any(|own| own.contains(':')) {
+        "begin lines before the header with #"
+    } else {
+        "rename the columns"
+    }
+}
+
 /// Columns of programs that write tables without a header.
 const ABAQUS: &str = "data lines of Abaqus hold nominal stress and nominal strain";
 const ANSYS: &str =
@@ -716,6 +899,7 @@ impl Table<'_> {
         given: Option<Mode>,
         notes: &mut Vec<String>,
         used_area: &mut bool,
+        is_true: &mut bool,
     ) -> Result<(Test, Option<String>), TableError> {
         if let Some((n, text)) = (self.text.lines().enumerate())
             .find(|(_, text)| text.starts_with('*') && !text.starts_with("**"))
@@ -815,10 +999,11 @@ impl Table<'_> {
             return Err(self.line(
                 at,
                 format!(
-                    "the header has {}; {expected}",
-                    counted(names.len(), "column")
+                    "the header has {} (`{}`); {expected}",
+                    counted(names.len(), "column"),
+                    onset_frames::cut(&names.join("`, `"))
                 ),
-                "rename the columns",
+                hint_on_names(&names),
             ));
         };
         if mode == Mode::SimpleShear && along.0 != Column::Strain {
@@ -887,6 +1072,7 @@ impl Table<'_> {
             }
         }
         *used_area |= stress.0 == Column::Force;
+        *is_true = stress.0 == Column::TrueStress;
         notes.extend(self.open_names(mode, &names[along.1], &names[stress.1]));
         if stress.0 == Column::Force && self.reading.area.is_none() {
             return Err(self.line(
@@ -961,6 +1147,7 @@ impl Table<'_> {
                         true => "a cell".to_owned(),
                         false => format!("`{}`", brief(&cell)),
                     };
+                    let is_units = line == at + 1 && cell.parse::<f64>().is_err();
                     let fault = match cell.is_empty() {
                         true => "is empty",
                         false => "is not a finite number",
@@ -971,7 +1158,10 @@ impl Table<'_> {
                             "{what} of the column `{}` {fault}",
                             onset_frames::cut(&names[place])
                         ),
-                        "write numbers such as 1.25 or 3e-2",
+                        match is_units && !cell.is_empty() {
+                            true => "write numbers such as 1.25 or 3e-2, and units into the header, for example strain [%]",
+                            false => "write numbers such as 1.25 or 3e-2",
+                        },
                     )
                 })
             };
@@ -1215,6 +1405,35 @@ impl Table<'_> {
         })
     }
 
+    /// Note on strains and stresses of a compression test that are given as positive numbers.
+    fn compressed(&self, test: &Test) -> Option<String> {
+        if !Mode::LOADINGS.contains(&test.mode)
+            || test
+                .points
+                .iter()
+                .any(|own| own.stretch < 1.0 || own.stretch >= 2.0)
+        {
+            return None;
+        }
+        let rows: Vec<(usize, Point)> = test.points.iter().map(|own| (0, *own)).collect();
+        let [given, compressed] =
+            [1.0, -1.0].map(|factor| neo_hooke_error(test.mode, &rows, factor));
+        let is_named = self
+            .path
+            .file_stem()
+            .is_some_and(|own| own.to_string_lossy().to_lowercase().contains("compress"));
+        let is_misread = compressed < FITTING_COMPRESSION
+            && given > OTHER_READING * compressed.max(FITTING_READING);
+        (is_named || is_misread).then(|| {
+            format!(
+                "{}: was the specimen compressed? All strains and stresses are positive, which means tension, and neo-Hooke's law fits them within {} % as compression, and within {} % as given; give strains and stresses of compression as negative numbers",
+                self.path.display(),
+                told_with(100.0 * compressed, 2),
+                told_with(100.0 * given, 2)
+            )
+        })
+    }
+
     /// Note on stresses that do not vanish without strain, by the line through the points with the smallest strains.
     fn offset(&self, test: &Test) -> Option<String> {
         let rest = match test.mode {
@@ -1242,30 +1461,6 @@ impl Table<'_> {
                 self.path.display(),
                 told_with(zero, 2),
                 told_with(100.0 * zero / y, 2)
-            )
-        })
-    }
-
-    /// Note on lateral stretches that contradict a constant volume, or have the sign of the strain.
-    fn volume(&self, test: &Test) -> Option<String> {
-        let changes = test.points.iter().filter_map(|own| {
-            let lateral = own.lateral?;
-            Some(match test.mode {
-                Mode::Uniaxial => own.stretch * lateral * lateral - 1.0,
-                Mode::Equibiaxial => own.stretch * own.stretch * lateral - 1.0,
-                Mode::Planar => own.stretch * lateral - 1.0,
-                Mode::SimpleShear | Mode::Volumetric => return None,
-            })
-        });
-        let most = changes.fold(0.0_f64, |most, own| match own.abs() > most.abs() {
-            true => own,
-            false => most,
-        });
-        (most.abs() > CONSTANT_VOLUME).then(|| {
-            format!(
-                "{}: by its lateral stretches the volume changes by {} %; only laws of foam take that into account",
-                self.path.display(),
-                told_with(100.0 * most, 2)
             )
         })
     }

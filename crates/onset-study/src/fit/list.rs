@@ -47,6 +47,12 @@ pub(super) fn tests<'a>(path: &Path, text: &str) -> Result<Vec<Opened<'a>>, Tabl
             Some(_) => Err(wrong(format!("`{key}` is not a text in quotes"))),
         };
         let (file, mode) = (word("file")?, word("mode")?);
+        let weight = match columns.remove("weight") {
+            None => None,
+            Some(Value::Float(weight)) if weight > 0.0 && weight.is_finite() => Some(weight),
+            Some(Value::Integer(weight)) if weight > 0 => Some(weight as f64),
+            Some(_) => return Err(wrong("`weight` is not a positive number".to_owned())),
+        };
         let known = |mode: &str| {
             mode_in(mode).ok_or_else(|| {
                 let names = Mode::ALL.map(Mode::name).join(", ");
@@ -56,10 +62,12 @@ pub(super) fn tests<'a>(path: &Path, text: &str) -> Result<Vec<Opened<'a>>, Tabl
             })
         };
         let mode = mode.as_deref().map(known).transpose()?;
-        all.push(match (file, mode) {
+        let opened = match (file, mode) {
             (Some(file), mode) => {
                 if let Some(key) = columns.keys().next() {
-                    return Err(wrong(format!("the keys `file` and `{key}` exclude each other, because the file has the columns")));
+                    return Err(wrong(format!(
+                        "the keys `file` and `{key}` exclude each other, because the file has the columns"
+                    )));
                 }
                 let folder = path.parent().unwrap_or(Path::new(""));
                 let opened = Opened::file(&folder.join(file), mode);
@@ -72,8 +80,10 @@ pub(super) fn tests<'a>(path: &Path, text: &str) -> Result<Vec<Opened<'a>>, Tabl
                 mode: Some(mode),
                 is_file: false,
                 arrays: None,
+                weight: None,
             },
-        });
+        };
+        all.push(Opened { weight, ..opened });
     }
     match all.is_empty() {
         true => Err(refused(0, "the list has no tests".to_owned())),

@@ -11,6 +11,7 @@ pub use answer::{ConstantAnswer, FitAnswer, LawAnswer, TestAnswer};
 pub use input::{Arrays, Columns, Reading, Source, TableError, Tests};
 pub use onset_fit::{Criterion, Mode, Options, Point, Range, Test, Weights};
 
+use crate::number::told_with;
 use crate::settings::{SettingError, Settings};
 use onset::kinematics::DeformationGradient;
 use onset_fit::{Family, Fit, FitError, Fitted, Misfit, Model, fit};
@@ -131,13 +132,22 @@ pub fn stable_range(text: &str) -> Result<Option<Range>, String> {
     })
 }
 
-/// Families with the given names of laws, or all families for `all`.
+/// Laws of foam, from few constants to many.
+const FOAMS: [&str; 3] = ["hyperfoam-1", "hyperfoam-2", "hyperfoam-3"];
+
+/// Families with the given names of laws. `all` selects all families, or all laws of foam if the volume of the specimens changes. A remark on a
+/// change of volume is added to the tests.
 ///
 /// # Errors
 /// [`FittingError::Law`] with the reason if a law cannot be fitted.
-pub fn families(names: &[String]) -> Result<Vec<Family>, FittingError> {
+pub fn families(names: &[String], tests: &mut Tests) -> Result<Vec<Family>, FittingError> {
     let mut all: Vec<Family> = Vec::new();
+    let is_all = names.iter().any(|name| name == "all");
     for name in names {
+        if name == "all" && tests.is_foam() {
+            all.extend(FOAMS.into_iter().filter_map(Family::named));
+            continue;
+        }
         if name == "all" {
             all.extend(Family::all().filter_map(Family::named));
             continue;
@@ -148,10 +158,18 @@ pub fn families(names: &[String]) -> Result<Vec<Family>, FittingError> {
                     "it is anisotropic, and the tests do not contain the directions of the specimens".to_owned()
                 }
                 Some(_) => "its volumetric and its isochoric part have common constants, which tests at constant volume do not determine".to_owned(),
-                None => format!(
-                    "there is no law of this name{}",
-                    crate::settings::did_you_mean(name, Family::all())
-                ),
+                None => match crate::settings::Model::named(name) {
+                    Some(model) if model.is_in_rate_form() => {
+                        "it is not hyperelastic: its stress depends on the path".to_owned()
+                    }
+                    Some(_) => {
+                        "a formula, table or routine of the user defines it, without constants that a fit could vary".to_owned()
+                    }
+                    None => format!(
+                        "there is no law of this name{}",
+                        crate::settings::did_you_mean(name, Family::all())
+                    ),
+                },
             };
             FittingError::Law {
                 law: name.clone(),
@@ -166,6 +184,21 @@ pub fn families(names: &[String]) -> Result<Vec<Family>, FittingError> {
         if distinct.iter().all(|own| own.name() != family.name()) {
             distinct.push(family);
         }
+    }
+    let has_rubber = distinct.iter().any(|own| !own.is_compressible());
+    if let Some((test, change)) = tests.volume_change()
+        && (has_rubber || is_all)
+    {
+        let note = format!(
+            "{}: by its lateral stretches the volume changes by {} %; {}",
+            test.name,
+            told_with(100.0 * change, 2),
+            match has_rubber {
+                true => "only laws of foam take that into account",
+                false => "laws of rubber, which keep the volume, are not tried",
+            }
+        );
+        tests.notes.insert(0, note);
     }
     Ok(distinct)
 }
