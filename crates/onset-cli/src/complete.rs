@@ -11,7 +11,7 @@ use onset_study::audit::Convention;
 use onset_study::catalog;
 use onset_study::criteria::{Criterion, Lateral, Mode};
 use onset_study::figure::{ColorMap, Theme};
-use onset_study::fit::families;
+use onset_study::fit::{Tests, families};
 use onset_study::limit::Integrator;
 use onset_study::localization::PARAMETERS;
 use onset_study::map;
@@ -125,7 +125,7 @@ fn words(command: &str, argument: &str) -> Option<Words> {
         ("plot", "color_map") => |_| plain(ColorMap::ALL.map(ColorMap::name)),
         ("screen", "fail_on") => |_| plain(Cause::ALL.map(Cause::name)),
         ("fit", "law") => |_| {
-            let all = families(&["all".to_owned()]).unwrap_or_default();
+            let all = families(&["all".to_owned()], &mut Tests::default()).unwrap_or_default();
             plain(all.iter().map(|family| family.name()))
         },
         ("fit", _) => return None,
