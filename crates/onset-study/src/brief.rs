@@ -4,6 +4,7 @@
 //! limit of the answer; its other sentences are explanations. The command line prints the short form by default. The full text of an answer is its
 //! `Display`.
 
+use crate::settings::DECK_NOTES;
 use std::fmt::Display;
 
 /// Largest number of lines, without the settings.
@@ -145,11 +146,16 @@ impl Short {
         notes.filter(|note| first_sentence(note).contains("--set ") && note_lines(note).len() > 1)
     }
 
-    /// First sentences of the notes that fit into a number of lines, and the number of omitted notes.
+    /// First sentences of the notes that fit into a number of lines, and the number of omitted notes. Notes on the law of a deck are not omitted.
     fn shown_notes(&self, room: usize) -> Vec<String> {
-        let mut lines: Vec<String> = Vec::new();
+        let is_of_deck = |note: &&String| DECK_NOTES.iter().any(|own| note.starts_with(own));
+        let of_deck = self.notes.iter().filter(is_of_deck);
+        let mut lines: Vec<String> = of_deck.flat_map(|note| note_lines(note)).collect();
+        // One further note is shown if it has one line.
+        let room = room.max(lines.len() + 1);
         let commands: Vec<&String> = self.commands().collect();
-        let notes = self.notes.iter().filter(|note| !commands.contains(note));
+        let is_other = |note: &&String| !commands.contains(note) && !is_of_deck(note);
+        let notes = self.notes.iter().filter(is_other);
         let notes: Vec<Vec<String>> = notes.map(|note| note_lines(note)).collect();
         for (n, own) in notes.iter().enumerate() {
             let left = notes.len() - n;

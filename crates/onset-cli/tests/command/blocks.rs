@@ -96,7 +96,7 @@ fn notes_on_a_deck_are_printed_in_full_after_the_answer() {
     );
     let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
     for note in [
-        "note: read as yeoh from *HYPERELASTIC, NEO HOOKE of Abaqus, material RUBBER_A (1 of 2: --material)",
+        "note: read as yeoh from *HYPERELASTIC, NEO HOOKE of Abaqus and *VISCOELASTIC, material RUBBER_A (1 of 2: --material)",
         "note: not read: *MULLINS EFFECT (line 6), *DENSITY (line 8)",
         "note: the constants are long-term moduli with a Prony series of 1 term",
     ] {
@@ -253,4 +253,48 @@ fn the_kernels_are_drawn_and_other_topics_have_no_figure() {
         "{}",
         refused.stderr
     );
+}
+
+#[test]
+fn the_law_of_a_deck_and_its_unread_keywords_are_never_hidden() {
+    let deck = "TB,HYPER,1,1,2,MOONEY\nTBDATA,1,0.4,0.1,0.02\nTB,PRONY,1,1,1,SHEAR\nTBDATA,1,0.3,0.1\n\
+                TB,HYPER,2,1,3,YEOH\nTBDATA,1,0.5,-0.01,0.001,0.02,0,0\nMP,DENS,1,1.1E-9\n";
+    let file = Written::new("two.txt", deck);
+    for line in [
+        format!("criteria {file}"),
+        format!("card {file}"),
+        format!("state {file} --stretch 1.1,1"),
+    ] {
+        let answer = onset_line(&line);
+        let words = answer
+            .stdout
+            .split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ");
+        for note in [
+            "read as mooney-rivlin-isochoric from TB,HYPER with MOONEY of ANSYS and TB,PRONY, material 1 (1 of 2: --material)",
+            "not read: TB,HYPER,2 (line 5), MP,DENS (line 7)",
+        ] {
+            assert!(
+                words.contains(note),
+                "{line}: {} {}",
+                answer.stdout,
+                answer.stderr
+            );
+        }
+    }
+    // Every command names the place of a constant that the law does not admit.
+    let file = Written::new("wrong.txt", deck.replace("0.3,0.1", "1.3,0.1"));
+    for line in [
+        format!("criteria {file}"),
+        format!("state {file} --stretch 1.1,1"),
+        format!("map {file} --out map"),
+        format!("localize {file}"),
+        format!("compare {file}"),
+    ] {
+        let answer = onset_line(&line);
+        assert_eq!(answer.code, Some(2), "{line}: {}", answer.stdout);
+        let place = format!("{file}:3:1: TB,PRONY: a fraction g is 1.3");
+        assert!(answer.stderr.contains(&place), "{line}: {}", answer.stderr);
+    }
 }

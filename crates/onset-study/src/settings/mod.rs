@@ -43,7 +43,7 @@ pub use comparison::{COMPARISON_KEYS, Candidate, CompareSettings, Comparison};
 pub(crate) use effective::is_of_an_absent_term;
 pub use effective::{Choice, Effective};
 pub use error::{Origin, SettingError, did_you_mean};
-pub(crate) use foreign::fields_of_keyword;
+pub(crate) use foreign::{DECK_NOTES, fields_of_keyword};
 pub use foreign::{Program, Reading, WriteError, Writing, law_from, law_of, law_written};
 pub use key::{KEYS, Key, Kind, MAP_KEYS, STATE_KEYS, study_keys};
 pub use map::{MapSettings, OUTPUTS, Outputs};

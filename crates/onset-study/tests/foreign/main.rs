@@ -666,7 +666,7 @@ fn keywords_of_a_deck_are_read_or_listed_with_their_lines() {
     };
     let first = notes(Program::Abaqus, deck, None);
     for fact in [
-        "read as mooney-rivlin-isochoric from *HYPERELASTIC, MOONEY-RIVLIN of Abaqus, material A (1 of 2: --material)",
+        "read as mooney-rivlin-isochoric from *HYPERELASTIC, MOONEY-RIVLIN of Abaqus and *VISCOELASTIC, material A (1 of 2: --material)",
         "not read: *MULLINS EFFECT (line 6)",
         "long-term",
         "1.42857",
@@ -705,6 +705,52 @@ fn keywords_of_a_deck_are_read_or_listed_with_their_lines() {
         assert!(first.contains(fact), "{fact} is not in {first}");
     }
     assert!(notes(Program::Ansys, ansys, Some("2")).contains("material 2 (2 of 2"));
+}
+
+#[test]
+fn constants_that_a_law_does_not_admit_are_refused_with_the_line_of_their_keyword() {
+    let rubber = "*MATERIAL, NAME=A\n*HYPERELASTIC, NEO HOOKE\n0.5, 0.02\n";
+    let ansys = "TB,HYPER,1,1,2,MOONEY\nTBDATA,1,0.4,0.1,0.02\n";
+    for (program, text, expected) in [
+        (
+            Program::Abaqus,
+            format!("{rubber}*MULLINS EFFECT\n1.5\n"),
+            "a deck:4:1: *MULLINS EFFECT: material parameter mullins-m + mullins-beta is 0.0",
+        ),
+        (
+            Program::Abaqus,
+            format!("{rubber}*VISCOELASTIC, TIME=PRONY\n1.5, 0., 0.1\n"),
+            "a deck:4:1: *VISCOELASTIC: a fraction g is 1.5",
+        ),
+        (
+            Program::Abaqus,
+            rubber.replace("NEO HOOKE\n0.5, 0.02", "YEOH\n0.5, 0., 0., -0.02, 0., 0."),
+            "a deck:2:1: *HYPERELASTIC, YEOH, N=3 of Abaqus: material parameter kappa is -100",
+        ),
+        (
+            Program::Ansys,
+            format!("{ansys}TB,PRONY,1,1,1,SHEAR\nTBDATA,1,1.3,0.1\n"),
+            "a deck:3:1: TB,PRONY: a fraction g is 1.3",
+        ),
+    ] {
+        let refused = law_of(program, "a deck", &text, None, &[]).expect_err(expected);
+        assert!(refused.to_string().starts_with(expected), "{refused}");
+        assert!(
+            refused.to_string().contains("override them with --set"),
+            "{refused}"
+        );
+    }
+    // The user corrects a constant.
+    let text = format!("{rubber}*MULLINS EFFECT\n1.5\n");
+    let set = ["material.mullins-m=0.1".to_owned()];
+    let read = law_of(Program::Abaqus, "a deck", &text, None, &set).expect("a law");
+    assert!(
+        read.notes[0].starts_with(
+            "read as yeoh from *HYPERELASTIC, NEO HOOKE of Abaqus and *MULLINS EFFECT, material A"
+        ),
+        "{}",
+        read.notes[0]
+    );
 }
 
 /// A table in a file has no units, so that a bulk modulus in MPa would be added to stresses that are read as Pa.

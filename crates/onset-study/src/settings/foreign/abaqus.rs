@@ -10,7 +10,7 @@
 
 use super::law::{Energy, ForeignLaw, LOGARITHM, SQUARE, Volume, named, powers_to, van_der_waals};
 use super::marlow::{self, Test};
-use super::unread::{Chosen, Relaxation, Unread};
+use super::unread::{Chosen, Relaxation, Softening, Unread};
 use super::write::{self, Form, Refusal, Sheet, list, order, ordered};
 use super::{Program, Trouble, number};
 use onset::material::PronyTerm;
@@ -155,7 +155,11 @@ fn unread(blocks: &[Block<'_>]) -> Result<Unread, Trouble> {
         // A law with a Prony series does not soften here.
         if block.is_softening() && !blocks.iter().any(Block::is_series) {
             let constants = block.constants(3, &mut unread)?;
-            unread.softening = constants.try_into().ok();
+            let constants = constants.try_into().ok();
+            unread.softening = constants.map(|constants| Softening {
+                constants,
+                keyword: (block.title.clone(), block.line),
+            });
             continue;
         }
         if block.keyword == "MATERIAL" || is_table || block.is_series() {
@@ -212,6 +216,7 @@ fn unread(blocks: &[Block<'_>]) -> Result<Unread, Trouble> {
                     (true, Some(_)) => "MODULI=LONG TERM",
                     (true, None) => "MODULI=LONG TERM by default",
                 },
+                keyword: Some((viscous.title.clone(), viscous.line)),
             });
         }
     }

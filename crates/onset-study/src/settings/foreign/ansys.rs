@@ -4,7 +4,7 @@
 //! Gent with `((J^2 - 1)/2 - ln J)/d`. Ogden's moduli enter as `mu/alpha`.
 
 use super::law::{Energy, ForeignLaw, LOGARITHM, SQUARE, Volume, extended_tube, powers_to};
-use super::unread::{Chosen, Relaxation, Unread};
+use super::unread::{Chosen, Relaxation, Softening, Unread};
 use super::write::{Block, Form, Refusal, Sheet, list, order, ordered};
 use super::{Program, Trouble, number};
 use onset::material::PronyTerm;
@@ -164,6 +164,9 @@ fn elastic(text: &str) -> Option<Trouble> {
     Trouble::linear(first.0, &title, moduli)
 }
 
+/// Command for the Mullins effect.
+const MULLINS: &str = "TB,CDM with PSE2";
+
 /// Finds the table of the named material, or of the first material with a law, and the commands that are not read.
 fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble> {
     let mut found: Option<Table> = None;
@@ -209,6 +212,7 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
                     terms: Some(Vec::new()),
                     is_long_term: false,
                     by: "the convention of ANSYS",
+                    keyword: Some(("TB,PRONY".to_owned(), line)),
                 });
             }
             let has_form = |table: &Table| !["BLATZ", "FOAM"].contains(&table.form.as_str());
@@ -325,9 +329,14 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
     match softening {
         // A law with a Prony series does not soften here.
         Some((line, _)) if unread.relaxation.is_some() => {
-            unread.parts.push(("TB,CDM with PSE2".to_owned(), line));
+            unread.parts.push((MULLINS.to_owned(), line));
         }
-        other => unread.softening = other.map(|(_, constants)| constants),
+        other => {
+            unread.softening = other.map(|(line, constants)| Softening {
+                constants,
+                keyword: (MULLINS.to_owned(), line),
+            });
+        }
     }
     unread.material = Some(Chosen {
         name: own_material,

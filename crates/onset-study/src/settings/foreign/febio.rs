@@ -239,6 +239,7 @@ fn unread(
             terms: terms.filter(|_| rest == 1.0 && sum > 0.0),
             is_long_term: true,
             by: "FEBio adds g1, g2, ... to g0 = 1",
+            keyword: Some((format!("type=\"{}\"", cut(kind)), line_of(&material))),
         });
     }
     let relaxation = unread.relaxation.as_ref();

@@ -1,9 +1,10 @@
 //! Laws with the constants of other programs, and the settings for the same energies.
 
 use super::marlow::Table;
-use super::unread::{Chosen, Relaxation};
-use super::{Reading, Trouble, Unread};
-use crate::settings::softening::assignments as softening_assignments;
+use super::unread::{Chosen, Keyword, Relaxation};
+use super::{READ_AS, Reading, Trouble, Unread};
+use crate::settings::relaxation::is_of_relaxation;
+use crate::settings::softening::{assignments as softening_assignments, is_of_softening};
 use crate::shell::quoted;
 
 /// Law that was read from a block.
@@ -29,6 +30,28 @@ pub(super) struct ForeignLaw {
     pub shear: Option<f64>,
     /// Parts of the text that are not read.
     pub unread: Unread,
+}
+
+/// Keywords of the blocks that contain the constants of a law.
+#[derive(Debug)]
+pub(super) struct Blocks {
+    law: Keyword,
+    series: Option<Keyword>,
+    softening: Option<Keyword>,
+}
+
+impl Blocks {
+    /// Keyword of the block that contains the constant of an assignment.
+    pub fn of(&self, assignment: &str) -> &Keyword {
+        let name = assignment.strip_prefix("material.").unwrap_or(assignment);
+        let name = name.split('=').next().unwrap_or(name);
+        let own = match name {
+            _ if is_of_relaxation(name) => self.series.as_ref(),
+            _ if is_of_softening(name) => self.softening.as_ref(),
+            _ => None,
+        };
+        own.unwrap_or(&self.law)
+    }
 }
 
 /// Energy that uses the constants.
@@ -329,6 +352,20 @@ impl ForeignLaw {
         self
     }
 
+    /// Keywords of the blocks of the law.
+    pub fn blocks(&self) -> Blocks {
+        let series = self.unread.relaxation.as_ref();
+        Blocks {
+            law: (self.title.clone(), self.line),
+            series: series.and_then(|own| own.keyword.clone()),
+            softening: self
+                .unread
+                .softening
+                .as_ref()
+                .map(|own| own.keyword.clone()),
+        }
+    }
+
     /// Converts the law to settings, except keys that the user sets. A table is read from the file `place`, or is `text` itself if there is no such
     /// file.
     pub fn reading(self, set: &[String], place: &str, text: &str) -> Reading {
@@ -366,7 +403,8 @@ impl ForeignLaw {
         let relaxation = self.unread.relaxation.iter();
         let softening = self.unread.softening.iter();
         let relaxation = relaxation.flat_map(Relaxation::assignments);
-        for assignment in relaxation.chain(softening.flat_map(softening_assignments)) {
+        let softening = softening.flat_map(|own| softening_assignments(&own.constants));
+        for assignment in relaxation.chain(softening) {
             if !is_set(&key_of(&assignment)) {
                 assignments.push(assignment);
             }
@@ -377,8 +415,10 @@ impl ForeignLaw {
             Energy::Formula(_) => "a formula",
             Energy::Table(_) => "marlow",
         };
+        let further = self.unread.keywords();
+        let further: String = further.map(|own| format!(" and {own}")).collect();
         let mut notes = vec![format!(
-            "read as {own} from {}{}",
+            "{READ_AS}{own} from {}{further}{}",
             self.title,
             chosen.map_or_else(String::new, Chosen::told)
         )];

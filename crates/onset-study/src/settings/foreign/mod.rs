@@ -17,11 +17,12 @@ mod unread;
 mod write;
 
 pub(crate) use abaqus::fields as fields_of_keyword;
+use law::Blocks;
 pub(in crate::settings) use marlow::Table;
 use unread::Unread;
 pub use write::{WriteError, Writing, law_written};
 
-use super::{Origin, SettingError, did_you_mean, sections};
+use super::{MaterialSettings, Origin, SettingError, did_you_mean, sections};
 use onset_frames::{brief, cut};
 use std::borrow::Cow;
 use std::str::FromStr;
@@ -211,7 +212,39 @@ impl Reading {
     pub fn section(&self) -> String {
         sections(&self.assignments)
     }
+
+    /// Refuses constants that the law does not admit, with the keyword of the block that contains them. Errors in the user's assignments `set` are found
+    /// later.
+    fn check(&self, name: &str, blocks: &Blocks, set: &[String]) -> Result<(), SettingError> {
+        let own = set.iter().filter(|own| own.starts_with("material."));
+        let all: Vec<&String> = self.assignments.iter().chain(own).collect();
+        let law = MaterialSettings::of_file("", "", &all);
+        let Err(error) = law.and_then(|law| law.check_parameters()) else {
+            return Ok(());
+        };
+        let Origin::CommandLine(argument) = &error.origin else {
+            return Ok(());
+        };
+        let is_at_fault = |own: &&String| argument.strip_prefix("--set ") == Some(own.as_str());
+        let Some(assignment) = self.assignments.iter().find(is_at_fault) else {
+            return Ok(());
+        };
+        let (keyword, line) = blocks.of(assignment);
+        let hint = match self.name {
+            None => format!(
+                "the constants of {keyword} are read as {assignment}; correct them in the deck, or override them with --set"
+            ),
+            Some(_) => format!("correct the data of {keyword} in the deck"),
+        };
+        let message = format!("{keyword}: {}", error.message);
+        Err(SettingError::new(place(name, *line), message).hint(hint))
+    }
 }
+
+/// Beginnings of the notes on the law of a deck: the law with its keywords, and the keywords that are not read. Short answers contain these notes.
+pub(crate) const DECK_NOTES: [&str; 2] = [READ_AS, NOT_READ];
+const READ_AS: &str = "read as ";
+const NOT_READ: &str = "not read: ";
 
 /// Reads the first block of a hyperelastic law in a text. The user's assignments `set` override the block.
 ///
@@ -275,7 +308,10 @@ pub fn law_of(
         )
         .hint("omit one of them"));
     }
-    Ok(law.reading(set, name, text))
+    let blocks = law.blocks();
+    let reading = law.reading(set, name, text);
+    reading.check(name, &blocks, set)?;
+    Ok(reading)
 }
 
 /// Reads the table and the bulk modulus of the first material with Marlow's form.

@@ -304,6 +304,7 @@ fn foam(block: &Block<'_>) -> Result<ForeignLaw, Trouble> {
             terms: Some(parts.iter().zip(times).map(term).collect()),
             is_long_term: false,
             by: "the convention of LAW62",
+            keyword: None,
         });
     }
     Ok(law)

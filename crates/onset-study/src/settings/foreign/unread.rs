@@ -1,6 +1,6 @@
 //! Parts of a text that are not read, apart from the law.
 
-use super::{Trouble, number};
+use super::{NOT_READ, Trouble, number};
 use crate::number::{counted, told};
 use crate::settings::relaxation::text_of;
 use onset::material::PronyTerm;
@@ -14,8 +14,20 @@ pub(super) struct Unread {
     pub material: Option<Chosen>,
     /// Viscoelasticity of the law, which is read if it is a Prony series; `None` for an elastic law.
     pub relaxation: Option<Relaxation>,
-    /// Constants `[r, m, beta]` of the Mullins effect; `None` for a law without it.
-    pub softening: Option<[f64; 3]>,
+    /// Mullins effect; `None` for a law without it.
+    pub softening: Option<Softening>,
+}
+
+/// Keyword of a deck, with its line.
+pub(super) type Keyword = (String, usize);
+
+/// Mullins effect that belongs to a law.
+#[derive(Debug)]
+pub(super) struct Softening {
+    /// Constants `[r, m, beta]` of the energy of Ogden and Roxburgh.
+    pub constants: [f64; 3],
+    /// Keyword with the constants.
+    pub keyword: Keyword,
 }
 
 /// Material that is read, of the materials with a law in a deck.
@@ -52,6 +64,8 @@ pub(super) struct Relaxation {
     pub is_long_term: bool,
     /// Option or convention of the program that determines whether moduli are long-term, in words.
     pub by: &'static str,
+    /// Keyword with the series; `None` if it belongs to the block of the law.
+    pub keyword: Option<Keyword>,
 }
 
 impl Relaxation {
@@ -67,6 +81,7 @@ impl Relaxation {
             terms: Some(moduli.iter().map(term).collect()),
             is_long_term: true,
             by,
+            keyword: None,
         }
     }
 
@@ -88,6 +103,18 @@ impl Relaxation {
 }
 
 impl Unread {
+    /// Further keywords from which the law is read, after the keyword of its block.
+    pub fn keywords(&self) -> impl Iterator<Item = &str> {
+        let series = self.relaxation.as_ref();
+        let series = series.filter(|own| own.terms.is_some());
+        let series = series.and_then(|own| own.keyword.as_ref());
+        let softening = self.softening.as_ref().map(|own| &own.keyword);
+        series
+            .into_iter()
+            .chain(softening)
+            .map(|(title, _)| title.as_str())
+    }
+
     /// Adds the temperature (place 0) or a field variable at which constants are given, unless its field is empty.
     pub fn condition(&mut self, place: usize, field: &str, line: usize) -> Result<(), Trouble> {
         if field.trim().is_empty() {
@@ -110,12 +137,13 @@ impl Unread {
                 .parts
                 .iter()
                 .map(|(part, line)| format!("{part} (line {line})"));
-            notes.push(format!("not read: {}", super::several(parts)));
+            notes.push(format!("{NOT_READ}{}", super::several(parts)));
         }
         if let Some(Relaxation {
             terms,
             is_long_term,
             by,
+            ..
         }) = &self.relaxation
         {
             let (own, other, meant) = match is_long_term {
