@@ -112,6 +112,19 @@ pub enum FrameError {
         /// Names in the file.
         available: Vec<String>,
     },
+    /// File of arrays without an array that is recognized as positions.
+    #[error(
+        "{place}: no positions found, expected an array of numbers with the shape (particles, D) or (frames, particles, D) and a usual name, such as x or position\n  hint: name it, for example --columns x=NAME; the file has {}",
+        listed_arrays(arrays, others)
+    )]
+    NoArray {
+        /// Place of the arrays.
+        place: Box<Place>,
+        /// Names and shapes of the arrays of numbers in the file.
+        arrays: Vec<(String, Vec<usize>)>,
+        /// Names of the other contents, which are not arrays of numbers.
+        others: Vec<String>,
+    },
     /// Request that does not match any file.
     #[error("{what}\n  hint: {hint}")]
     Request {
@@ -218,6 +231,59 @@ fn listed(
         (true, _) => count,
         (false, count_of) if near.len() == count_of => format!("{count}, {}", near.join(", ")),
         (false, _) => format!("{count}, among them {}", near.join(", ")),
+    }
+}
+
+/// Some of the arrays with their shapes, then some of the contents that are not arrays of numbers.
+fn listed_arrays(arrays: &[(String, Vec<usize>)], others: &[String]) -> String {
+    let shape = |own: &[usize]| match own {
+        [] => "one number".to_owned(),
+        own => own
+            .iter()
+            .map(usize::to_string)
+            .collect::<Vec<_>>()
+            .join(" x "),
+    };
+    let is_shown = |name: &str| is_word(&name.replace('/', "."));
+    let list = |names: Vec<String>, count: usize| match (names.len(), count) {
+        (0, count) => format!("{count} with unusual names"),
+        (shown, count) if shown < count => {
+            format!("{} and {} more", names.join(", "), count - shown)
+        }
+        _ => names.join(", "),
+    };
+    let shown = arrays
+        .iter()
+        .filter(|(name, _)| is_shown(name))
+        .take(LISTED_NAMES);
+    let shown = shown.map(|(name, own)| format!("`{}` ({})", cut_path(name), shape(own)));
+    let mut text = match arrays.len() {
+        0 => "no array of numbers".to_owned(),
+        count => format!("the arrays {}", list(shown.collect(), count)),
+    };
+    if !others.is_empty() {
+        let shown = others
+            .iter()
+            .filter(|name| is_shown(name))
+            .take(LISTED_NAMES);
+        let shown = shown.map(|name| format!("`{}`", cut_path(name)));
+        text += &format!(
+            "; not arrays of numbers: {}",
+            list(shown.collect(), others.len())
+        );
+    }
+    text
+}
+
+/// The end of a path in a file, which names its array.
+fn cut_path(path: &str) -> String {
+    let count = path.chars().count();
+    match count > QUOTED {
+        true => format!(
+            "...{}",
+            path.chars().skip(count - QUOTED).collect::<String>()
+        ),
+        false => path.to_owned(),
     }
 }
 

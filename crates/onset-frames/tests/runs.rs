@@ -522,6 +522,25 @@ fn data_sets_of_hdf5_have_frames_as_their_first_axis() {
 }
 
 #[test]
+fn a_file_without_known_names_is_refused_with_its_arrays_and_the_option() {
+    let path = data("unnamed.h5");
+    let error = Series::open(&[path.clone()], &Reading::default()).expect_err("no positions");
+    let told = error.to_string();
+    for part in [
+        "unnamed.h5: no positions found, expected an array of numbers with the shape (particles, D) or (frames, particles, D)",
+        "hint: name it, for example --columns x=NAME; the file has the arrays `coords_of_points` (3 x 4 x 2)",
+        "not arrays of numbers: `comment`",
+    ] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    let named = Reading::default()
+        .with_columns("x=coords_of_points")
+        .expect("columns");
+    let series = Series::open(&[path.clone()], &named).expect("a series");
+    assert_eq!(series.times().len(), 3);
+}
+
+#[test]
 fn hdf5_files_of_pysph_are_read_as_frames_of_one_body() {
     let reading = Reading {
         time_step: Some(0.1),

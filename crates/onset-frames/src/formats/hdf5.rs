@@ -86,11 +86,12 @@ fn body_of(path: &str) -> Option<&str> {
     (!body.contains('/') && !array.contains('/')).then_some(body)
 }
 
-/// Data sets with numbers, and the open file.
+/// Data sets with numbers, and the open file; `others` receives the data sets without numbers.
 fn stored(
     path: &Path,
     reading: &Reading,
     ignored: &mut Vec<String>,
+    others: &mut Vec<String>,
 ) -> Result<(H5File, Vec<Stored>), FrameError> {
     let failed = |error: Hdf5Error| damaged(path, &error);
     drop(regular(path).map_err(|error| FrameError::unreadable(path, error))?);
@@ -114,7 +115,10 @@ fn stored(
                 name: String::new(),
                 path: own,
             }),
-            None => ignored.push(format!("`{}` holds no numbers", brief(&own))),
+            None => {
+                ignored.push(format!("`{}` holds no numbers", brief(&own)));
+                others.push(own);
+            }
         }
     }
     // One body of PySPH: the chosen one, or the one with the most particles.
@@ -201,7 +205,8 @@ fn body(
     ignored: &mut Vec<String>,
 ) -> Result<(Body, Vec<Stamp>), FrameError> {
     let place = Place::file(path);
-    let (file, mut sets) = stored(path, reading, ignored)?;
+    let mut others = Vec::new();
+    let (file, mut sets) = stored(path, reading, ignored, &mut others)?;
     let time = time_name(sets.iter().map(|own| own.name.as_str()), reading);
     let time = time.filter(|n| sets[*n].shape.len() <= 1);
     let times = match time.map(|n| sets.remove(n)) {
@@ -224,7 +229,15 @@ fn body(
         .map(|own| (own.name.as_str(), own.shape.as_slice()))
         .collect();
     let own = without_time(reading);
-    let (axes, plan, fitting) = Axes::guess(&shapes, times.as_ref().map(Vec::len), &own, &place)?;
+    let guessed = Axes::guess(&shapes, times.as_ref().map(Vec::len), &own, &place);
+    let (axes, plan, fitting) = guessed.map_err(|error| match error {
+        FrameError::NoArray { place, arrays, .. } => FrameError::NoArray {
+            place,
+            arrays,
+            others,
+        },
+        error => error,
+    })?;
     if axes.particles() > reading.limits.particles || axes.frames() > reading.limits.frames {
         return Err(FrameError::refused(
             place,

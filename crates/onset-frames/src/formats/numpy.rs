@@ -354,9 +354,13 @@ impl Axes {
         match (best, failure) {
             (Some(found), _) => Ok(found),
             (None, Some(error @ FrameError::NoColumn { .. })) => Err(error),
-            _ => Err(FrameError::NoPositions {
+            _ => Err(FrameError::NoArray {
                 place: Box::new(place.clone()),
-                available: arrays.iter().map(|(name, _)| (*name).to_owned()).collect(),
+                arrays: arrays
+                    .iter()
+                    .map(|(name, shape)| ((*name).to_owned(), shape.to_vec()))
+                    .collect(),
+                others: Vec::new(),
             }),
         }
     }
@@ -451,7 +455,7 @@ fn archive(
         let wanted: Vec<&str> = wanted.map(String::as_str).collect();
         let is_wanted = |name: &str| match error {
             FrameError::NoColumn { .. } => wanted.contains(&name),
-            FrameError::NoPositions { .. } => is_position(name) || wanted.contains(&name),
+            FrameError::NoArray { .. } => is_position(name) || wanted.contains(&name),
             _ => false,
         };
         match unreadable.iter().find(|(name, _)| is_wanted(name)) {
