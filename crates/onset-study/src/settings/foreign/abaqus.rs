@@ -97,7 +97,7 @@ pub(super) fn read(
     law.unread.material = Some(Chosen {
         name: name.clone(),
         place: at,
-        count: names.len(),
+        all: names,
     });
     Ok(law)
 }
@@ -138,6 +138,10 @@ fn unread(blocks: &[Block<'_>]) -> Result<Unread, Trouble> {
     let first = blocks.iter().find(|block| is_law(block));
     let line = first.map_or(0, |block| block.line);
     let mut unread = Unread::default();
+    let viscous = blocks.iter().find(|block| block.keyword == "VISCOELASTIC");
+    let series = viscous
+        .filter(|block| block.is_series())
+        .map(|block| block.line);
     for block in blocks {
         let is_table = block.keyword.ends_with("TESTDATA");
         let mut add = |name: &str, value: &Option<String>| {
@@ -162,7 +166,9 @@ fn unread(blocks: &[Block<'_>]) -> Result<Unread, Trouble> {
             });
             continue;
         }
-        if block.keyword == "MATERIAL" || is_table || block.is_series() {
+        let is_read_table = is_table && first.is_some_and(|law| law.has("MARLOW"));
+        let is_read_series = block.is_series() && Some(block.line) == series;
+        if block.keyword == "MATERIAL" || is_read_table || is_read_series {
             continue;
         }
         if block.line != line {
@@ -176,7 +182,6 @@ fn unread(blocks: &[Block<'_>]) -> Result<Unread, Trouble> {
             continue;
         }
         let moduli = block.value("MODULI");
-        let viscous = blocks.iter().find(|other| other.keyword == "VISCOELASTIC");
         for (name, value) in &block.parameters {
             let is_read = match name.as_str() {
                 "N" | "TYPE" | "LOCALDIRECTIONS" => true,

@@ -341,7 +341,7 @@ fn table(text: &str, material: Option<&str>) -> Result<(Table, Unread), Trouble>
     unread.material = Some(Chosen {
         name: own_material,
         place: at,
-        count: with_law.len(),
+        all: with_law.iter().map(|own| (*own).to_string()).collect(),
     });
     found.map(|table| (table, unread)).ok_or_else(|| match material {
         Some(wanted) if !with_law.is_empty() => Trouble::no_such_material(wanted, &with_law),

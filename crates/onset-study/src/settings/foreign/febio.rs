@@ -117,7 +117,7 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
     read.unread.material = Some(Chosen {
         name: own.clone(),
         place: at,
-        count: with_law.len(),
+        all: with_law.iter().map(|(name, ..)| name.clone()).collect(),
     });
     Ok(read)
 }

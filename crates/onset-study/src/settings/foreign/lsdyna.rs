@@ -61,13 +61,25 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
     law.unread.material = Some(Chosen {
         name: block.number().to_owned(),
         place: at,
-        count: numbers.len(),
+        all: numbers.iter().map(|own| (*own).to_owned()).collect(),
     });
     let added = blocks
         .iter()
         .filter(|other| other.keyword.starts_with("MAT_ADD") && other.number() == block.number());
     let added = added.map(|other| (format!("*{}", brief(&other.keyword)), other.line));
     law.unread.parts.extend(added);
+    let unknown = blocks.iter().filter(|other| {
+        let is_law = other.keyword.starts_with("MAT_") && !other.keyword.starts_with("MAT_ADD");
+        is_law && other.reader().is_none()
+    });
+    let unknown = unknown.map(|other| {
+        let number = brief(other.number());
+        (
+            format!("material {number}, *{}", brief(&other.keyword)),
+            other.line,
+        )
+    });
+    law.unread.parts.extend(unknown);
     Ok(law)
 }
 

@@ -186,7 +186,10 @@ pub(super) fn read(
     law.unread.material = (materials.len() > 1).then(|| Chosen {
         name: own.name.to_owned(),
         place,
-        count: materials.len(),
+        all: materials
+            .iter()
+            .map(|other| other.name.to_owned())
+            .collect(),
     });
     Ok(law)
 }

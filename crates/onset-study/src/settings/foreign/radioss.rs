@@ -85,8 +85,22 @@ pub(super) fn read(text: &str, material: Option<&str>) -> Result<ForeignLaw, Tro
     law.unread.material = Some(Chosen {
         name: block.number.clone(),
         place: at,
-        count: with_law.len(),
+        all: numbers().collect(),
     });
+    let options = options(text).into_iter();
+    let own = options.filter(|(_, number, _)| *number == block.number);
+    law.unread
+        .parts
+        .extend(own.map(|(option, _, line)| (option, line)));
+    let unknown = blocks.iter().filter(|other| other.reader().is_none());
+    law.unread.parts.extend(unknown.map(|other| {
+        let part = format!(
+            "material {}, /MAT/{}",
+            brief(&other.number),
+            brief(&other.law)
+        );
+        (part, other.line)
+    }));
     Ok(law)
 }
 
@@ -99,6 +113,28 @@ fn elastic(block: &Block<'_>) -> Option<Trouble> {
     }
     let moduli = block.cards.get(1)?.numbers(20).ok()?;
     Trouble::linear(block.line, &format!("/MAT/{}", block.law), moduli)
+}
+
+/// Options of materials, such as `/VISC/PRONY/1`: the keyword, the number of the material and the line.
+fn options(text: &str) -> Vec<(String, String, usize)> {
+    const OF_MATERIALS: [&str; 7] = [
+        "VISC",
+        "FAIL",
+        "HEAT",
+        "THERM_STRESS",
+        "EOS",
+        "NONLOCAL",
+        "CREEP",
+    ];
+    let option = |(n, line): (usize, &str)| {
+        let own = line.trim().to_ascii_uppercase();
+        let mut parts = own.strip_prefix('/')?.split('/');
+        parts.next().filter(|first| OF_MATERIALS.contains(first))?;
+        // A number after the number of the material belongs to the option itself.
+        let number = parts.find(|part| part.bytes().all(|letter| letter.is_ascii_digit()))?;
+        Some((brief(line.trim()).to_owned(), number.to_owned(), n + 1))
+    };
+    text.lines().enumerate().filter_map(option).collect()
 }
 
 /// Splits a text into materials. `#` begins a comment line, `/` a keyword; the first line of a material is its title.

@@ -37,9 +37,12 @@ pub(super) struct Chosen {
     pub name: String,
     /// Place among the materials with a law, from 0.
     pub place: usize,
-    /// Number of materials with a law.
-    pub count: usize,
+    /// Names or numbers of the materials with a law.
+    pub all: Vec<String>,
 }
+
+/// Number of other materials that a note names.
+const NAMED_MATERIALS: usize = 3;
 
 impl Chosen {
     /// Description of the material, which follows the title of its law.
@@ -48,10 +51,21 @@ impl Chosen {
             "" => String::new(),
             name => format!(", material {}", super::quoted(name)),
         };
-        match self.count {
-            0 | 1 => name,
-            count => format!("{name} ({} of {count}: --material)", self.place + 1),
+        let all = self.all.iter().enumerate();
+        let others = all.filter(|(place, _)| *place != self.place);
+        let mut others: Vec<String> = others.map(|(_, other)| super::quoted(other)).collect();
+        if others.is_empty() {
+            return name;
         }
+        let (place, count) = (self.place + 1, self.all.len());
+        if others.len() > NAMED_MATERIALS {
+            others.truncate(NAMED_MATERIALS);
+            others.push("...".to_owned());
+        }
+        format!(
+            "{name} ({place} of {count}; --material {})",
+            others.join(", ")
+        )
     }
 }
 
