@@ -236,10 +236,6 @@ def frames_of(
 
     velocity, F, stress = fields(velocity, "velocity"), fields(F, "F"), fields(stress, "stress")
 
-    def check(array: Floats, what: str) -> None:
-        if not np.all(np.isfinite(array)):
-            raise InputError(f"{what} has values that are not finite; omit the frames after the run has broken down")
-
     def vectors(value: object, what: str, expected: int | None) -> Floats:
         array = numbers(value, what)  # type: ignore[arg-type]
         if array.ndim != 2 or array.shape[1] not in (dimension, 3) or expected not in (None, len(array)):
@@ -249,12 +245,13 @@ def frames_of(
             raise InputError(f"{what} has no particles")
         full = np.zeros((len(array), 3))
         full[:, :dimension] = array[:, :dimension]
-        # Fits use the squares of positions. NaN is not below the limit either.
-        if not np.all(np.abs(full) < 1e100):
-            raise InputError(f"{what} has values that are not finite and below 1e100; omit the frames after the run has broken down")
         return full
 
-    reference = vectors(x[0] if X is None else X, "x[0]" if X is None else "X", None)
+    given_reference = "x[0]" if X is None else "X"
+    reference = vectors(x[0] if X is None else X, given_reference, None)
+    # Fits use the squares of positions. NaN is not below the limit either. Later frames are checked like the frames of files.
+    if not np.all(np.abs(reference) < 1e100):
+        raise InputError(f"{given_reference} has values that are not finite and below 1e100")
     times = np.arange(count, dtype=float) if time is None else numbers(time, "time")
     if times.shape != (count,) or not np.all(np.isfinite(times)):
         raise InputError(f"time has the shape {times.shape}; expected {count} finite numbers, one for each frame")
@@ -268,7 +265,6 @@ def frames_of(
         side = array.shape[-1] if array.ndim else 0
         if array.ndim != 3 or array.shape[1] != side or side not in (dimension, 3):
             raise InputError(f"{what} has the shape {array.shape}; expected (points, {dimension}, {dimension}) or (points, 3, 3)")
-        check(array, what)
         full = np.tile(np.eye(3), (len(array), 1, 1))
         full[:, :side, :side] = array
         return full
@@ -280,7 +276,6 @@ def frames_of(
         array = numbers(value, what)  # type: ignore[arg-type]
         if array.ndim != 2 or array.shape[1] not in columns:
             raise InputError(f"{what} has the shape {array.shape}; expected (points, 3) for xx, yy, xy or (points, 6) for xx, yy, zz, xy, xz, yz")
-        check(array, what)
         full = np.zeros((len(array), 6))
         full[:, columns[array.shape[1]]] = array
         return full

@@ -640,7 +640,8 @@ def screen(
     Parameters
     ----------
     x
-        Positions of the particles in each frame, shape (frames, particles, D) or (frames, particles, 3); length.
+        Positions of the particles in each frame, shape (frames, particles, D) or (frames, particles, 3); length. Frames after a position that is not
+        finite, and frames with damaged records, are skipped with a note.
     X
         Reference positions, shape (particles, D) or (particles, 3); length. The first frame if omitted.
     time
@@ -688,7 +689,7 @@ def screen(
     Raises
     ------
     InputError
-        If shapes do not fit together, or a position is not finite.
+        If shapes do not fit together, or a position of the first frame is not finite.
 
     Examples
     --------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -105,9 +106,9 @@ def test_modes_are_returned_as_arrays() -> None:
 
 def test_errors_name_the_argument() -> None:
     X, x = plate()
-    with pytest.raises(onset.InputError, match=r"x\[2\] has values that are not finite"):
+    with pytest.raises(onset.InputError, match="particle 0 has no finite position below 1e100, at t = 0"):
         broken = x.copy()
-        broken[2, 0, 0] = np.nan
+        broken[0, 0, 0] = np.nan
         onset.screen(broken, X)
     for given, message in [
         ({"x": x[:, :, :1]}, r"x\[0\] has the shape \(100, 1\)"),
@@ -127,14 +128,31 @@ def test_errors_name_the_argument() -> None:
         ({"velocity": []}, r"velocity has 0 frame\(s\); expected 6"),
         ({"F": np.array(1.0)}, "F has no frames"),
         ({"F": {"a": 1}}, "F has no frames"),
-        ({"F": np.full((6, 100, 2, 2), np.nan)}, r"F\[0\] has values that are not finite"),
-        ({"stress": np.full((6, 100, 3), np.inf)}, r"stress\[0\] has values that are not finite"),
+        ({"X": np.full((100, 2), np.nan)}, "X has values that are not finite and below 1e100"),
+        ({"region": ([90, 90], [91, 91])}, "no particle is in the box 90,90:91,91 of region"),
         ({"volumes": np.full(100, np.nan)}, "volumes has values that are not finite"),
         ({"volumes": np.zeros(100)}, "volumes has values that are not positive"),
         ({"held": np.ma.array(np.zeros(100), mask=np.arange(100) == 3)}, "held has 1 masked values"),
     ]:
         with pytest.raises(onset.InputError, match=message):
             onset.screen(**{"x": x, "X": X, **given})
+
+
+def test_damaged_records_are_skipped_as_in_files() -> None:
+    X, x = plate()
+    for damage, note, frames in [
+        (lambda x: x[3].__setitem__((0, 0), np.nan), "particle 0 has no finite position below 1e100, at t = 3: this and all later frames are skipped", 3),
+        (lambda x: x[4].fill(0), r"more than half of the particles are at the same position, \(0, 0, 0\), at t = 4: this and all", 4),
+        (lambda x: x[2, 57].fill(0), "particle 57 moves .* spacings between the frames t = 1 and t = 2 while its neighbors stay together", 5),
+    ]:
+        damaged = x.copy()
+        damage(damaged)
+        answer = onset.screen(damaged, X, None, "neo-hooke", onset.Method("total-lagrangian-sph", support=2.01, penalty=0.3))
+        assert any(re.search(note, own) for own in answer["notes"]), answer["notes"]
+        assert answer.to_xarray().sizes["time"] == frames
+    # Gradients that are not numbers are noted, as in files.
+    answer = onset.screen(x, X, F=np.full((6, 100, 2, 2), np.nan))
+    assert any("gradients in the files are not numbers" in note for note in answer["notes"])
 
 
 def test_a_frame_that_repeats_a_time_is_skipped_with_a_note() -> None:

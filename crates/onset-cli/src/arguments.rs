@@ -703,9 +703,10 @@ pub struct ScreenArguments {
     /// files, or else the first frame].
     #[arg(long, value_name = "FILE", value_parser = reference, default_value = "recorded", hide_default_value = true, help_heading = "Reading")]
     pub reference: Reference,
-    /// Held particles: a type (2), a box of reference positions (-1,-1:3,20) or none [default: a column `held`, or a type that moves rigidly].
+    /// Held particles: a type (2), a box of reference positions (-1,-1:3,20) or none; may be given several times [default: a column `held`, or a type or
+    /// faces that move rigidly, rotations included].
     #[arg(long, value_name = "WHICH", value_parser = Held::from_str, allow_hyphen_values = true, help_heading = "Reading")]
-    pub held: Option<Held>,
+    pub held: Vec<Held>,
     /// Judge only the particles in a box of reference positions, for example 0,0:10,5.
     #[arg(long, value_name = "BOX", value_parser = Region::from_str, allow_hyphen_values = true, help_heading = "Reading")]
     pub region: Option<Region>,

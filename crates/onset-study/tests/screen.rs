@@ -6,8 +6,8 @@ use onset_frames::FrameRange;
 use onset_study::answers::Problem;
 use onset_study::compare::Thresholds;
 use onset_study::screen::{
-    Actual, Cause, Frame, ModeKind, Question, Recording, Reference, Run, ScreenAnswer, ScreenError,
-    Source, stepping_named,
+    Actual, Cause, Frame, Held, ModeKind, Question, Recording, Reference, Run, ScreenAnswer,
+    ScreenChecks, ScreenError, Source, stepping_named,
 };
 use onset_study::settings::{Family, Settings};
 use std::io::Read;
@@ -151,6 +151,12 @@ fn updated_sph_in_tension_is_numerically_unstable() {
     let change = &answer.changes[0];
     assert_eq!(change.settings, ["discretization.artificial-stress=0.3"]);
     assert!(change.expected.is_none_or(|time| time > 35.0));
+    // A kernel that delays the waves.
+    assert!(
+        answer.changes[2].settings[0].starts_with("discretization.kernel="),
+        "{:?}",
+        answer.changes
+    );
     // Another method is recommended with the penalty of `onset tune`, so that no mode is weakly controlled.
     let change = &answer.changes[1].settings;
     assert_eq!(change[0], "discretization.method=total-lagrangian-sph");
@@ -217,6 +223,20 @@ fn a_shear_band_in_finite_elements_is_a_physical_instability() {
     assert!((6.5..=9.5).contains(&first.place[0]));
     let recording = answer.recording.as_ref().expect("a recording");
     assert_eq!((recording.elements, recording.held), (288, 26));
+    // The strain at the shoulders of the neck is smooth, and no short wave.
+    within(
+        answer.observed.as_ref().map(|event| event.time),
+        225.0..=240.0,
+    );
+    let limit = &answer.limits[0];
+    assert!(
+        limit.starts_with("the strain near (8.5, 5.5) varies by 6 % per spacing")
+            && limit.contains("A neck or a buckle")
+            && limit.contains("`--actual 220`"),
+        "{limit}"
+    );
+    let fit = |remedy: &String| remedy.contains("onset fit TESTS.csv --stable box=0.72,2.7");
+    assert!(answer.remedy.iter().any(fit), "{:?}", answer.remedy);
 }
 
 #[test]
@@ -524,7 +544,25 @@ fn unexplained_short_waves_are_reported_as_forced_or_zero_energy() {
     let run = stretched(12, |time| 0.01 * time);
     let none = ["discretization.penalty=0"];
     assert_eq!(of_arrays(&HEALTHY, &[], &run).cause, Cause::Forced);
-    assert_eq!(of_arrays(&HEALTHY, &none, &run).cause, Cause::ZeroEnergy);
+    let answer = of_arrays(&HEALTHY, &none, &run);
+    assert_eq!(answer.cause, Cause::ZeroEnergy);
+    // The coefficient of `onset tune`.
+    let change = &answer.changes[0].settings;
+    assert!(
+        change[0].starts_with("discretization.penalty="),
+        "{change:?}"
+    );
+    let change: Vec<&str> = change.iter().map(String::as_str).collect();
+    let weakest = HEALTHY.problem(&change).analysis.weakest();
+    let share = weakest
+        .expect("waves")
+        .map_or(1.0, |mode| mode.relative_frequency());
+    assert!(share >= Thresholds::default().weak, "{change:?}: {share}");
+    assert!(
+        answer.remedy[0].starts_with("with discretization.penalty="),
+        "{:?}",
+        answer.remedy
+    );
     let still = stretched(12, |_| 1e-6);
     assert_eq!(of_arrays(&HEALTHY, &[], &still).cause, Cause::None);
 }
@@ -735,6 +773,203 @@ fn damaged_records_are_reported_and_skipped() {
         let read = recording.frames(&mut series, 2);
         let read: Vec<f64> = read.map(|frame| frame.expect("a frame").time).collect();
         assert_eq!(read, times, "{told}");
+    }
+}
+
+/// Particles that lie between sound particles on both sides.
+#[test]
+fn a_group_that_jumps_between_two_others_is_damaged() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.csv");
+    let mut text = "time,id,x,y\n".to_owned();
+    for time in 0..5 {
+        for n in 0..200_usize {
+            let column = (n / 10) as f64;
+            // A wider group in the last frame, as of particles that are wrapped into a box one after the other.
+            let wrapped = [17.0, 14.0, 12.0][(time as usize).saturating_sub(2)];
+            let jump = 41.0 * f64::from(u8::from(time >= 3 && (wrapped..18.0).contains(&column)));
+            text += &format!(
+                "{time},{n},{},{}\n",
+                (1.0 + 0.01 * f64::from(time)) * column - jump,
+                n % 10
+            );
+        }
+    }
+    std::fs::write(&path, text).expect("written");
+    let (recording, ..) = Recording::open(&HEALTHY.source(path), 2, false).expect("a recording");
+    let told = recording.notes.join("\n");
+    assert!(told.contains("like 39 others, moves 41 spacings"), "{told}");
+    assert_eq!((recording.frames, recording.skipped), (3, 2), "{told}");
+}
+
+#[test]
+fn positions_that_are_wrapped_into_the_periodic_box_of_the_file_are_unwrapped() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.dump");
+    let at = |time: usize, n: usize| [4.0 + (n / 10) as f64 + 0.7 * time as f64, (n % 10) as f64];
+    let mut text = String::new();
+    for time in 0..40 {
+        text += &format!(
+            "ITEM: TIMESTEP\n{time}\nITEM: NUMBER OF ATOMS\n100\nITEM: BOX BOUNDS pp ff ff\n0 20\n-1 11\n-1 1\nITEM: ATOMS id type x y\n"
+        );
+        for n in 0..100 {
+            let [x, y] = at(time, n);
+            text += &format!("{n} 1 {} {y}\n", x.rem_euclid(20.0));
+        }
+    }
+    std::fs::write(&path, text).expect("written");
+    let (recording, _, mut series) =
+        Recording::open(&HEALTHY.source(path), 2, false).expect("a recording");
+    let note =
+        "particles cross faces of the periodic box of the file: their positions are unwrapped";
+    assert!(
+        recording.notes.iter().any(|own| own == note),
+        "{:?}",
+        recording.notes
+    );
+    assert_eq!(recording.frames, 40);
+    for (time, frame) in recording.frames(&mut series, 2).enumerate() {
+        let frame = frame.expect("a frame");
+        for (n, x) in frame.x.iter().enumerate() {
+            assert!((x[0] - at(time, n)[0]).abs() < 1e-9, "{time}: {x:?}");
+        }
+    }
+}
+
+/// A bar whose left grip of three columns is fixed, while its right grip of three columns turns.
+fn bent(has_kinds: bool) -> String {
+    let mut text = "time,id,x,y".to_owned() + if has_kinds { ",type\n" } else { "\n" };
+    for time in 0..4 {
+        for n in 0..240_usize {
+            let (a, b) = ((n / 10) as f64, (n % 10) as f64);
+            let share = ((a - 2.0) / 19.0).clamp(0.0, 1.0);
+            let (sine, cosine) = (0.1 * f64::from(time) * share * share).sin_cos();
+            let (x, y) = (a - 10.0, b + 30.0);
+            text += &format!(
+                "{time},{n},{},{}",
+                cosine * x - sine * y,
+                sine * x + cosine * y
+            );
+            let is_grip = !(2.5..20.5).contains(&a);
+            text += if has_kinds && is_grip {
+                ",2\n"
+            } else if has_kinds {
+                ",1\n"
+            } else {
+                "\n"
+            };
+        }
+    }
+    text
+}
+
+#[test]
+fn grips_that_turn_are_recognized_and_several_boxes_are_held() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.csv");
+    let opened = |held: Vec<Held>| {
+        let source = Source {
+            held,
+            ..HEALTHY.source(path.clone())
+        };
+        Recording::open(&source, 2, false).map(|(recording, ..)| recording)
+    };
+    for (has_kinds, by) in [
+        (false, "faces that move rigidly: -1, +1"),
+        (true, "type 2, which moves rigidly"),
+    ] {
+        std::fs::write(&path, bent(has_kinds)).expect("written");
+        let recording = opened(Vec::new()).expect("a recording");
+        assert_eq!((recording.held, recording.held_by.as_str()), (60, by));
+    }
+    let boxes = ["-11,29:-8,40", "11,29:14,40"].map(|text| text.parse().expect("a box"));
+    let recording = opened(boxes.to_vec()).expect("a recording");
+    assert_eq!(recording.held, 60, "{}", recording.held_by);
+    let far: Held = "90,90:91,91".parse().expect("a box");
+    let [own, _] = boxes;
+    let refused = opened(vec![own, far])
+        .expect_err("an empty box")
+        .to_string();
+    let told = "no particle is in the box 90,90:91,91 of --held\n  hint: the body extends from (-10, 30) to (13, 39)";
+    assert!(refused.starts_with(told), "{refused}");
+}
+
+#[test]
+fn arrays_with_damaged_records_are_treated_like_files() {
+    let (run, frames) = stretched(6, |_| 1e-6);
+    type Harm = fn(&mut Frame);
+    let cases: [(usize, Harm, &str, &[f64]); 3] = [
+        (
+            3,
+            |frame| frame.x[5][0] = f64::NAN,
+            "particle 5 has no finite position below 1e100, at t = 3: this and all later frames are skipped",
+            &[0.0, 1.0, 2.0],
+        ),
+        (
+            4,
+            |frame| frame.x.fill([0.0; 3]),
+            "more than half of the particles are at the same position, (0, 0, 0), at t = 4: this and",
+            &[0.0, 1.0, 2.0, 3.0],
+        ),
+        (
+            2,
+            |frame| frame.x[90] = [0.0; 3],
+            "particle 90 moves 9 spacings between the frames t = 1 and t = 2 while its neighbors stay together: the frame is skipped",
+            &[0.0, 1.0, 3.0, 4.0, 5.0],
+        ),
+    ];
+    for (at, harm, note, times) in cases {
+        let mut harmed = frames.clone();
+        harm(&mut harmed[at]);
+        let answer = of_arrays(&HEALTHY, &[], &(run.clone(), harmed));
+        assert!(
+            answer.notes.iter().any(|own| own.starts_with(note)),
+            "{:?}",
+            answer.notes
+        );
+        let read: Vec<f64> = answer.moments.iter().map(|own| own.time).collect();
+        assert_eq!(read, times);
+        assert_eq!(
+            answer.sentence.contains(" until t = "),
+            times.len() < 5,
+            "{}",
+            answer.sentence
+        );
+    }
+    let mut harmed = frames;
+    harmed[0].x[5][0] = f64::INFINITY;
+    let refused = asked_of_arrays(&HEALTHY, &[], &(run, harmed), &HEALTHY.question());
+    let told = refused.expect_err("a first frame").to_string();
+    assert!(
+        told.contains("the first frame must be complete and valid"),
+        "{told}"
+    );
+}
+
+#[test]
+fn the_check_prints_lattice_digits_and_missing_parts_of_the_study() {
+    let source = HEALTHY.source(HEALTHY.path());
+    let (recording, run, _) = Recording::open(&source, 2, false).expect("a recording");
+    let told = |problem: &Problem| ScreenChecks::new(problem, recording.clone(), &run).to_string();
+    let own = told(&HEALTHY.problem(&[]));
+    for fact in [
+        "particles   square lattice, with 4 nearest particles\n",
+        "digits      6 digits: positions are rounded to 0.0001 spacings, and smaller short waves",
+    ] {
+        assert!(own.contains(fact), "{fact}: {own}");
+    }
+    assert!(!own.contains("missing"), "{own}");
+    let other = told(&HEALTHY.problem(&["discretization.lattice=hexagonal"]));
+    assert!(
+        other.contains("not on the lattice of the settings"),
+        "{other}"
+    );
+    let none = told(&Problem::new(Settings::default()).expect("a problem"));
+    for fact in [
+        "missing     law: set material.model",
+        "method: set discretization.method",
+    ] {
+        assert!(none.contains(fact), "{fact}: {none}");
     }
 }
 

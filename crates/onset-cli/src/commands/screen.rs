@@ -7,7 +7,7 @@ use crate::patience::{self, bar};
 use crate::printing::{print, tell};
 use onset_study::answers::Problem;
 use onset_study::screen::{
-    Question, Recording, ScreenAnswer, ScreenChecks, ScreenError, ScreenFiles, Source,
+    Question, Recording, ScreenAnswer, ScreenChecks, ScreenError, ScreenFiles, Source, missing,
 };
 use onset_study::settings::Family;
 use std::path::{Path, PathBuf};
@@ -76,12 +76,14 @@ fn once(arguments: &ScreenArguments, last: &str) -> Result<(ExitCode, bool, Stri
     let has_elements = problem.settings.method.method == Family::FiniteElements;
     let (recording, run, mut series) = Recording::open(&source, dimension, has_elements)?;
     if arguments.check {
-        let checks = ScreenChecks {
-            spacing: problem.analysis.spacing(),
-            recording,
-        };
+        let checks = ScreenChecks::new(&problem, recording, &run);
         let text = checks.to_string();
         return Ok((print(&checks, &text, || checks.csv())?, false, text));
+    }
+    if missing(&problem.settings).len() > 1 {
+        return Err(Failure::input(
+            "neither the law nor the method of the run is given\n  hint: name a study (STUDY.toml), or set material.model and discretization.method by --set, or --preset; `onset screen FILES --check` reads the files alone",
+        ));
     }
     let question = Question {
         time_step: arguments.time_step,
@@ -170,7 +172,7 @@ fn source(arguments: &ScreenArguments, files: Vec<PathBuf>) -> Result<Source, Fa
     let mut source = Source {
         files,
         reference: arguments.reference.clone(),
-        held: arguments.held.clone().unwrap_or_default(),
+        held: arguments.held.clone(),
         region: arguments.region.clone(),
         ..Source::default()
     };

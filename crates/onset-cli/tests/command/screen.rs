@@ -113,11 +113,19 @@ fn faults_are_refused_with_a_hint() {
         ),
         (
             vec!["--time-step", "0.72", "--region", "0,0:-1,1"],
-            "is not a box",
+            "exceeds the upper corner along axis 1: 0 > -1",
         ),
         (
-            vec!["--time-step", "0.72", "--region", "90,90:91,91"],
-            "no particle remains to be assessed",
+            vec!["--time-step", "0.72", "--region", ""],
+            "`` is not a box",
+        ),
+        (
+            vec!["--time-step", "0.72", "--region", "90,90:91,91", "--check"],
+            "no particle is in the box 90,90:91,91 of --region",
+        ),
+        (
+            vec!["--time-step", "0.72", "--held", "2", "--held", "none"],
+            "omit --held none",
         ),
         (
             vec!["--time-step", "0.72", "--frames", "3:4"],
@@ -362,4 +370,90 @@ fn a_growing_file_is_screened_until_a_cause_ends_the_command() {
         "{line}{rest}"
     );
     assert!(rest.contains("First cause: the time step."), "{rest}");
+}
+
+/// The commands in the comments of a study of the decisive state.
+fn commands(folder: &Scratch) -> (String, Vec<String>) {
+    let text = std::fs::read_to_string(folder.join("first.toml")).expect("a study");
+    let commands = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("# onset "));
+    let place = folder.join("first.toml");
+    let place = place.to_str().expect("UTF-8");
+    let commands = commands
+        .map(|own| own.replace("first.toml", place))
+        .collect();
+    (text, commands)
+}
+
+#[test]
+fn the_study_of_the_decisive_state_agrees_with_the_answer() {
+    let folder = Scratch::new("decisive");
+    let out = folder.to_str().expect("UTF-8");
+    let answer = onset(&notched(
+        &[&STEP[..], &["--out", out, "--fields", "0"]].concat(),
+    ));
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    let (text, own) = commands(&folder);
+    for fact in [
+        "The step of the run is the cause, and not this state: onset state calls the state stable.",
+        "Settings of the run: --time-step 0.72 --stepping extrapolated-stress",
+        "Largest stable step of the body 0.7006, of the infinite lattice 1.1",
+    ] {
+        assert!(text.contains(fact), "{fact}: {text}");
+    }
+    assert_eq!(own.len(), 1, "{own:?}");
+    // The wave of a numerical cause has a deck, viscosity included.
+    let run = concat!(env!("CARGO_MANIFEST_DIR"), "/../../runs/tension");
+    let folder = Scratch::new("wave");
+    let out = folder.to_str().expect("UTF-8");
+    let scheme = "--time-step 0.02 --stepping late-acceleration --fields 0";
+    let answer = onset_line(&format!("screen {run}.npz {run}.toml {scheme} --out {out}"));
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    let (text, own) = commands(&folder);
+    let deck = own
+        .iter()
+        .find(|own| own.starts_with("verify deck"))
+        .expect("a deck");
+    let deck = deck.replace("--out deck", &format!("--out {out}/deck"));
+    let answer = onset_line(&deck);
+    assert_eq!(answer.code, Some(0), "{deck}: {}", answer.stderr);
+    assert!(
+        answer.stdout.contains("predicted    growth rates 0.6265"),
+        "{}",
+        answer.stdout
+    );
+    assert!(
+        text.contains("add --set discretization.viscosity=0"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_run_without_law_and_method_is_refused_and_can_be_checked() {
+    let frames = [0.0, 1.0, 2.0].map(|time| (time, false));
+    let file = Written::new("plain.csv", table(&frames));
+    let answer = onset_line(&format!("screen {file} --held none"));
+    assert_eq!(answer.code, Some(2), "{}", answer.stdout);
+    assert!(
+        answer.stderr.contains("neither the law nor the method"),
+        "{}",
+        answer.stderr
+    );
+    let answer = onset_line(&format!("screen {file} --held none --check"));
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    assert!(
+        answer
+            .stdout
+            .contains("missing     law: set material.model"),
+        "{}",
+        answer.stdout
+    );
+    let method = "--set discretization.method=tlsph --set discretization.lattice=square";
+    let answer = onset_line(&format!("screen {file} --held none {method}"));
+    let told = unwrapped(&answer.stdout);
+    assert!(
+        told.contains("note: the law of the run is not given"),
+        "{told}"
+    );
 }

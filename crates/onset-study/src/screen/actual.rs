@@ -222,7 +222,7 @@ impl BodyModeAnswer {
         let u = mode.displacements;
         let squares = |x: &[f64; 3]| -> f64 { x.iter().map(|x| x * x).sum() };
         let all: f64 = u.iter().map(squares).sum();
-        let short: f64 = near.short_waves(&u).iter().map(|x| x * x).sum();
+        let short: f64 = near.short_waves(&u).amplitude.iter().map(|x| x * x).sum();
         let short_waves = (short / all).min(1.0);
         let (mut sum, mut sum_of_squares) = (0.0, 0.0);
         for n in 0..u.len() {

@@ -1,14 +1,15 @@
 //! Answer of `onset screen`: the first cause of an instability in a run, with its evidence, its limits and the remedy.
 
 use super::actual::Actual;
+use super::checks::{Missing, is_on_lattice, layout, missing, points_per_side, recognized};
 use super::course::{
     Course, ELLIPTIC_MARGIN, Event, Moment, Picture, Sink, StepLimit, crossing, follow, point,
 };
 use super::input::is_spaced;
-use super::neighborhoods::Neighborhoods;
-use super::remedy::{Remedy, expected as expected_in, remedies};
+use super::records::SoundFrames;
+use super::remedy::{Remedy, controls, expected as expected_in, remedies};
 use super::study::{command, study};
-use super::{Frame, Question, Recording, Run, ScreenError};
+use super::{Frame, Question, Recording, Run, SAFETY_FACTOR, ScreenError};
 use crate::answers::{Problem, StateAnswer, StateQuestion, notes};
 use crate::brief::{Brief, Short};
 use crate::csv::Table;
@@ -16,7 +17,7 @@ use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
 use crate::json;
 use crate::number::{counted, told, told_with};
 use crate::output::{Files, picture, text};
-use crate::settings::{Effective, Family, Units};
+use crate::settings::Effective;
 use onset::kinematics::DeformationGradient;
 use onset::verdict::Mechanism;
 use serde::Serialize;
@@ -24,8 +25,6 @@ use std::fmt;
 
 /// Relative error of the predicted limits; a step or a state closer to its limit counts as at the limit.
 const LIMIT_TOLERANCE: f64 = 0.02;
-/// Recommended fraction of the largest stable step; it allows for the stiffening of a body by loads and disorder.
-const SAFETY_FACTOR: f64 = 0.9;
 /// Smallest growth exponent before the observation that explains short waves, even if they were expected later: strain gradients contribute to the
 /// measured short waves, so that they may appear earlier.
 const EXPLAINING_EXPONENT: f64 = 1.0;
@@ -40,14 +39,11 @@ const RISE_RATIO: f64 = 10.0;
 /// Largest delay of the predicted time after the observation, as a fraction of the time until the observation.
 const LATENESS_FRACTION: f64 = 0.35;
 
+/// Smallest length over which the strain varies by itself, in spacings, in a state that is homogeneous for the growing waves.
+const VARIED_SPACINGS: f64 = 20.0;
+
 /// Largest growth exponent between two frames at which times are interpolated reliably.
 const LARGEST_INTERVAL_GROWTH: f64 = 2.0;
-/// Smallest fraction of the vectors between nearest particles that are vectors of the lattice if the particles are on it; the others are at faces.
-const ON_LATTICE: f64 = 0.9;
-/// Largest distance of nearest particles, in spacings.
-const NEIGHBOR_DISTANCE: f64 = 1.1;
-/// Largest deviation of lattice coordinates of particles on the lattice.
-const LATTICE_COORDINATE_TOLERANCE: f64 = 0.05;
 
 /// Smallest amplitude in the figure; spacings.
 const SMALLEST_DRAWN_AMPLITUDE: f64 = 1e-8;
@@ -98,73 +94,6 @@ impl Cause {
             Self::Forced => "forced",
             Self::None => "none",
         }
-    }
-}
-
-/// Recognized contents of the files of a run, without an analysis.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ScreenChecks {
-    /// Files, frames, particles and columns.
-    pub recording: Recording,
-    /// Particle spacing of the settings; length.
-    pub spacing: f64,
-}
-
-impl ScreenChecks {
-    /// The recording as CSV, in one row.
-    pub fn csv(&self) -> String {
-        Table::new(std::slice::from_ref(self), Units::Own)
-            .with("format", "1", |own| own.recording.format.as_str())
-            .with("files", "1", |own| own.recording.files)
-            .with("frames", "1", |own| own.recording.frames)
-            .with("first_time", "time", |own| own.recording.times[0])
-            .with("last_time", "time", |own| own.recording.times[1])
-            .with("longest_interval", "time", |own| own.recording.interval)
-            .with("particles", "1", |own| own.recording.particles)
-            .with("elements", "1", |own| own.recording.elements)
-            .with("held", "1", |own| own.recording.held)
-            .with("spacing", "length", |own| own.spacing)
-            .to_string()
-    }
-}
-
-impl fmt::Display for ScreenChecks {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let own = &self.recording;
-        writeln!(
-            formatter,
-            "{}, {}: {} from t = {} to {}, {}{}",
-            own.format,
-            counted(own.files, "file"),
-            counted(own.frames, "frame"),
-            told(own.times[0]),
-            told(own.times[1]),
-            counted(own.particles, "particle"),
-            match own.elements {
-                0 => String::new(),
-                cells => format!(", {}", counted(cells, "element")),
-            }
-        )?;
-        writeln!(formatter, "columns     {}", own.columns.join("; "))?;
-        writeln!(
-            formatter,
-            "spacing     {} in the file, {} in the settings",
-            told(own.spacing),
-            told(self.spacing)
-        )?;
-        write!(
-            formatter,
-            "held        {}{}",
-            counted(own.held, "particle"),
-            match own.held_by.as_str() {
-                "" => String::new(),
-                by => format!(" ({by})"),
-            }
-        )?;
-        for note in &own.notes {
-            write!(formatter, "\n\nnote: {note}")?;
-        }
-        Ok(())
     }
 }
 
@@ -225,6 +154,12 @@ pub struct ScreenAnswer {
     /// Number of points near held particles, which are not assessed.
     #[serde(skip)]
     unassessed: usize,
+    /// Whether later frames of arrays are skipped.
+    #[serde(skip)]
+    is_cut_short: bool,
+    /// Lattice of the particles.
+    #[serde(skip)]
+    particles: String,
     /// Study of the decisive state.
     #[serde(skip)]
     study: Option<String>,
@@ -235,46 +170,6 @@ pub struct ScreenAnswer {
     general: usize,
     /// All settings in effect.
     pub settings: Effective,
-}
-
-/// Number of particles along the side of a grid cell of material points, whose files can have points or nodes; one for other methods.
-fn points_per_side(problem: &Problem) -> f64 {
-    let method = &problem.settings.method;
-    match method.method {
-        Family::MaterialPoints => f64::from(method.points_per_side.max(1)),
-        _ => 1.0,
-    }
-}
-
-/// Returns true if the vectors between nearest particles of a regular run are vectors of the lattice of the settings, or if this is not known.
-fn is_on_lattice(problem: &Problem, run: &Run, spacing: f64) -> bool {
-    let has_lattice = problem.analysis.sites() == 1 && run.cells.is_none();
-    if !has_lattice
-        || problem.settings.method.method == Family::MaterialPoints
-        || !is_spaced(spacing, problem.analysis.spacing())
-    {
-        return true;
-    }
-    let reciprocal = problem.analysis.reciprocal();
-    let near = Neighborhoods::new(
-        &run.reference,
-        problem.dimension(),
-        NEIGHBOR_DISTANCE * spacing,
-    );
-    let mut counts = [0_usize; 2];
-    for n in 0..near.len() {
-        for other in near.numbers(n) {
-            let apart: [f64; 3] =
-                std::array::from_fn(|i| run.reference[other][i] - run.reference[n][i]);
-            let is_vector = reciprocal.iter().all(|b| {
-                let coordinate =
-                    (0..3).map(|i| b[i] * apart[i]).sum::<f64>() / std::f64::consts::TAU;
-                (coordinate - coordinate.round()).abs() < LATTICE_COORDINATE_TOLERANCE
-            });
-            counts[usize::from(is_vector)] += 1;
-        }
-    }
-    counts[1] as f64 >= ON_LATTICE * (counts[0] + counts[1]) as f64
 }
 
 fn place(event: &Event, dimension: usize) -> String {
@@ -320,6 +215,9 @@ impl ScreenAnswer {
                 },
             });
         }
+        if let Some(region) = &run.region {
+            region.check("region", &run.reference, problem.dimension())?;
+        }
         // Rounding of positions has the form of short waves.
         let rounding = run.rounding / spacing;
         let floor = ROUNDING_FACTOR * rounding;
@@ -328,8 +226,15 @@ impl ScreenAnswer {
             threshold: question.threshold.max(floor),
             ..question.clone()
         };
-        let course = follow(problem, question, run, frames, sink)?;
+        let mut frames = SoundFrames::new(frames, problem.dimension(), recording.is_none());
+        let mut course = follow(problem, question, run, &mut frames, sink)
+            .map_err(|error| error.because(frames.fault()))?;
+        course.is_cut_short = frames.fault().is_some();
         let mut answer = Self::of(problem, question, recording, course);
+        answer.notes.splice(0..0, frames.notes());
+        answer.particles = layout(run, problem.dimension(), found);
+        let missing = missing(&problem.settings);
+        answer.notes.splice(0..0, missing.iter().map(Missing::told));
         if !is_on_lattice(problem, run, found) {
             answer.notes.insert(
                 0,
@@ -454,9 +359,10 @@ impl ScreenAnswer {
             Cause::ZeroEnergy | Cause::Forced => course.observed.clone(),
             Cause::None => None,
         };
-        let changes = match expected.filter(|_| cause == Cause::Numerical) {
-            Some(time) => remedies(problem, question, &course, time),
-            None => Vec::new(),
+        let changes = match (cause, expected) {
+            (Cause::Numerical, Some(time)) => remedies(problem, question, &course, time),
+            (Cause::ZeroEnergy, _) => controls(problem, question, &course),
+            _ => Vec::new(),
         };
         let decisive = match cause {
             Cause::Physical | Cause::Numerical | Cause::ZeroEnergy => event.as_ref(),
@@ -477,6 +383,7 @@ impl ScreenAnswer {
         let rates = course.grown.as_ref().map(|(_, rates)| rates);
         let rates = rates.or(course.growing.as_ref());
         let rates = rates.filter(|_| cause == Cause::Numerical);
+        let wave = rates.map_or_else(Vec::new, |rates| rates.wave.clone());
         let spacing = problem.analysis.spacing();
         // The map shows the first short waves, otherwise the first event.
         let time = course.observed.as_ref().or(event.as_ref());
@@ -519,6 +426,8 @@ impl ScreenAnswer {
             actual: course.actual,
             picture,
             unassessed: course.points[1],
+            is_cut_short: course.is_cut_short,
+            particles: String::new(),
             study: None,
             general: general.len(),
             notes: [course.notes, general].concat(),
@@ -544,9 +453,10 @@ impl ScreenAnswer {
         );
         answer.remedy = answer.remedy_of(problem, state.as_ref());
         let limits = answer.limits_of(problem, course.cut, course.points, end);
-        answer.limits = [course.lacking, limits].concat();
+        let varied = answer.variation_of(problem, course.variation);
+        answer.limits = [varied, course.lacking, limits].concat();
         answer.sentence = answer.in_words(problem, question);
-        answer.study = study(&answer, problem);
+        answer.study = study(&answer, problem, question, &wave);
         answer
     }
 
@@ -661,6 +571,24 @@ impl ScreenAnswer {
         evidence
     }
 
+    /// Fit of a law that stays elliptic at the stretches of the cause; `None` for laws that are not fitted to tests of rubber or foam.
+    fn fit_of(&self, problem: &Problem) -> Option<String> {
+        let law = &problem.settings.material;
+        let model = law.model;
+        if law.is_handed() || law.is_library() || model.is_in_rate_form() || model.yields() {
+            return None;
+        }
+        let f = DeformationGradient::new(self.first.as_ref()?.f).ok()?;
+        let stretches = f.principal_stretches();
+        let low = stretches.iter().copied().fold(1.0, f64::min);
+        let high = stretches.iter().copied().fold(1.0, f64::max);
+        Some(format!(
+            "if its constants were fitted to tests: onset fit TESTS.csv --stable box={},{} fits laws that are stable there",
+            told_with(low, 2),
+            told_with(high, 3)
+        ))
+    }
+
     fn remedy_of(&self, problem: &Problem, state: Option<&StateAnswer>) -> Vec<String> {
         let mut remedy = Vec::new();
         match self.cause {
@@ -670,12 +598,18 @@ impl ScreenAnswer {
                     remedy.push(format!("a time step of {safe}"));
                 }
             }
-            Cause::Physical => remedy.push(
-                "results no longer converge under refinement beyond this state: use a law that stays elliptic there, or a regularized law with an internal length".to_owned(),
-            ),
-            Cause::Numerical => remedy.extend(self.changes.iter().map(Remedy::told)),
-            Cause::ZeroEnergy => {}
-            Cause::Forced => remedy.push("examine loads, contact and gradients of strain there".to_owned()),
+            Cause::Physical => {
+                remedy.push(
+                    "results no longer converge under refinement beyond this state: use a law that stays elliptic there, or a regularized law with an internal length".to_owned(),
+                );
+                remedy.extend(self.fit_of(problem));
+            }
+            Cause::Numerical | Cause::ZeroEnergy => {
+                remedy.extend(self.changes.iter().map(|own| own.told(self.cause)));
+            }
+            Cause::Forced => {
+                remedy.push("examine loads, contact and gradients of strain there".to_owned())
+            }
             Cause::None => {}
         }
         if let Some(state) = state {
@@ -685,6 +619,25 @@ impl ScreenAnswer {
         let event = self.first.as_ref().filter(|_| decisive);
         remedy.extend(event.and_then(|event| command(problem, &event.f)));
         remedy
+    }
+
+    /// Limit of the theory of homogeneous states at the cause, where the state varies within few spacings.
+    fn variation_of(&self, problem: &Problem, variation: Option<f64>) -> Vec<String> {
+        let event = self
+            .first
+            .as_ref()
+            .filter(|_| self.cause == Cause::Physical);
+        let Some((event, length)) = event.zip(variation.filter(|own| *own < VARIED_SPACINGS))
+        else {
+            return Vec::new();
+        };
+        vec![format!(
+            "the strain {} varies by {:.0} % per spacing: the theory of homogeneous states holds there for waves much shorter than {:.0} spacings. A neck or a buckle is longer, and grows while the law is still elliptic; `--actual {}` finds the modes of the body",
+            place(event, problem.dimension()),
+            100.0 / length,
+            length,
+            told_with(event.window[0], 4)
+        )]
     }
 
     fn limits_of(&self, problem: &Problem, cut: f64, points: [usize; 2], end: f64) -> Vec<String> {
@@ -801,13 +754,20 @@ impl ScreenAnswer {
             (true, ..) => " The time step is at the limit: a change of 2 % would change the verdict.".to_owned(),
         };
         let assessed = self.recording.as_ref().filter(|own| own.skipped > 0);
-        let rest = assessed.map_or(String::new(), |own| {
-            format!(
+        let end = self.moments.last().map_or(0.0, |last| last.time);
+        let until = (assessed.is_some() || self.is_cut_short).then_some(end);
+        let rest = match assessed {
+            _ if until.is_none() => String::new(),
+            Some(own) => format!(
                 " Only the first {} of {} frames are assessed; the others are skipped for the reason in the note.",
                 own.frames,
                 own.frames + own.skipped
-            )
-        });
+            ),
+            None => format!(
+                " Only the frames until t = {} are assessed; the others are skipped for the reason in the note.",
+                short(end)
+            ),
+        };
         let sentence = match self.cause {
             Cause::Physical => format!(
                 "First cause: the material. It loses strong ellipticity {at} at t = {}; short waves are {observed}.",
@@ -856,10 +816,7 @@ impl ScreenAnswer {
             ),
             Cause::None => format!(
                 "No instability{}: short waves stay below the threshold, and the material stays strongly elliptic{}.",
-                assessed.map_or(String::new(), |own| format!(
-                    " until t = {}",
-                    short(own.times[1])
-                )),
+                until.map_or(String::new(), |time| format!(" until t = {}", short(time))),
                 match self.unassessed {
                     0 => String::new(),
                     count => format!(
@@ -1081,10 +1038,7 @@ impl fmt::Display for ScreenAnswer {
             told(self.bin)
         )?;
         if let Some(recording) = &self.recording {
-            let checks = ScreenChecks {
-                recording: recording.clone(),
-                spacing: self.spacing,
-            };
+            let checks = recognized(recording, self.spacing, &self.particles);
             writeln!(formatter, "\n{checks}")?;
         }
         for note in &self.notes {

@@ -9,7 +9,7 @@ use super::{Frame, Question, Run, ScreenError};
 use crate::answers::{Problem, ProblemError};
 use crate::methods::method;
 use crate::number::{counted, told, told_with};
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 use onset::analysis::body_mode;
 use onset::kinematics::DeformationGradient;
 use onset::motion::BodyMode;
@@ -28,6 +28,8 @@ const FINAL_AMPLITUDE: f64 = 0.5;
 const ELLIPTICITY_ROUNDING: f64 = 1e-9;
 /// Largest acoustic eigenvalue at which a state counts as at the limit of ellipticity, divided by the modulus.
 pub(super) const ELLIPTIC_MARGIN: f64 = 0.02;
+/// Smallest and largest distance of the points between which the variation of the strain is measured; spacings.
+const VARIATION_SPACINGS: [f64; 2] = [2.0, 4.0];
 /// Amplitude of short waves in an exact lattice; spacings.
 const EXACT_LATTICE_AMPLITUDE: f64 = 1e-10;
 /// Smallest motion of the neighbors of a particle that stands still, as the mean of their displacements; spacings.
@@ -117,6 +119,8 @@ pub(super) struct Course {
     pub(super) seed: f64,
     /// Number of points with states, and number of points near held particles without states.
     pub(super) points: [usize; 2],
+    /// Length over which the strain varies at the first loss of ellipticity; spacings. `None` if ellipticity is not lost.
+    pub(super) variation: Option<f64>,
     /// Number of states that were evaluated.
     pub(super) states: usize,
     /// Fraction of points that have fewer than nine tenths of the largest number of neighbors.
@@ -135,6 +139,8 @@ pub(super) struct Course {
     pub(super) pictures: Vec<Picture>,
     /// Lowest modes of the body in a frame.
     pub(super) actual: Option<Actual>,
+    /// Whether later frames of arrays are skipped.
+    pub(super) is_cut_short: bool,
 }
 
 /// Positions and short waves at one time.
@@ -168,6 +174,26 @@ impl Points {
             cells: run.cells.clone(),
             places,
         }
+    }
+
+    /// Length over which the strain of a point varies by itself: its norm, divided by the largest change per length up to points at some distance;
+    /// spacings. Points that are closer are not compared, because short waves change their strain. `None` without points with another stretch.
+    fn variation(&self, point: usize, stretches: &[Option<Matrix3<f64>>]) -> Option<f64> {
+        let own = stretches[point]?;
+        let spacing = super::input::spacing(&self.places, self.nodes.dimension());
+        let place = Vector3::from(self.places[point]);
+        let change = stretches
+            .iter()
+            .zip(&self.places)
+            .filter_map(|(other, at)| {
+                let apart = (Vector3::from(*at) - place).norm() / spacing;
+                let is_compared = (VARIATION_SPACINGS[0]..=VARIATION_SPACINGS[1]).contains(&apart);
+                let other = other.filter(|_| is_compared)?;
+                Some((other - own).norm() / apart)
+            });
+        let change = change.fold(0.0, f64::max);
+        let strain = (own - Matrix3::identity()).norm();
+        (change > 0.0).then(|| strain / change)
     }
 
     fn deformation(
@@ -528,6 +554,7 @@ impl<'p> Follower<'p> {
                 step: limited.as_ref().map(|(limit, _)| limit.clone()),
                 seed: 0.0,
                 points: [asked, count - asked],
+                variation: None,
                 states: 0,
                 cut: cut as f64 / points.nodes.len().max(1) as f64,
                 growing: None,
@@ -537,6 +564,7 @@ impl<'p> Follower<'p> {
                 leading: Vec::new(),
                 pictures: Vec::new(),
                 actual: None,
+                is_cut_short: false,
             },
             nearest: None,
             problem,
@@ -571,7 +599,7 @@ impl<'p> Follower<'p> {
             return seed;
         }
         let of_velocity = frame.velocity.as_ref().map_or(0.0, |velocity| {
-            let short = self.points.nodes.short_waves(velocity);
+            let short = self.points.nodes.short_waves(velocity).amplitude;
             root_mean_square(self.checked(&short)) / self.speed
         });
         let rounding = self.run.rounding / self.problem.analysis.spacing();
@@ -606,8 +634,17 @@ impl<'p> Follower<'p> {
         let interval = frame.time - before;
         // Short waves of the positions.
         let short = self.points.nodes.short_waves(&frame.x);
-        let observed: Vec<f64> = short.iter().map(|x| x / spacing).collect();
-        let most_observed = self.checked(&observed).fold(0.0, f64::max);
+        let observed: Vec<f64> = short.amplitude.iter().map(|x| x / spacing).collect();
+        // Smooth curvature does not count as a short wave, unless the body is destroyed.
+        let is_short = |n: usize| !short.is_smooth[n] || observed[n] > FINAL_AMPLITUDE;
+        let is_short: Vec<bool> = (0..observed.len())
+            .map(|n| self.nodes[n] && is_short(n))
+            .collect();
+        let all_short = || {
+            let all = observed.iter().copied().enumerate();
+            all.filter(|(n, _)| is_short[*n])
+        };
+        let most_observed = all_short().map(|(_, x)| x).fold(0.0, f64::max);
         let mean_observed = root_mean_square(self.checked(&observed));
         if self.course.moments.is_empty() {
             self.first_seed = self.first_seed(frame, mean_observed);
@@ -733,6 +770,7 @@ impl<'p> Follower<'p> {
             let f = rates_of(point).map_or([[0.0; 3]; 3], |rates| *rates.f.components());
             let positive = last.and_then(|own| own.acoustic).unwrap_or(0.0).max(0.0);
             self.course.lost = Some(event(positive / (positive - least), at(point), f));
+            self.course.variation = self.points.variation(point, &stretches);
         }
         if self.course.grown.is_none() && self.has_begun && predicted > threshold {
             let share = last.map_or(1.0, |own| crossing(own.predicted, predicted, threshold));
@@ -747,9 +785,7 @@ impl<'p> Follower<'p> {
             self.course.grown_until_observed = integral;
             self.course.growing = rates_of(grown).cloned();
             if most_observed > threshold {
-                let all = observed.iter().copied().enumerate();
-                let all = all.filter(|(n, _)| self.nodes[*n]);
-                let node = largest(all, &self.run.reference).map_or(0, |(n, _)| n);
+                let node = largest(all_short(), &self.run.reference).map_or(0, |(n, _)| n);
                 let f = self.points.nodes.deformation(node, &frame.x);
                 let f = f.and_then(|f| without_rotation(&f));
                 let f = f.unwrap_or_else(Matrix3::identity);

@@ -1,37 +1,27 @@
 //! Runs read from the output files of a code.
 
+use super::records::{Contacts, JUMP_SPACINGS, Records, fault, is_finite, median_jump, told_jumps};
+use super::rigid::RigidMotion;
 use super::{Frame, Run, ScreenError};
 use crate::number::{counted, told};
 use onset_frames::{Cells, Frame as Read, Quantity, Reading, Recognized, Series};
 use serde::Serialize;
+use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// Largest difference between displacements of held particles that count as equal, as a fraction of a spacing.
+/// Largest distance of particles in a face from a rigid motion that counts as none, as a fraction of a spacing.
 const RIGID: f64 = 1e-5;
-/// Largest number of distinct displacements of the held particles of one kind: two or more grips.
+/// Largest distance of the particles of a separate kind from a rigid motion that counts as none, as a fraction of a spacing.
+const RIGID_KIND: f64 = 5e-4;
+/// Largest number of rigid motions of the held particles of one kind: two or more grips.
 const GRIPS: usize = 6;
-/// Smallest median motion between frames, in spacings and without the mean motion, that indicates a changed order of the rows.
-const JUMP_SPACINGS: f64 = 3.0;
-/// Smallest median motion of sorted coordinates, as a fraction of the median motion of the rows, of particles that have moved themselves.
-const OWN_MOTION_SHARE: f64 = 0.25;
-/// Smallest jump of a particle against its neighbors between two frames that can be a damaged record; spacings.
-const DAMAGE_SPACINGS: f64 = 3.0;
-/// Largest motion of neighbors against each other between two frames, in spacings, at which no force has thrown a particle out of them: they would recoil.
-const QUIET_SPACINGS: f64 = 0.5;
-/// Largest distance of neighbors whose motions are compared; spacings.
-const NEIGHBOR_SPACINGS: f64 = 1.6;
-/// Largest fraction of the particles of a frame whose records count as damaged.
-const LARGEST_DAMAGE: f64 = 0.25;
-/// Smallest fraction of a jump that the velocities in the file explain.
-const EXPLAINED_SHARE: f64 = 0.5;
+/// Largest distance of neighbors in a grip; spacings.
+const CONNECTED_SPACINGS: f64 = 1.6;
 /// Smallest number of particles in a face that moves rigidly.
 const LEAST_FACE: usize = 3;
 /// Largest distance from a lattice position, in spacings, at which reference positions are regular.
 const REGULAR: f64 = 1e-3;
-
-/// Largest admissible coordinate; fits use its square.
-const LARGEST_COORDINATE: f64 = 1e100;
 
 /// Box of the reference configuration.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +31,31 @@ pub struct Region {
 }
 
 impl Region {
+    /// Refuses a box without particles, which the option or argument `name` gives.
+    pub(super) fn check(
+        &self,
+        name: &str,
+        reference: &[[f64; 3]],
+        dimension: usize,
+    ) -> Result<(), ScreenError> {
+        if reference.iter().any(|x| self.contains(x)) {
+            return Ok(());
+        }
+        let corner = |of: fn(f64, f64) -> f64| {
+            let side = |i: usize| reference.iter().map(|x| x[i]).reduce(of).unwrap_or(0.0);
+            let all: Vec<String> = (0..dimension).map(|i| told(side(i))).collect();
+            format!("({})", all.join(", "))
+        };
+        Err(wrong(
+            format!("no particle is in the box {self} of {name}"),
+            format!(
+                "the body extends from {} to {} in the reference configuration",
+                corner(f64::min),
+                corner(f64::max)
+            ),
+        ))
+    }
+
     /// Returns true if a reference position lies in the box.
     pub fn contains(&self, x: &[f64; 3]) -> bool {
         let bounds = self.low.iter().zip(&self.high);
@@ -62,23 +77,40 @@ impl FromStr for Region {
         };
         let corner = |text: &str| -> Option<Vec<f64>> {
             let numbers = text.split(',').map(|x| x.trim().parse::<f64>().ok());
-            numbers.collect()
+            numbers.map(|x| x.filter(|x| !x.is_nan())).collect()
         };
         let (low, high) = text.split_once(':').ok_or_else(wrong)?;
         let (low, high) = corner(low).zip(corner(high)).ok_or_else(wrong)?;
-        let is_box = low.len() == high.len()
-            && low.len() <= 3
-            && low.iter().zip(&high).all(|(low, high)| low <= high);
-        is_box.then_some(Self { low, high }).ok_or_else(wrong)
+        if low.len() != high.len() || low.len() > 3 {
+            return Err(wrong());
+        }
+        let mut axes = low.iter().zip(&high).enumerate();
+        if let Some((axis, (low, high))) = axes.find(|(_, (low, high))| low > high) {
+            return Err(self::wrong(
+                format!(
+                    "the lower corner of the box `{}` exceeds the upper corner along axis {}: {} > {}",
+                    quoted(text),
+                    axis + 1,
+                    told(*low),
+                    told(*high)
+                ),
+                "write the lower corner first, for example -1,-1:3,20",
+            ));
+        }
+        Ok(Self { low, high })
+    }
+}
+
+impl fmt::Display for Region {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let corner = |x: &[f64]| x.iter().map(|x| told(*x)).collect::<Vec<_>>().join(",");
+        write!(formatter, "{}:{}", corner(&self.low), corner(&self.high))
     }
 }
 
 /// Particles whose motion is prescribed.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Held {
-    /// Particles marked in the file; otherwise a minority kind, or faces that move rigidly.
-    #[default]
-    Guessed,
     /// Particles of a kind.
     Kind(i64),
     /// Particles in a box of the reference configuration.
@@ -125,8 +157,9 @@ pub struct Source {
     pub reading: Reading,
     /// Reference configuration of the computed deformation gradients.
     pub reference: Reference,
-    /// Particles with prescribed motion.
-    pub held: Held,
+    /// Particles with prescribed motion. Without an entry they are the particles marked in the file; otherwise kinds of the minority, or faces, that
+    /// move rigidly.
+    pub held: Vec<Held>,
     /// Box that contains the particles to be assessed; `None` for all particles.
     pub region: Option<Region>,
 }
@@ -140,7 +173,7 @@ pub struct Recording {
     pub format: String,
     /// Number of frames that were read, without skipped frames.
     pub frames: usize,
-    /// Number of later frames that are skipped, because a frame lacks particles or has infinite positions.
+    /// Number of frames at the end that are skipped, because a frame lacks particles, has infinite positions, or has damaged records.
     pub skipped: usize,
     /// Times of the first and the last frame.
     pub times: [f64; 2],
@@ -172,117 +205,9 @@ pub struct Recording {
     /// Frames with damaged records, by their numbers in the series, ascending.
     #[serde(skip)]
     jumped: Vec<usize>,
-}
-
-/// Particles whose records jump from one frame to the next, while the particles around them stay together.
-struct Damage {
-    /// Row of the first of these particles that has a neighbor outside of them.
-    row: usize,
-    /// Number of these particles.
-    count: usize,
-    /// Jump of `row` against its neighbors; spacings.
-    jump: f64,
-}
-
-/// Neighbors in the first frame, whose motions are compared in later frames.
-struct Contacts {
-    near: super::neighborhoods::Neighborhoods,
-    spacing: f64,
-}
-
-impl Contacts {
-    fn new(first: &Read, dimension: usize) -> Self {
-        let x: Vec<[f64; 3]> = first.position.iter().map(|x| flat(x, dimension)).collect();
-        let spacing = spacing(&x, dimension);
-        // Without a spacing there are no neighbors.
-        let (x, radius) = match spacing.is_finite() && spacing > 0.0 {
-            true => (&x[..], NEIGHBOR_SPACINGS * spacing),
-            false => (&x[..0], 1.0),
-        };
-        Self {
-            near: super::neighborhoods::Neighborhoods::new(x, dimension, radius),
-            spacing,
-        }
-    }
-
-    /// Damaged records of a few particles in a frame; `None` if all records are sound.
-    ///
-    /// Forces act between neighbors. A force that throws a particle out of the body throws its neighbors back, so that they move against each other. A
-    /// jump by several spacings is damage if the neighbors stay together, and if velocities in the file do not explain it.
-    fn damage(&self, from: &Read, to: &Read, interval: f64) -> Option<Damage> {
-        let count = self.near.len();
-        if from.len() != count || to.len() != count {
-            return None;
-        }
-        let length = |x: [f64; 3]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let moved = |n: usize| -> [f64; 3] {
-            std::array::from_fn(|i| to.position[n][i] - from.position[n][i])
-        };
-        let apart = |a: usize, b: usize| {
-            let (a, b) = (moved(a), moved(b));
-            length(std::array::from_fn(|i| a[i] - b[i])) / self.spacing
-        };
-        let jumps = |a: usize, b: usize| apart(a, b) > DAMAGE_SPACINGS;
-        if !(0..count).any(|n| self.near.numbers(n).any(|other| jumps(n, other))) {
-            return None;
-        }
-        // Groups of particles that move together.
-        let mut group = vec![usize::MAX; count];
-        let mut sizes = Vec::new();
-        for start in 0..count {
-            if group[start] != usize::MAX {
-                continue;
-            }
-            let own = sizes.len();
-            group[start] = own;
-            let (mut open, mut size) = (vec![start], 0);
-            while let Some(n) = open.pop() {
-                size += 1;
-                for other in self.near.numbers(n) {
-                    if group[other] == usize::MAX && !jumps(n, other) {
-                        group[other] = own;
-                        open.push(other);
-                    }
-                }
-            }
-            sizes.push(size);
-        }
-        // A group is cut off if it has neighbors in a larger group.
-        let outer = |n: usize| {
-            let (own, sizes, group) = (sizes[group[n]], &sizes, &group);
-            let near = self.near.numbers(n);
-            near.filter(move |other| sizes[group[*other]] > own)
-        };
-        let mut is_cut = vec![false; sizes.len()];
-        for (n, own) in group.iter().enumerate() {
-            is_cut[*own] |= outer(n).next().is_some();
-        }
-        let away: Vec<usize> = (0..count).filter(|n| is_cut[group[*n]]).collect();
-        if away.len() as f64 > LARGEST_DAMAGE * count as f64 {
-            return None;
-        }
-        let is_quiet = |n: usize| {
-            let mut near = self.near.numbers(n);
-            let is_together =
-                |other: usize| group[other] != group[n] || apart(n, other) <= QUIET_SPACINGS;
-            !is_cut[group[n]] && near.all(is_together)
-        };
-        let is_explained = |n: usize| {
-            let speed = |frame: &Read| frame.velocity.as_ref().map_or(0.0, |all| length(all[n]));
-            speed(from).max(speed(to)) * interval > EXPLAINED_SHARE * length(moved(n))
-        };
-        let is_damaged = |n: &usize| !is_explained(*n) && outer(*n).all(is_quiet);
-        if !away.iter().all(is_damaged) {
-            return None;
-        }
-        let row = away.iter().copied().find(|n| outer(*n).next().is_some())?;
-        let jump = outer(row).map(|other| apart(row, other));
-        Some(Damage {
-            row,
-            count: away.len(),
-            jump: jump.fold(f64::INFINITY, f64::min),
-        })
-    }
+    /// Whether reference positions are read from the files of the run.
+    #[serde(skip)]
+    is_relative: bool,
 }
 
 fn wrong(what: impl Into<String>, hint: impl Into<String>) -> ScreenError {
@@ -313,42 +238,6 @@ fn flat(x: &[f64; 3], dimension: usize) -> [f64; 3] {
     std::array::from_fn(|i| if i < dimension { x[i] } else { 0.0 })
 }
 
-/// Median motion of the rows from one frame to the next, without the mean motion; 0 if the particles have moved themselves, as in a run that blew up.
-///
-/// Rows in another order leave the sorted coordinates unchanged, apart from the motion of the particles.
-fn median_jump(from: &Read, to: &Read) -> f64 {
-    let count = from.len().min(to.len());
-    let mean = |axis: usize| {
-        let pairs = from.position.iter().zip(&to.position);
-        pairs.map(|(a, b)| b[axis] - a[axis]).sum::<f64>() / count.max(1) as f64
-    };
-    let mean = [mean(0), mean(1), mean(2)];
-    let median = |mut sizes: Vec<f64>| {
-        sizes.sort_by(f64::total_cmp);
-        sizes.get(sizes.len() / 2).copied().unwrap_or(0.0)
-    };
-    let distance = |a: &[f64; 3], b: &[f64; 3]| {
-        let parts = (0..3).map(|i| (b[i] - a[i] - mean[i]).powi(2));
-        parts.sum::<f64>().sqrt()
-    };
-    let pairs = from.position.iter().zip(&to.position);
-    let jump = median(pairs.map(|(a, b)| distance(a, b)).collect());
-    let sorted = |frame: &Read, axis: usize| {
-        let mut all: Vec<f64> = frame.position.iter().map(|x| x[axis]).collect();
-        all.sort_by(f64::total_cmp);
-        all
-    };
-    let moved = |axis: usize| {
-        let (from, to) = (sorted(from, axis), sorted(to, axis));
-        let pairs = from.iter().zip(&to);
-        median(pairs.map(|(a, b)| (b - a - mean[axis]).abs()).collect())
-    };
-    match (0..3).any(|axis| moved(axis) > OWN_MOTION_SHARE * jump) {
-        true => 0.0,
-        false => jump,
-    }
-}
-
 impl Recording {
     /// Reads all frames once, checks them, and returns the particles in the reference configuration with the series of frames.
     ///
@@ -365,6 +254,8 @@ impl Recording {
     ) -> Result<(Self, Run, Series), ScreenError> {
         let mut series = Series::open(&source.files, &source.reading)?;
         let mut own = Self::of(series.recognized());
+        own.is_relative = source.reference == Reference::Recorded;
+        let mut unwrapped = Unwrapped::new(own.is_relative);
         let mut first: Option<Read> = None;
         let mut last: Option<Read> = None;
         let mut time = f64::NEG_INFINITY;
@@ -382,6 +273,7 @@ impl Recording {
             let now = time_of(&frame, has_step)?;
             let Some(start) = &first else {
                 own.begin(&frame)?;
+                unwrapped.take(&mut frame, dimension);
                 (own.times[0], time) = (now, now);
                 first = Some(frame);
                 (own.frames, own.read) = (1, 1);
@@ -389,6 +281,10 @@ impl Recording {
             };
             let written = frame.len();
             let fault = own.ordered(&mut frame).or_else(|| broken(&frame));
+            let fault = fault.or_else(|| {
+                unwrapped.take(&mut frame, dimension);
+                None
+            });
             if let Some(fault) = fault {
                 own.notes
                     .push(format!("{fault}: this and all later frames are skipped"));
@@ -407,20 +303,24 @@ impl Recording {
                 own.check_wrapping(start, dimension);
             }
             own.read = number + 1;
-            let contacts = contacts.get_or_insert_with(|| Contacts::new(start, dimension));
-            // Wrapped positions have a separate error.
-            let is_wrapped = start.may_be_wrapped && wraps(start, &frame, dimension);
-            let damage = contacts.damage(last.as_ref().unwrap_or(start), &frame, now - time);
-            if let Some(damage) = damage.filter(|_| !is_wrapped) {
+            let contacts = contacts.get_or_insert_with(|| {
+                let x: Vec<_> = start.position.iter().map(|x| flat(x, dimension)).collect();
+                Contacts::new(&x, dimension)
+            });
+            let before = last.as_ref().unwrap_or(start);
+            let is_after_damage = own.jumped.last().is_some_and(|last| last + 1 == number);
+            let (from, to) = (records(before, time), records(&frame, now));
+            if let Some(damage) = contacts.damage(from, to, is_after_damage) {
                 own.jumped.push(number);
-                jumped.get_or_insert_with(|| own.told_damage(&damage, [time, now]));
+                jumped.get_or_insert_with(|| damage.told(own.number(damage.row)));
                 continue;
             }
+            unwrapped.keep(&frame);
             own.interval = own.interval.max(now - time);
             time = now;
             own.frames += 1;
             if own.identity.is_none() {
-                jump = jump.max(median_jump(last.as_ref().unwrap_or(start), &frame));
+                jump = jump.max(median_jump(&before.position, &frame.position));
             }
             last = Some(frame);
         }
@@ -430,12 +330,15 @@ impl Recording {
             let read = own.frames + own.jumped.len();
             own.skipped = series.times().len().saturating_sub(read);
         }
+        // Damaged frames at the end leave its time without an assessment.
+        let at_end = own.jumped.iter().rev().zip((0..own.read).rev());
+        own.skipped += at_end.take_while(|(jumped, n)| *jumped == n).count();
+        if unwrapped.has_crossed {
+            own.notes.push("particles cross faces of the periodic box of the file: their positions are unwrapped".to_owned());
+        }
         own.times[1] = time;
         if let Some(jumped) = jumped {
-            own.notes.push(match own.jumped.len() {
-                1 => format!("{jumped}: the frame is skipped as damaged"),
-                count => format!("{jumped}: {count} such frames are skipped as damaged"),
-            });
+            own.notes.push(told_jumps(&jumped, own.jumped.len()));
         }
         let (Some(first), Some(last)) = (first, last) else {
             return Err(ScreenError::TooFewFrames {
@@ -443,12 +346,6 @@ impl Recording {
                 why: damaged,
             });
         };
-        if first.may_be_wrapped && wraps(&first, &last, dimension) {
-            return Err(wrong(
-                "particles jump from one side of the periodic box to the other",
-                "write positions that are not wrapped (xu yu zu in LAMMPS)",
-            ));
-        }
         let (reference, is_first) = own.reference(source, &first)?;
         let reference: Vec<[f64; 3]> = reference.iter().map(|x| flat(x, dimension)).collect();
         if let Some(n) = reference.iter().position(|x| !is_finite(x)) {
@@ -474,8 +371,6 @@ impl Recording {
         let cells = cells.map(|cells| elements(cells, dimension));
         let cells = cells.filter(|cells| !cells.is_empty());
         own.elements = cells.as_ref().map_or(0, Vec::len);
-        let held = own.held(&source.held, &first, &last, &reference)?;
-        own.held = held.iter().filter(|is| **is).count();
         let largest = reference
             .iter()
             .flatten()
@@ -487,6 +382,18 @@ impl Recording {
             }
             _ => 0.0,
         };
+        if let Some(region) = &source.region {
+            region.check("--region", &reference, dimension)?;
+        }
+        let motion = Motion {
+            first: &first,
+            last: &last,
+            reference: &reference,
+            rounding,
+            dimension,
+        };
+        let held = own.held(&source.held, &motion)?;
+        own.held = held.iter().filter(|is| **is).count();
         // Volumes of the first frame belong to its positions.
         let volumes = first.volume.filter(|_| is_first);
         let volumes = volumes.filter(|all| all.iter().all(|volume| *volume > 0.0));
@@ -538,21 +445,6 @@ impl Recording {
     /// Number of a particle in the file, otherwise its row.
     fn number(&self, row: usize) -> u64 {
         self.particle(row).unwrap_or(row as u64)
-    }
-
-    /// Clause about the first damaged records.
-    fn told_damage(&self, damage: &Damage, times: [f64; 2]) -> String {
-        let others = match damage.count - 1 {
-            0 => String::new(),
-            count => format!(", like {},", counted(count, "other")),
-        };
-        format!(
-            "particle {}{others} moves {:.0} spacings between the frames t = {} and t = {} while its neighbors stay together",
-            self.number(damage.row),
-            damage.jump,
-            told(times[0]),
-            told(times[1])
-        )
     }
 
     /// Initializes the particles from the first frame.
@@ -619,6 +511,7 @@ impl Recording {
         dimension: usize,
     ) -> impl Iterator<Item = Result<Frame, ScreenError>> + 's {
         series.rewind();
+        let mut unwrapped = Unwrapped::new(self.is_relative);
         let all = series.by_ref().take(self.read).enumerate();
         let all = all.filter(|(number, _)| self.jumped.binary_search(number).is_err());
         all.map(move |(_, frame)| {
@@ -626,6 +519,8 @@ impl Recording {
             if let Some(fault) = self.ordered(&mut frame) {
                 return Err(wrong(fault, "the file was changed while it was read"));
             }
+            unwrapped.take(&mut frame, dimension);
+            unwrapped.keep(&frame);
             let time = time_of(&frame, false)?;
             let positions = frame.position.iter();
             let x = positions.map(|x| flat(x, dimension)).collect();
@@ -675,117 +570,194 @@ impl Recording {
         })
     }
 
-    fn held(
-        &mut self,
-        held: &Held,
-        first: &Read,
-        last: &Read,
-        reference: &[[f64; 3]],
-    ) -> Result<Vec<bool>, ScreenError> {
-        let count = reference.len();
-        match held {
-            Held::No => Ok(vec![false; count]),
-            Held::Kind(kind) => {
-                let Some(kinds) = &first.kind else {
-                    return Err(wrong(
-                        "the file has no kinds of particles",
-                        "give the held particles by a box: --held LOW1,LOW2:HIGH1,HIGH2",
-                    ));
-                };
-                if !kinds.contains(kind) {
-                    let mut all = kinds.clone();
-                    all.sort_unstable();
-                    all.dedup();
-                    let all: Vec<String> = all.iter().take(20).map(i64::to_string).collect();
-                    return Err(wrong(
-                        format!("no particle has the type {kind}"),
-                        format!("the types are {}", all.join(", ")),
-                    ));
+    fn held(&mut self, held: &[Held], motion: &Motion<'_>) -> Result<Vec<bool>, ScreenError> {
+        if held.is_empty() {
+            return Ok(self.guessed(motion));
+        }
+        if held.contains(&Held::No) {
+            return match held.len() {
+                1 => Ok(vec![false; motion.reference.len()]),
+                _ => Err(wrong(
+                    "--held none contradicts the other values of --held",
+                    "omit --held none, or the others",
+                )),
+            };
+        }
+        let (mut all, mut by) = (vec![false; motion.reference.len()], Vec::new());
+        for own in held {
+            let found: Vec<bool> = match own {
+                Held::No => continue,
+                Held::Kind(kind) => {
+                    by.push(format!("type {kind}"));
+                    let kinds = motion.kinds(*kind)?;
+                    kinds.iter().map(|own| own == kind).collect()
                 }
-                self.held_by = format!("type {kind}");
-                Ok(kinds.iter().map(|own| own == kind).collect())
-            }
-            Held::Box(region) => {
-                self.held_by = "a box".to_owned();
-                Ok(reference.iter().map(|x| region.contains(x)).collect())
-            }
-            Held::Guessed => {
-                if let Some(held) = &first.held {
-                    self.held_by = "the column of the file".to_owned();
-                    return Ok(held.clone());
+                Held::Box(region) => {
+                    region.check("--held", motion.reference, motion.dimension)?;
+                    by.push(format!("the box {region}"));
+                    let all = motion.reference.iter();
+                    all.map(|x| region.contains(x)).collect()
                 }
-                let Some(kinds) = &first.kind else {
-                    return Ok(self.rigid_faces(first, last, reference));
-                };
-                let mut held = vec![false; count];
-                let mut all = kinds.clone();
-                all.sort_unstable();
-                all.dedup();
-                for kind in all {
-                    let own: Vec<usize> = (0..count).filter(|n| kinds[*n] == kind).collect();
-                    let mut moved: Vec<[i64; 3]> =
-                        own.iter().map(|n| self.moved(first, last, *n)).collect();
-                    moved.sort_unstable();
-                    // Rounding in the file may split one displacement into several nearly equal ones.
-                    moved
-                        .dedup_by(|a, b| a.iter().zip(b.iter()).all(|(a, b)| a.abs_diff(*b) <= 50));
-                    if 2 * own.len() < count && moved.len() <= GRIPS && own.len() > 2 * moved.len()
-                    {
-                        self.held_by = format!("type {kind}, which moves rigidly");
-                        own.iter().for_each(|n| held[*n] = true);
-                    }
-                }
-                match held.contains(&true) {
-                    true => Ok(held),
-                    false => Ok(self.rigid_faces(first, last, reference)),
-                }
+            };
+            let both = all.iter_mut().zip(found);
+            both.for_each(|(all, own)| *all |= own);
+        }
+        self.held_by = by.join(", ");
+        Ok(all)
+    }
+
+    /// Particles marked in the file, otherwise kinds of the minority that move rigidly, otherwise faces that move rigidly.
+    fn guessed(&mut self, motion: &Motion<'_>) -> Vec<bool> {
+        if let Some(held) = &motion.first.held {
+            self.held_by = "the column of the file".to_owned();
+            return held.clone();
+        }
+        let count = motion.reference.len();
+        let mut held = vec![false; count];
+        let kinds = motion.first.kind.as_deref().unwrap_or_default();
+        let mut all = kinds.to_vec();
+        all.sort_unstable();
+        all.dedup();
+        for kind in all {
+            let own: Vec<usize> = (0..count).filter(|n| kinds[*n] == kind).collect();
+            if 2 * own.len() < count && motion.is_rigid_kind(&own, self.spacing) {
+                self.held_by = format!("type {kind}, which moves rigidly");
+                own.iter().for_each(|n| held[*n] = true);
             }
         }
+        if held.contains(&true) {
+            return held;
+        }
+        let (held, faces) = motion.rigid_faces(self.spacing);
+        if !faces.is_empty() {
+            self.held_by = format!("faces that move rigidly: {}", faces.join(", "));
+        }
+        held
+    }
+}
+
+/// Motion of the particles from the first to the last frame.
+struct Motion<'f> {
+    first: &'f Read,
+    last: &'f Read,
+    reference: &'f [[f64; 3]],
+    /// Rounding of positions in the file; length.
+    rounding: f64,
+    dimension: usize,
+}
+
+impl Motion<'_> {
+    /// Kinds of the particles in the file, among them `kind`.
+    fn kinds(&self, kind: i64) -> Result<&[i64], ScreenError> {
+        let Some(kinds) = &self.first.kind else {
+            return Err(wrong(
+                "the file has no kinds of particles",
+                "give the held particles by a box: --held LOW1,LOW2:HIGH1,HIGH2",
+            ));
+        };
+        if kinds.contains(&kind) {
+            return Ok(kinds);
+        }
+        let mut all = kinds.clone();
+        all.sort_unstable();
+        all.dedup();
+        let all: Vec<String> = all.iter().take(20).map(i64::to_string).collect();
+        Err(wrong(
+            format!("no particle has the type {kind}"),
+            format!("the types are {}", all.join(", ")),
+        ))
     }
 
-    /// Displacement of a particle in the run, rounded to a small fraction of the spacing.
-    fn moved(&self, first: &Read, last: &Read, n: usize) -> [i64; 3] {
-        let (from, to) = (&first.position[n], &last.position[n]);
-        let unit = RIGID * self.spacing;
-        std::array::from_fn(|i| ((to[i] - from[i]) / unit).round() as i64)
+    /// Rigid motion of some particles; `None` if one of them is farther from it than a tolerance.
+    fn rigid(&self, particles: &[usize], tolerance: f64) -> Option<RigidMotion> {
+        let (from, to) = (&self.first.position, &self.last.position);
+        let motion = RigidMotion::fitted(particles, from, to, self.dimension)?;
+        let is_of = |n: &usize| motion.distance(&from[*n], &to[*n]) <= tolerance;
+        particles.iter().all(is_of).then_some(motion)
     }
 
-    /// Particles of the outermost faces along an axis that share one displacement, with all other particles that have it.
-    fn rigid_faces(&mut self, first: &Read, last: &Read, reference: &[[f64; 3]]) -> Vec<bool> {
-        let mut held = vec![false; reference.len()];
+    /// Returns true if the particles of a kind move as at most [`GRIPS`] rigid bodies, each of neighbors or with one displacement.
+    fn is_rigid_kind(&self, own: &[usize], spacing: f64) -> bool {
+        // Rounding in the file may split one displacement into several nearly equal ones.
+        let tolerance = (RIGID_KIND * spacing).max(2.0 * self.rounding);
+        let moved = |n: usize| -> [i64; 3] {
+            let (from, to) = (&self.first.position[n], &self.last.position[n]);
+            std::array::from_fn(|i| ((to[i] - from[i]) / tolerance).round() as i64)
+        };
+        let mut displacements: Vec<[i64; 3]> = own.iter().map(|n| moved(*n)).collect();
+        displacements.sort_unstable();
+        displacements.dedup_by(|a, b| a.iter().zip(b.iter()).all(|(a, b)| a.abs_diff(*b) <= 1));
+        let is_few = |count: usize| count <= GRIPS && own.len() > 2 * count;
+        if is_few(displacements.len()) {
+            return true;
+        }
+        let places: Vec<[f64; 3]> = own.iter().map(|n| self.reference[*n]).collect();
+        let grips = connected(&places, self.dimension, spacing);
+        let of_own = |grip: &Vec<usize>| grip.iter().map(|n| own[*n]).collect::<Vec<_>>();
+        is_few(grips.len())
+            && grips
+                .iter()
+                .all(|grip| self.rigid(&of_own(grip), tolerance).is_some())
+    }
+
+    /// Particles of the outermost faces along an axis that move rigidly, with all other particles that have this motion, and names of the faces.
+    fn rigid_faces(&self, spacing: f64) -> (Vec<bool>, Vec<String>) {
+        let count = self.reference.len();
+        let mut held = vec![false; count];
         let mut faces = Vec::new();
+        let tolerance = (RIGID * spacing).max(2.0 * self.rounding);
         for axis in 0..3 {
             for side in [-1.0, 1.0] {
                 let height = |x: &[f64; 3]| side * x[axis];
-                let top = reference
-                    .iter()
-                    .map(height)
-                    .fold(f64::NEG_INFINITY, f64::max);
-                let is_outer = |n: &usize| top - height(&reference[*n]) < 0.25 * self.spacing;
-                let outer: Vec<usize> = (0..reference.len()).filter(is_outer).collect();
-                let Some(own) = outer.first().map(|n| self.moved(first, last, *n)) else {
+                let all = self.reference.iter().map(height);
+                let top = all.fold(f64::NEG_INFINITY, f64::max);
+                let is_outer = |n: &usize| top - height(&self.reference[*n]) < 0.25 * spacing;
+                let outer: Vec<usize> = (0..count).filter(is_outer).collect();
+                if !(LEAST_FACE..count / 2).contains(&outer.len()) {
+                    continue;
+                }
+                let Some(motion) = self.rigid(&outer, tolerance) else {
                     continue;
                 };
-                let is_rigid = |n: usize| self.moved(first, last, n) == own;
-                let is_face = (LEAST_FACE..reference.len() / 2).contains(&outer.len());
-                if is_face && outer.iter().all(|n| is_rigid(*n)) {
-                    let all = (0..reference.len()).filter(|n| is_rigid(*n));
-                    all.for_each(|n| held[n] = true);
-                    faces.push(format!(
-                        "{}{}",
-                        if side < 0.0 { "-" } else { "+" },
-                        axis + 1
-                    ));
+                let both = self.first.position.iter().zip(&self.last.position);
+                for (held, (from, to)) in held.iter_mut().zip(both) {
+                    *held |= motion.distance(from, to) <= tolerance;
                 }
+                let sign = if side < 0.0 { "-" } else { "+" };
+                faces.push(format!("{sign}{}", axis + 1));
             }
         }
-        let count = held.iter().filter(|is| **is).count();
-        if faces.is_empty() || 2 * count >= held.len() {
-            return vec![false; held.len()];
+        // A body that moves as a whole has no grips.
+        if 2 * held.iter().filter(|is| **is).count() >= count {
+            return (vec![false; count], Vec::new());
         }
-        self.held_by = format!("faces that move rigidly: {}", faces.join(", "));
-        held
+        (held, faces)
     }
+}
+
+/// Groups of particles that are connected through neighbors, by their rows.
+fn connected(x: &[[f64; 3]], dimension: usize, spacing: f64) -> Vec<Vec<usize>> {
+    let radius = CONNECTED_SPACINGS * spacing;
+    let near = super::neighborhoods::within(x, dimension, radius);
+    let mut is_found = vec![false; x.len()];
+    let mut groups = Vec::new();
+    for start in 0..x.len() {
+        if is_found[start] {
+            continue;
+        }
+        is_found[start] = true;
+        let (mut group, mut next) = (vec![start], 0);
+        while let Some(n) = group.get(next) {
+            for other in near[*n].clone() {
+                if !std::mem::replace(&mut is_found[other], true) {
+                    group.push(other);
+                }
+            }
+            next += 1;
+        }
+        groups.push(group);
+    }
+    groups
 }
 
 /// Error for a frame or a run without particles.
@@ -822,55 +794,83 @@ fn time_of(frame: &Read, has_step: bool) -> Result<f64, ScreenError> {
     }
 }
 
-fn is_finite(x: &[f64; 3]) -> bool {
-    x.iter().all(|x| x.abs() < LARGEST_COORDINATE)
+/// Reason why a frame is invalid, with its place.
+fn broken(frame: &Read) -> Option<String> {
+    let number = |row: usize| {
+        let identity = frame.identity.as_ref();
+        identity.map_or(row as u64, |all| all[row])
+    };
+    let fault = fault(&frame.position, number)?;
+    Some(format!("{}: {fault}", frame.source))
 }
 
-/// Position of more than half of the particles; `None` if there is no such position.
-fn shared_position(x: &[[f64; 3]]) -> Option<[f64; 3]> {
-    // Majority vote: only the last candidate can have more than half of the votes.
-    let mut candidate = *x.first()?;
-    let mut votes = 0_usize;
-    for own in x {
-        match (*own == candidate, votes) {
-            (true, _) => votes += 1,
-            (false, 0) => (candidate, votes) = (*own, 1),
-            (false, _) => votes -= 1,
+fn records(frame: &Read, time: f64) -> Records<'_> {
+    Records {
+        time,
+        x: &frame.position,
+        velocity: frame.velocity.as_deref(),
+    }
+}
+
+/// Positions that are wrapped into a periodic box, unwrapped from frame to frame.
+struct Unwrapped {
+    /// Whether the first frame is unwrapped relative to the reference positions in it.
+    is_relative: bool,
+    /// Unwrapped positions of the last sound frame; empty before the first frame, and without a periodic box.
+    last: Vec<[f64; 3]>,
+    has_crossed: bool,
+}
+
+impl Unwrapped {
+    fn new(is_relative: bool) -> Self {
+        Self {
+            is_relative,
+            last: Vec::new(),
+            has_crossed: false,
         }
     }
-    let count = x.iter().filter(|own| **own == candidate).count();
-    (count > 1 && 2 * count > x.len()).then_some(candidate)
-}
 
-/// Reason why a frame is invalid: coordinates that are not finite, or so large that their squares are not, or the same for most particles.
-fn broken(frame: &Read) -> Option<String> {
-    let Some(n) = frame.position.iter().position(|x| !is_finite(x)) else {
-        let [x, y, z] = shared_position(&frame.position)?.map(told);
-        return Some(format!(
-            "{}: more than half of the particles are at the same position, ({x}, {y}, {z})",
-            frame.source
-        ));
-    };
-    let number = frame.identity.as_ref().map_or(n as u64, |all| all[n]);
-    Some(format!(
-        "{}: particle {number} has no finite position below {LARGEST_COORDINATE:e}",
-        frame.source
-    ))
-}
+    /// Moves particles by vectors of the box, so that no particle moves by more than half of the box from one frame to the next.
+    fn take(&mut self, frame: &mut Read, dimension: usize) {
+        let Some(bounds) = frame.bounds.filter(|_| frame.may_be_wrapped) else {
+            return;
+        };
+        let is_first = self.last.is_empty();
+        let reference = frame.reference.as_ref().filter(|_| self.is_relative);
+        let before = match (is_first, reference) {
+            (false, _) => &self.last,
+            (true, Some(reference)) => reference,
+            (true, None) => {
+                self.last.clone_from(&frame.position);
+                return;
+            }
+        };
+        if before.len() == frame.position.len() {
+            for (x, before) in frame.position.iter_mut().zip(before) {
+                // A tilted box shifts the axes before.
+                for axis in (0..dimension).rev().filter(|axis| bounds.periodic[*axis]) {
+                    let mut scaled = [0.0; 3];
+                    scaled[axis] = 1.0;
+                    let vector = bounds.vector(scaled);
+                    let times = ((x[axis] - before[axis]) / vector[axis]).round();
+                    if times != 0.0 && times.is_finite() {
+                        self.has_crossed = true;
+                        (0..3).for_each(|i| x[i] -= times * vector[i]);
+                    }
+                }
+            }
+        }
+        if is_first {
+            self.keep(frame);
+        }
+    }
 
-/// Returns true if a particle moves by more than half of a periodic box.
-fn wraps(first: &Read, last: &Read, dimension: usize) -> bool {
-    let Some(bounds) = &first.bounds else {
-        return false;
-    };
-    let jumps = |a: &[f64; 3], b: &[f64; 3]| {
-        (0..dimension).any(|i| {
-            let side = bounds.high[i] - bounds.low[i];
-            bounds.periodic[i] && (a[i] - b[i]).abs() > 0.5 * side
-        })
-    };
-    let mut both = first.position.iter().zip(&last.position);
-    both.any(|(a, b)| jumps(a, b))
+    /// Keeps the positions of a sound frame.
+    fn keep(&mut self, frame: &Read) {
+        if !self.last.is_empty() || (frame.may_be_wrapped && frame.bounds.is_some()) {
+            self.last.clone_from(&frame.position);
+        }
+    }
 }
 
 /// Nodes of the elements. Points and lines are not elements.

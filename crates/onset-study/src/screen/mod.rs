@@ -9,11 +9,14 @@
 mod actual;
 mod agreement;
 mod answer;
+mod checks;
 mod course;
 mod files;
 mod input;
 mod neighborhoods;
+mod records;
 mod remedy;
+mod rigid;
 mod states;
 mod study;
 
@@ -22,7 +25,8 @@ pub(crate) use course::neighborhood_radius;
 pub(crate) use neighborhoods::Neighborhoods;
 
 pub use actual::{Actual, BodyModeAnswer, ModeKind};
-pub use answer::{Cause, ScreenAnswer, ScreenChecks};
+pub use answer::{Cause, ScreenAnswer};
+pub use checks::{Missing, ScreenChecks, missing};
 pub use course::{Event, Moment, Snapshot, StepLimit};
 pub use files::ScreenFiles;
 pub use input::{Held, Recording, Reference, Region, Source};
@@ -39,6 +43,8 @@ use thiserror::Error;
 
 /// Default threshold for the amplitude of short waves; spacings.
 pub const THRESHOLD: f64 = 0.05;
+/// Recommended fraction of the largest stable step; it allows for the stiffening of a body by loads and disorder.
+const SAFETY_FACTOR: f64 = 0.9;
 /// Default width of the bins of stretch.
 pub const BIN: f64 = 0.001;
 
@@ -94,6 +100,19 @@ impl Default for Question {
             bin: BIN,
             actual: None,
             weak: WEAK_WAVE_RATIO,
+        }
+    }
+}
+
+impl ScreenError {
+    /// Adds the fault that ended the frames of arrays.
+    fn because(self, fault: Option<&str>) -> Self {
+        match self {
+            Self::TooFewFrames { count, why: None } => Self::TooFewFrames {
+                count,
+                why: fault.map(str::to_owned),
+            },
+            other => other,
         }
     }
 }

@@ -14,6 +14,18 @@ const REGULAR: f64 = 1e-4;
 /// Largest distance of the mean position of the neighbors from the particle, divided by their mean distance, in a neighborhood that no face cuts.
 const CUT_NEIGHBORHOOD_OFFSET: f64 = 0.2;
 
+/// Largest fraction of the residual of a particle that the mean residual of its neighbors can have in short waves. Waves of four spacings have this
+/// fraction in a square lattice; longer waves, and gradients of strain, have more.
+const SHARED_RESIDUAL: f64 = 0.2;
+
+/// Short waves of a field at the particles.
+pub(super) struct ShortWaves {
+    /// Amplitudes: lengths of the residuals.
+    pub(super) amplitude: Vec<f64>,
+    /// Whether the neighbors of a particle have a similar residual, so that the field is curved smoothly there: a gradient of strain, or a longer wave.
+    pub(super) is_smooth: Vec<bool>,
+}
+
 /// Neighbors of each particle within a radius in the reference configuration.
 pub(crate) struct Neighborhoods {
     dimension: usize,
@@ -91,6 +103,56 @@ fn value_at_origin(vectors: &[Vector3<f64>], dimension: usize, order: usize) -> 
     Some(rows.iter().map(weight).collect())
 }
 
+/// Numbers of the particles within a radius of each of the first `count` particles, with their vectors from it, by their numbers.
+fn near(
+    count: usize,
+    reference: &[[f64; 3]],
+    dimension: usize,
+    radius: f64,
+) -> impl Iterator<Item = Vec<(u32, Vector3<f64>)>> {
+    let cell = move |x: &[f64; 3]| x.map(|x| (x / radius).floor() as i64);
+    let mut boxes: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+    for (n, x) in reference.iter().enumerate() {
+        boxes.entry(cell(x)).or_default().push(n as u32);
+    }
+    let depth = if dimension > 2 { 1 } else { 0 };
+    let height = if dimension > 1 { 1 } else { 0 };
+    let all = reference.iter().enumerate().take(count);
+    all.map(move |(n, x)| {
+        let center = cell(x);
+        let mut near: Vec<(u32, Vector3<f64>)> = Vec::new();
+        for a in -1..=1 {
+            for b in -height..=height {
+                for c in -depth..=depth {
+                    // The conversion of a huge coordinate saturates; a wrapped number finds particles that are far away.
+                    let at = [(0, a), (1, b), (2, c)]
+                        .map(|(axis, step): (usize, i64)| center[axis].wrapping_add(step));
+                    for other in boxes.get(&at).into_iter().flatten() {
+                        let y = &reference[*other as usize];
+                        let mut apart = Vector3::zeros();
+                        for axis in 0..dimension {
+                            apart[axis] = y[axis] - x[axis];
+                        }
+                        let is_near = apart.norm() <= radius * (1.0 + RIM);
+                        if is_near && *other as usize != n {
+                            near.push((*other, apart));
+                        }
+                    }
+                }
+            }
+        }
+        near.sort_by_key(|(number, _)| *number);
+        near
+    })
+}
+
+/// Numbers of the particles within a radius of each particle, even if they determine no gradient.
+pub(super) fn within(reference: &[[f64; 3]], dimension: usize, radius: f64) -> Vec<Vec<usize>> {
+    let all = near(reference.len(), reference, dimension, radius);
+    let numbers = |own: Vec<(u32, Vector3<f64>)>| own.iter().map(|(n, _)| *n as usize).collect();
+    all.map(numbers).collect()
+}
+
 impl Neighborhoods {
     /// Finds the neighbors within a radius of each particle.
     pub(super) fn new(reference: &[[f64; 3]], dimension: usize, radius: f64) -> Self {
@@ -104,38 +166,8 @@ impl Neighborhoods {
         dimension: usize,
         radius: f64,
     ) -> Self {
-        let cell = |x: &[f64; 3]| x.map(|x| (x / radius).floor() as i64);
-        let mut boxes: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
-        for (n, x) in reference.iter().enumerate() {
-            boxes.entry(cell(x)).or_default().push(n as u32);
-        }
         let (mut starts, mut neighbors) = (vec![0], Vec::new());
-        let depth = if dimension > 2 { 1 } else { 0 };
-        let height = if dimension > 1 { 1 } else { 0 };
-        for (n, x) in reference.iter().enumerate().take(count) {
-            let center = cell(x);
-            let mut near: Vec<(u32, Vector3<f64>)> = Vec::new();
-            for a in -1..=1 {
-                for b in -height..=height {
-                    for c in -depth..=depth {
-                        // The conversion of a huge coordinate saturates; a wrapped number finds particles that are far away.
-                        let at = [(0, a), (1, b), (2, c)]
-                            .map(|(axis, step): (usize, i64)| center[axis].wrapping_add(step));
-                        for other in boxes.get(&at).into_iter().flatten() {
-                            let y = &reference[*other as usize];
-                            let mut apart = Vector3::zeros();
-                            for axis in 0..dimension {
-                                apart[axis] = y[axis] - x[axis];
-                            }
-                            let is_near = apart.norm() <= radius * (1.0 + RIM);
-                            if is_near && *other as usize != n {
-                                near.push((*other, apart));
-                            }
-                        }
-                    }
-                }
-            }
-            near.sort_by_key(|(number, _)| *number);
+        for near in near(count, reference, dimension, radius) {
             let vectors: Vec<Vector3<f64>> = near.iter().map(|(_, apart)| *apart).collect();
             if let Some(fits) = fitted(&vectors, dimension) {
                 let all = near.iter().zip(fits);
@@ -226,10 +258,21 @@ impl Neighborhoods {
     /// Amplitudes of the short waves of a field: lengths of its residuals against fits to the neighbors, taken twice.
     ///
     /// The amplitude vanishes for fields with a constant gradient, is small for smooth fields, and about `a` for particles that alternate by `a`.
-    pub(super) fn short_waves(&self, field: &[[f64; 3]]) -> Vec<f64> {
+    pub(super) fn short_waves(&self, field: &[[f64; 3]]) -> ShortWaves {
         let own: Vec<Vector3<f64>> = field.iter().map(|x| Vector3::from(*x)).collect();
         let twice = self.residual(&self.residual(&own));
-        twice.iter().map(|rest| rest.norm()).collect()
+        let is_smooth = |n: usize| {
+            let near = self.of(n);
+            let shared: f64 = near
+                .iter()
+                .map(|other| twice[n].dot(&twice[other.number as usize]))
+                .sum();
+            shared > SHARED_RESIDUAL * near.len() as f64 * twice[n].norm_squared()
+        };
+        ShortWaves {
+            amplitude: twice.iter().map(|rest| rest.norm()).collect(),
+            is_smooth: (0..self.len()).map(is_smooth).collect(),
+        }
     }
 }
 
@@ -261,7 +304,7 @@ mod tests {
             assert!(apart.iter().all(|x| x.abs() < 1e-12));
             assert_eq!(f[(2, 2)], 1.0);
         }
-        assert!(near.short_waves(&x).iter().all(|a| *a < 1e-12));
+        assert!(near.short_waves(&x).amplitude.iter().all(|a| *a < 1e-12));
     }
 
     #[test]
@@ -281,7 +324,7 @@ mod tests {
             .iter()
             .map(|[a, b, _]| [a + 0.02 * a * b, b + 0.01 * a * a, 0.0])
             .collect();
-        let short = near.short_waves(&x);
+        let short = near.short_waves(&x).amplitude;
         let at = |column: usize, row: usize| short[row * 15 + column];
         assert!(at(7, 7) < 1e-12);
         // A linear fit would have a residual of about 0.02.
@@ -296,7 +339,26 @@ mod tests {
             .iter()
             .map(|[a, b, _]| [a + 0.01 * (-1.0_f64).powi(*a as i32), *b, 0.0])
             .collect();
-        let inside = near.short_waves(&x)[7 * 15 + 7];
+        let inside = near.short_waves(&x).amplitude[7 * 15 + 7];
         assert!((0.008..0.015).contains(&inside), "{inside}");
+    }
+
+    /// Waves along the first axis with a wavelength in spacings.
+    #[test]
+    fn gradients_of_strain_and_waves_longer_than_four_spacings_are_smooth() {
+        let reference = lattice(25);
+        let near = Neighborhoods::new(&reference, 2, 2.01);
+        let is_smooth = |of: &dyn Fn(f64) -> f64| {
+            let x: Vec<[f64; 3]> = reference
+                .iter()
+                .map(|[a, b, _]| [a + of(*a), *b, 0.0])
+                .collect();
+            near.short_waves(&x).is_smooth[12 * 25 + 12]
+        };
+        for (length, expected) in [(2.0, false), (3.0, false), (4.0, false), (6.0, true)] {
+            let wave = |a: f64| 0.01 * (std::f64::consts::TAU * (a - 12.0) / length).cos();
+            assert_eq!(is_smooth(&wave), expected, "{length}");
+        }
+        assert!(is_smooth(&|a| 2e-5 * (a - 12.0).powi(4)));
     }
 }
