@@ -48,7 +48,7 @@ fn the_stability_constraint_costs_nothing_if_the_best_fit_is_stable() {
         "yeoh fits the 3 tests within 12.2 %",
         "stable at all states up to stretch 9.5 (proved)",
         "stable without the constraint, which therefore costs nothing",
-        "equibiaxial 15.8 %",
+        "equibiaxial 15.8 % at 1.027 to 4.45",
         "without a volumetric test",
         "onset criteria --incompressible --set material.model=yeoh",
     ] {
@@ -205,7 +205,6 @@ fn the_cost_has_the_measure_that_was_minimized() {
     for fact in [
         "within 0.0728 MPa (root mean square of errors)",
         "it would fit within 0.0718 MPa",
-        "uniaxial 0.0622 MPa",
     ] {
         assert!(text.contains(fact), "no `{fact}` in {text}");
     }
@@ -273,7 +272,7 @@ fn programs_without_a_block_are_named() {
         0,
     ));
     assert!(
-        all.contains("no block for Abaqus, Ansys, CalculiX, FEBio, felupe, LS-DYNA, Radioss"),
+        all.contains("no block for Abaqus, ANSYS, CalculiX, FEBio, felupe, LS-DYNA, Radioss"),
         "{all}"
     );
     let free = fitted(&ALL, &format!("--law yeoh --out {out}"), 0);
@@ -286,7 +285,12 @@ fn tests_have_weights() {
         let answer = fitted_json(&ALL, &format!("--law yeoh --stable none {line}"));
         number(&answer, "/laws/0/tests/1/relative")
     };
-    let [none, one, heavy] = ["", "--weight equibiaxial=1", "--weight equibiaxial=30"].map(error);
+    let [none, one, heavy] = [
+        "--weights relative",
+        "--weight equibiaxial=1",
+        "--weight equibiaxial=30",
+    ]
+    .map(error);
     assert_close(none, one, 1e-12);
     assert!(heavy < 0.8 * none, "{heavy} {none}");
     for (line, fact) in [
@@ -389,7 +393,7 @@ fn laws_of_foam_are_fitted_to_specimens_that_change_their_volume() {
     let answer = onset(&["fit", &file]);
     let text = unwrapped(&answer.stdout);
     assert!(
-        text.starts_with("hyperfoam-1 fits the test within"),
+        text.starts_with("hyperfoam-2 fits the test within"),
         "{text}"
     );
     let all = onset(&["fit", &file, "--all"]).stdout;
@@ -1161,7 +1165,7 @@ fn tests_listed_in_toml_give_the_constants_of_their_tables() {
             ["test 1, point 1", "strain [%]"],
         ),
         (
-            "[[tests]]\nmode = \"planar\"\nweight = [1]",
+            "[[tests]]\nmode = \"planar\"\nwidth = [1]",
             [
                 "test 1: the header has 1 column",
                 "expected stretch or strain",

@@ -408,31 +408,19 @@ impl FitAnswer {
         }
     }
 
-    /// Errors of the tests of a law in one line.
-    fn errors_in_words(&self, law: &LawAnswer) -> String {
-        let tests = law.tests.iter().filter(|own| own.relative.is_finite());
-        let tests = tests.map(|own| format!("{} {}", own.test, self.measured(self.of_test(own))));
-        tests.collect::<Vec<_>>().join(", ")
-    }
-
-    /// Measured stretches by test in one line.
-    fn data_in_words(&self) -> String {
-        let tests = self.tests.iter().map(|own| {
-            let [low, high] = own.stretches.map(short);
-            let weight = match own.weight {
-                1.0 => String::new(),
-                weight => format!(" (weight {})", told(weight)),
-            };
-            format!("{} {low} to {high}{weight}", own.name)
+    /// Errors of the tests of a law in one line, with the ranges of their stretches if requested.
+    fn errors_in_words(&self, law: &LawAnswer, has_stretches: bool) -> String {
+        let tests = law.tests.iter().zip(&self.tests);
+        let tests = tests.filter(|(own, _)| own.relative.is_finite());
+        let tests = tests.map(|(own, test)| {
+            let error = self.measured(self.of_test(own));
+            let [low, high] = test.stretches.map(short);
+            match has_stretches {
+                true => format!("{} {error} at {low} to {high}", own.test),
+                false => format!("{} {error}", own.test),
+            }
         });
-        let tests = tests.collect::<Vec<_>>().join(", ");
-        match self.range {
-            Some(Range::Data(factor)) => format!(
-                "{tests}; range: up to {} times the largest stretch in all loadings",
-                told(factor)
-            ),
-            _ => tests,
-        }
+        tests.collect::<Vec<_>>().join(", ")
     }
 
     /// Sentence on the cost of the stability constraint.
@@ -1043,7 +1031,9 @@ impl Brief for FitAnswer {
             true => Short::new(self.result())
                 .table(self.table())
                 .table_lines(RANKING_LINES),
-            false => Short::new(self.sentence()).row(1, "by test", self.errors_in_words(best)),
+            false => {
+                Short::new(self.sentence()).row(1, "by test", self.errors_in_words(best, true))
+            }
         };
         for question in &self.questions {
             short = short.row(0, "question", question);
@@ -1060,7 +1050,6 @@ impl Brief for FitAnswer {
             (rank, "uncertain", best.undetermined_in_words()),
             (rank, "correlated", best.correlated_in_words()),
             (2, "not unique", best.others_in_words()),
-            (3, "data", self.data_in_words()),
         ] {
             if !text.is_empty() {
                 short = short.row(rank, name, text);
@@ -1096,6 +1085,14 @@ impl fmt::Display for FitAnswer {
                 }
             )?;
         }
+        if let Some(Range::Data(factor)) = self.range {
+            writeln!(
+                formatter,
+                "range       stable {}, in every loading: {} times the largest stretch of all tests",
+                self.range_in_words(),
+                told(factor)
+            )?;
+        }
         writeln!(formatter, "\nconstants   (stresses in {unit})")?;
         for own in &self.laws {
             let constants = own.constants_in_words(&self.data, self.unit.as_deref(), true);
@@ -1103,7 +1100,7 @@ impl fmt::Display for FitAnswer {
             for (name, text) in [
                 ("uncertain", own.undetermined_in_words()),
                 ("correlated", own.correlated_in_words()),
-                ("by test", self.errors_in_words(own)),
+                ("by test", self.errors_in_words(own, false)),
                 ("not unique", own.others_in_words()),
             ] {
                 if !text.is_empty() {

@@ -1001,7 +1001,11 @@ impl Table<'_> {
                 format!(
                     "the header has {} (`{}`); {expected}",
                     counted(names.len(), "column"),
-                    onset_frames::cut(&names.join("`, `"))
+                    names
+                        .iter()
+                        .map(|own| onset_frames::cut(own))
+                        .collect::<Vec<_>>()
+                        .join("`, `")
                 ),
                 hint_on_names(&names),
             ));
