@@ -280,8 +280,8 @@ pub(crate) fn isochoric_basis() -> [[f64; 3]; 2] {
 const DIRECTIONS: usize = 12;
 /// Smallest step of the search. The stiffness is stationary at its minimum, so that its error is of the order of the squared step.
 pub(crate) const LEAST_STEP: f64 = 1e-6;
-/// Smallest step where only the order of states matters.
-pub(crate) const COARSE_STEP: f64 = 5e-3;
+/// Smallest step where only the order of states matters. Larger steps lead to false minima along valleys.
+pub(crate) const COARSE_STEP: f64 = 1e-4;
 
 impl Moduli<f64> {
     /// Lowest value of a criterion at a state, with its perturbation. Directions of waves are found within a smallest step.

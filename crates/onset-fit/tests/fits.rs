@@ -761,6 +761,28 @@ fn an_ill_conditioned_convex_problem_reaches_its_optimum() -> Outcome {
     Ok(())
 }
 
+/// States between the samples must not be missed where the criteria are nearly violated along whole curves.
+#[test]
+fn nine_constants_are_fitted_to_many_points_of_one_test() -> Outcome {
+    let mut test = data("treloar")?.swap_remove(0);
+    let measured = std::mem::take(&mut test.points);
+    for pair in measured.windows(2) {
+        let parts = (0..50).map(|n| f64::from(n) / 50.0);
+        test.points.extend(parts.map(|part| Point {
+            stretch: pair[0].stretch + part * (pair[1].stretch - pair[0].stretch),
+            lateral: None,
+            stress: pair[0].stress + part * (pair[1].stress - pair[0].stress),
+        }));
+    }
+    let found = fit(&[test], &of("polynomial-3")?, &Options::default())?;
+    assert!(
+        found.is_global() && found.proof.is_some(),
+        "{:?}",
+        found.bound
+    );
+    Ok(())
+}
+
 /// On the way, more constraints are active than there are unknowns.
 #[test]
 fn dependent_active_constraints_do_not_end_the_search() -> Outcome {
