@@ -104,11 +104,12 @@ fn boundaries_that_are_edges_of_cells_are_reported() {
     assert_eq!(made.code, Some(0), "{}", made.stderr);
     let figure = path("figure.pdf");
     let plot = ["plot", &store, "--out", &figure];
-    let told = onset(&plot).stdout;
-    assert!(
-        told.contains("edges of the map's cells") && told.contains("--trace"),
-        "{told}"
-    );
-    let asked = onset(&[&plot[..], &["--no-trace"]].concat()).stdout;
-    assert!(!asked.contains("edges"), "{asked}");
+    let told = |line: &[&str]| {
+        let answer = onset(line);
+        answer.stdout + &answer.stderr
+    };
+    let (traced, asked) = (told(&plot), told(&[&plot[..], &["--no-trace"]].concat()));
+    assert!(traced.contains("edges of the map's cells"), "{traced}");
+    assert!(traced.contains("--trace"), "{traced}");
+    assert!(!asked.contains("edges of"), "{asked}");
 }

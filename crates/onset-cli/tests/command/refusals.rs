@@ -33,29 +33,12 @@ fn assert_assignment_refused(assignments: &[&str], facts: &[&str]) {
 
 #[test]
 fn refused_numbers_are_printed_as_they_are_written() {
-    for (assignments, fact) in [
-        (
-            &[
-                "discretization.method=material-points",
-                "discretization.points-per-side=5",
-                "discretization.layout=gauss",
-            ][..],
-            "points-per-side is 5; expected",
-        ),
-        (
-            &[
-                "discretization.lattice=rectangular",
-                "discretization.aspect=-2",
-            ],
-            "is -2",
-        ),
-        (
-            &["material.model=neo-hooke", "material.mu=-3"],
-            "is -3; expected",
-        ),
-    ] {
-        assert_assignment_refused(assignments, &[fact]);
-    }
+    let five = [
+        "discretization.method=material-points",
+        "discretization.points-per-side=5",
+        "discretization.layout=gauss",
+    ];
+    assert_assignment_refused(&five, &["points-per-side is 5; expected"]);
     assert_line_refused("state --stretch 1,-1", &["stretch 2 is -1; a stretch"]);
 }
 

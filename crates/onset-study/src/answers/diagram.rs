@@ -321,11 +321,7 @@ impl Diagram {
         let range = (if grows { low - margin } else { 0.0 }, high + margin);
         let units = self.settings.units();
         let y = match grows {
-            true => caption::label(
-                units,
-                "frequency ω; below\u{a0}0:\u{a0}−(growth\u{a0}rate)",
-                "1/time",
-            ),
+            true => caption::label(units, "frequency ω or −(growth\u{a0}rate)", "1/time"),
             false => caption::label(units, "frequency ω", "1/time"),
         };
         let y = Axis::linear(y, range);

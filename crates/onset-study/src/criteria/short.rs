@@ -54,7 +54,7 @@ impl Brief for CriteriaAnswer {
         };
         let table: Vec<String> = table.collect();
         let again = match table.iter().any(|line| line.contains('*')) {
-            true => "; * is regained farther on, where --all says",
+            true => "; * is regained (--all)",
             false => "",
         };
         Short::new(self.summary())

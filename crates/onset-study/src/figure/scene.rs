@@ -4,7 +4,7 @@
 //! the PNG is drawn with this font.
 
 use super::{Color, Dash, FigureError, Theme, font, palette};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use tiny_skia::{
     FillRule, LineCap, LineJoin, Mask, Path, PathBuilder, PathSegment, Pixmap, PixmapMut, Rect,
@@ -180,7 +180,7 @@ impl Scene {
             "<rect width=\"100%\" height=\"100%\" fill=\"{background}\"/>"
         );
         let _ = writeln!(svg, "<g stroke-linejoin=\"round\" font-family=\"{FONTS}\">");
-        let (mut stamps, mut windows) = (0, 0);
+        let (mut stamps, mut windows) = (0, BTreeSet::new());
         for shape in &self.shapes {
             match shape {
                 Shape::Clipped {
@@ -188,12 +188,15 @@ impl Scene {
                     paint,
                     window: [left, top, width, height],
                 } => {
-                    windows += 1;
-                    let _ = write!(
-                        svg,
-                        "<clipPath id=\"w{windows}\"><rect x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\"/></clipPath>\n\
-                         <path clip-path=\"url(#w{windows})\""
-                    );
+                    // The identifier contains the window, so that pictures in one page share only equal windows.
+                    let id = format!("w{left}-{top}-{width}-{height}");
+                    if windows.insert(id.clone()) {
+                        let _ = writeln!(
+                            svg,
+                            "<clipPath id=\"{id}\"><rect x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\"/></clipPath>"
+                        );
+                    }
+                    let _ = write!(svg, "<path clip-path=\"url(#{id})\"");
                     write_paint(&mut svg, &self.theme.paint(paint));
                     svg.push_str(" d=\"");
                     write_outline(&mut svg, outline);
