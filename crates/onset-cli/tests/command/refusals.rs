@@ -360,7 +360,6 @@ fn paths_require_different_ends_and_admissible_deformations_between_them() {
 #[test]
 fn exactly_one_state_is_required() {
     assert_line_refused("state", &["--stretch", "--deformation-gradient"]);
-    assert_line_refused("dispersion --wave-vector 1,1", &["--stretch"]);
     assert_line_refused(
         "state --stretch 1,1 --deformation-gradient 1,0,0,1",
         &["cannot be used with"],
