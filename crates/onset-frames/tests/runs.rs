@@ -524,7 +524,8 @@ fn data_sets_of_hdf5_have_frames_as_their_first_axis() {
 #[test]
 fn a_file_without_known_names_is_refused_with_its_arrays_and_the_option() {
     let path = data("unnamed.h5");
-    let error = Series::open(&[path.clone()], &Reading::default()).expect_err("no positions");
+    let error =
+        Series::open(std::slice::from_ref(&path), &Reading::default()).expect_err("no positions");
     let told = error.to_string();
     for part in [
         "unnamed.h5: no positions found, expected an array of numbers with the shape (particles, D) or (frames, particles, D)",
@@ -536,7 +537,7 @@ fn a_file_without_known_names_is_refused_with_its_arrays_and_the_option() {
     let named = Reading::default()
         .with_columns("x=coords_of_points")
         .expect("columns");
-    let series = Series::open(&[path.clone()], &named).expect("a series");
+    let series = Series::open(std::slice::from_ref(&path), &named).expect("a series");
     assert_eq!(series.times().len(), 3);
 }
 
