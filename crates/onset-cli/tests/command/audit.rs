@@ -180,7 +180,7 @@ mod user {
         for (kind, position) in [
             (1, "undeformed"),
             (3, "pure dilation"),
-            (7, "two equal stretches, in turned axes"),
+            (7, "two equal stretches"),
             (16, "along the axes, J = 1"),
         ] {
             let audit = planted(kind, 2, 0.5, "");
@@ -286,8 +286,8 @@ mod user {
         let audit = audited("tests/fortran/hostile.f90", "10,4,0", "");
         assert_eq!(outcome(&audit, "memory"), "passed");
         assert_eq!(outcome(&audit, "energy"), "noted", "no energy is reported");
-        // A Cauchy stress linear in the logarithmic strain has no energy.
-        assert_eq!(outcome(&audit, "closed loops"), "failed");
+        // A Cauchy stress linear in the logarithmic strain has no energy, as is usual for a small-strain update.
+        assert_eq!(outcome(&audit, "closed loops"), "noted");
     }
 
     #[test]

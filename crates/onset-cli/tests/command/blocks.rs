@@ -96,7 +96,7 @@ fn notes_on_a_deck_are_printed_in_full_after_the_answer() {
     );
     let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
     for note in [
-        "note: read as yeoh from *HYPERELASTIC, NEO HOOKE of Abaqus and *VISCOELASTIC, material RUBBER_A (1 of 2: --material)",
+        "note: read as yeoh from *HYPERELASTIC, NEO HOOKE of Abaqus and *VISCOELASTIC, material RUBBER_A (1 of 2; --material RUBBER_B)",
         "note: not read: *MULLINS EFFECT (line 6), *DENSITY (line 8)",
         "note: the constants are long-term moduli with a Prony series of 1 term",
     ] {
@@ -117,7 +117,7 @@ fn notes_on_a_deck_are_printed_in_full_after_the_answer() {
         "criteria {file} --material rubber_b --mode uniaxial"
     ));
     assert!(
-        second.stdout.contains("material RUBBER_B (2 of 2:"),
+        second.stdout.contains("material RUBBER_B (2 of 2;"),
         "{}",
         second.stdout
     );
@@ -272,7 +272,7 @@ fn the_law_of_a_deck_and_its_unread_keywords_are_never_hidden() {
             .collect::<Vec<_>>()
             .join(" ");
         for note in [
-            "read as mooney-rivlin-isochoric from TB,HYPER with MOONEY of ANSYS and TB,PRONY, material 1 (1 of 2: --material)",
+            "read as mooney-rivlin-isochoric from TB,HYPER with MOONEY of ANSYS and TB,PRONY, material 1 (1 of 2; --material 2)",
             "not read: TB,HYPER,2 (line 5), MP,DENS (line 7)",
         ] {
             assert!(

@@ -714,10 +714,14 @@ fn the_figure_shows_the_chosen_criteria() {
 fn finite_jumps_in_the_reference_state_are_answered_for_every_bulk_modulus() {
     for kappa in ["1e5", "1e6"] {
         let answer = crate::document(&format!(
-            "criteria --mode uniaxial --criterion rank-one-convexity --set material.model=mooney-rivlin-isochoric \
+            "criteria --mode uniaxial --set material.model=mooney-rivlin-isochoric \
              --set material.c10=0.6 --set material.c01=-0.1 --set material.kappa={kappa}"
         ));
-        let own = &answer["loadings"][0]["criteria"][0];
+        let criteria = answer["loadings"][0]["criteria"]
+            .as_array()
+            .expect("a list");
+        let is_own = |own: &&Value| own["criterion"] == "rank-one-convexity";
+        let own = criteria.iter().find(is_own).expect("finite jumps");
         assert_eq!(own["holds_in_reference"], false, "{own}");
         assert_eq!(own["tension"]["changes"][0]["witness"]["verified"], true);
     }

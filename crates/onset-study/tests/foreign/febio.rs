@@ -150,7 +150,7 @@ fn a_law_inside_a_viscoelastic_material_is_found() {
     });
     let notes = told(Febio, text, None);
     for fact in [
-        "material skin (1 of 2: --material)",
+        "material skin (1 of 2; --material ",
         "with a Prony series of 1 term",
         "1.5 times",
     ] {

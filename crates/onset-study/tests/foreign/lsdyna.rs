@@ -136,7 +136,7 @@ fn materials_are_chosen_by_number() {
         GENERAL.replace("*END\n", "")
     );
     let first = told(LsDyna, &two, None);
-    assert!(first.contains("material 3 (1 of 2: --material)"), "{first}");
+    assert!(first.contains("material 3 (1 of 2; --material "), "{first}");
     let second = told(LsDyna, &two, Some("4"));
     assert!(second.contains("*MAT_027 of LS-DYNA"), "{second}");
     assert!(second.contains("*MAT_ADD_EROSION (line 9)"), "{second}");

@@ -518,7 +518,7 @@ fn materials_of_a_script_are_chosen_by_name_and_sums_are_refused() {
         read.notes.join("\n")
     };
     let first = notes(None);
-    assert!(first.contains("material a (1 of 2: --material)"), "{first}");
+    assert!(first.contains("material a (1 of 2; --material "), "{first}");
     let second = notes(Some("b"));
     assert!(second.contains("material b (2 of 2"), "{second}");
     let unknown = law_of(Program::Felupe, "a script", two, Some("c"), &[]).expect_err("no c");
@@ -666,7 +666,7 @@ fn keywords_of_a_deck_are_read_or_listed_with_their_lines() {
     };
     let first = notes(Program::Abaqus, deck, None);
     for fact in [
-        "read as mooney-rivlin-isochoric from *HYPERELASTIC, MOONEY-RIVLIN of Abaqus and *VISCOELASTIC, material A (1 of 2: --material)",
+        "read as mooney-rivlin-isochoric from *HYPERELASTIC, MOONEY-RIVLIN of Abaqus and *VISCOELASTIC, material A (1 of 2; --material ",
         "not read: *MULLINS EFFECT (line 6)",
         "long-term",
         "1.42857",
@@ -676,13 +676,13 @@ fn keywords_of_a_deck_are_read_or_listed_with_their_lines() {
     let instantaneous = deck.replace("MOONEY-RIVLIN", "MOONEY-RIVLIN, MODULI=INSTANTANEOUS");
     assert!(notes(Program::Abaqus, &instantaneous, None).contains("0.7 times"));
     let second = notes(Program::Abaqus, deck, Some("b"));
-    assert!(second.contains("material B (2 of 2:"), "{second}");
+    assert!(second.contains("material B (2 of 2;"), "{second}");
     assert!(law_of(Program::Abaqus, "a deck", deck, Some("C"), &[]).is_err());
     let quoted = deck.replace("NAME=B", "NAME=\"Rubber, 60 Shore\"");
     for name in ["Rubber, 60 Shore", "\"Rubber, 60 Shore\""] {
         let second = notes(Program::Abaqus, &quoted, Some(name));
         assert!(
-            second.contains("material \"Rubber, 60 Shore\" (2 of 2:"),
+            second.contains("material \"Rubber, 60 Shore\" (2 of 2;"),
             "{second}"
         );
     }
@@ -700,7 +700,7 @@ fn keywords_of_a_deck_are_read_or_listed_with_their_lines() {
         "with a Prony series of 1 term",
         "instantaneous",
         "0.7 times",
-        "material 1 (1 of 2: --material)",
+        "material 1 (1 of 2; --material ",
     ] {
         assert!(first.contains(fact), "{fact} is not in {first}");
     }
@@ -1134,4 +1134,45 @@ fn the_first_of_two_laws_of_a_material_is_read_and_the_other_is_named() {
         notes.contains("not read: another *HYPERELASTIC, because line 2 is read (line 4)"),
         "{notes}"
     );
+}
+
+#[test]
+fn parts_of_a_material_outside_its_law_are_named() {
+    let abaqus = "*MATERIAL, NAME=A\n*HYPERELASTIC, NEO HOOKE\n0.5, 0.1\n*VISCOELASTIC, TIME=PRONY\n0.3, 0.2, 0.1\n\
+                  *VISCOELASTIC, TIME=FREQUENCY DATA\n1,2\n*UNIAXIAL TEST DATA\n0.1,0.1\n*VOLUMETRIC TEST DATA\n1.,.9\n";
+    let radioss = "/MAT/LAW42/1\nrubber\n1.1E-9\n.495 0 0 0 0 1\n.5 -.1\n\n0\n2 -2\n\n0\n/VISC/PRONY/1\n1 1\n.3 .1\n/FAIL/JOHNSON/1\n0\n/FAIL/JOHNSON/2\n0\n\
+                   /MAT/LAW999/7\nother\n1\n";
+    let lsdyna = "*KEYWORD\n*MAT_BLATZ-KO_RUBBER\n4,1e-9,1.0,0\n*MAT_HYPERELASTIC_RUBBER\n2,1.1e-9,.499,0,1\n.4,.1,0,0,0,0\n.3,10.\n*END\n";
+    for (program, text, parts) in [
+        (
+            Program::Abaqus,
+            abaqus,
+            &[
+                "*VISCOELASTIC (line 6)",
+                "*UNIAXIAL TEST DATA (line 8)",
+                "*VOLUMETRIC TEST DATA (line 10)",
+            ][..],
+        ),
+        (
+            Program::Radioss,
+            radioss,
+            &[
+                "/VISC/PRONY/1 (line 11)",
+                "/FAIL/JOHNSON/1 (line 14)",
+                "material 7, /MAT/LAW999 (line 18)",
+            ],
+        ),
+        (
+            Program::LsDyna,
+            lsdyna,
+            &["material 4, *MAT_BLATZ-KO_RUBBER (line 2)"],
+        ),
+    ] {
+        let read = law_of(program, "a deck", text, None, &[]).expect("a law");
+        let notes = read.notes.join("\n");
+        for part in parts {
+            assert!(notes.contains(part), "{part}: {notes}");
+        }
+        assert!(!notes.contains("/FAIL/JOHNSON/2"), "{notes}");
+    }
 }

@@ -209,7 +209,7 @@ fn materials_that_need_functions_are_refused_with_their_line() {
         "{}/MAT/YEOH/8\nsecond\n1E-9\n\n                 0.4\n                0.02\n",
         OGDEN.replace("/END\n", "")
     );
-    assert!(told(Radioss, &two, None).contains("material 5 (1 of 2: --material)"));
+    assert!(told(Radioss, &two, None).contains("material 5 (1 of 2; --material "));
     assert!(told(Radioss, &two, Some("8")).contains("material 8 (2 of 2"));
     assert!(
         told(Radioss, &two, Some("9"))
