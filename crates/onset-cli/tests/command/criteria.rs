@@ -71,7 +71,7 @@ fn a_card_is_a_self_contained_page() {
     let widest = number(&answer, "/widest_box/high") / number(&answer, "/widest_box/low");
     assert_close(widest, ratio, 1e-9);
     let page = std::fs::read_to_string(folder.join("card.html")).expect("a page");
-    // A picture refers to its own parts.
+    // References within the page start with `#`.
     let outward = page.replace("url(#", "");
     for reference in ["src=", "href=\"http", "@import", "url("] {
         assert!(!outward.contains(reference), "{reference}");
