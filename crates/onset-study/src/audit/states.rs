@@ -167,7 +167,7 @@ mod tests {
                 let along = [f[axis][j], f[axis][k], f[j][axis], f[k][axis]];
                 along.into_iter().all(small) && !small(f[j][k]) && small(f[j][k] - f[k][j])
             };
-            let has = |is: &dyn Fn(&[[f64; 3]; 3]) -> bool| all.iter().any(|f| is(&f.components()));
+            let has = |is: &dyn Fn(&[[f64; 3]; 3]) -> bool| all.iter().any(|f| is(f.components()));
             assert!(has(&is_alone), "axis {axis}");
             let equal = |f: &[[f64; 3]; 3]| is_turned_about(f) && small(f[axis][axis] - 1.0);
             assert!(has(&equal), "axis {axis}");
