@@ -203,7 +203,7 @@ class Material(_Settings):
       ``I3``, ``I1bar`` and ``I2bar``. An `ArithmeticError` or `ValueError`, or a result that is not finite, means that the law is not defined at
       the state.
     - ``Material(felupe.NeoHooke(mu=1, bulk=2))`` is an elastic material of FElupe or matADi: any object with ``gradient`` and ``hessian``.
-    - ``Material("umat", library="./my_umat.so", ...)`` is a user material of Abaqus/Standard, ``"vumat"`` is a user material of Abaqus/Explicit, and
+    - ``Material("umat", library="./my_umat.so", ...)`` is a user material of Abaqus/Standard, ``"vumat"`` is a user material of Abaqus/Explicit,
       ``"mfront"`` is a behavior of MFront, and ``"library"`` is the function of ``onset law-header``.
 
     Two of `young`, `poisson`, `bulk` and `shear` replace the parameters of laws with two moduli. Stresses are in any consistent unit, or all values
