@@ -105,15 +105,15 @@ fn softening_without_meaning_is_refused() {
     for (rest, words) in [
         (
             "--set material.mullins-r=1 --set material.mullins-m=1",
-            "mullins-r is 1.0",
+            "mullins-r is 1;",
         ),
         (
             "--set material.mullins-r=2",
-            "mullins-m + mullins-beta is 0.0",
+            "mullins-m + mullins-beta is 0;",
         ),
         (
             "--set material.mullins-r=2 --set material.mullins-m=-1",
-            "mullins-m is -1.0",
+            "mullins-m is -1;",
         ),
         (
             "--set material.mullins-m=1",
