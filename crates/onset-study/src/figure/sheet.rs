@@ -160,7 +160,7 @@ pub(super) fn told_omitted(titles: &[String]) -> Option<String> {
     (!shown.is_empty()).then(|| format!("Not shown at this width: {}.", shown.join(", ")))
 }
 
-/// Text with a capital and a full stop. A single letter at the beginning is a symbol, and stays as it is.
+/// Text with a capital and a full stop. A single letter or `omega` at the beginning is a symbol, and stays as it is.
 fn sentence(text: &str) -> String {
     let mut letters = text.chars();
     let first: String = letters
@@ -168,7 +168,8 @@ fn sentence(text: &str) -> String {
         .into_iter()
         .flat_map(char::to_uppercase)
         .collect();
-    let is_word = text.chars().take(2).all(|own| own.is_ascii_lowercase());
+    let is_word =
+        text.chars().take(2).all(|own| own.is_ascii_lowercase()) && !text.starts_with("omega");
     let text = match is_word {
         true => first + letters.as_str(),
         false => text.to_owned(),

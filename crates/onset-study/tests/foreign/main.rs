@@ -715,7 +715,7 @@ fn constants_that_a_law_does_not_admit_are_refused_with_the_line_of_their_keywor
         (
             Program::Abaqus,
             format!("{rubber}*MULLINS EFFECT\n1.5\n"),
-            "a deck:4:1: *MULLINS EFFECT: material parameter mullins-m + mullins-beta is 0.0",
+            "a deck:4:1: *MULLINS EFFECT: material parameter mullins-m + mullins-beta is 0;",
         ),
         (
             Program::Abaqus,
@@ -1140,8 +1140,22 @@ fn the_first_of_two_laws_of_a_material_is_read_and_the_other_is_named() {
 fn parts_of_a_material_outside_its_law_are_named() {
     let abaqus = "*MATERIAL, NAME=A\n*HYPERELASTIC, NEO HOOKE\n0.5, 0.1\n*VISCOELASTIC, TIME=PRONY\n0.3, 0.2, 0.1\n\
                   *VISCOELASTIC, TIME=FREQUENCY DATA\n1,2\n*UNIAXIAL TEST DATA\n0.1,0.1\n*VOLUMETRIC TEST DATA\n1.,.9\n";
-    let radioss = "/MAT/LAW42/1\nrubber\n1.1E-9\n.495 0 0 0 0 1\n.5 -.1\n\n0\n2 -2\n\n0\n/VISC/PRONY/1\n1 1\n.3 .1\n/FAIL/JOHNSON/1\n0\n/FAIL/JOHNSON/2\n0\n\
-                   /MAT/LAW999/7\nother\n1\n";
+    let card = |numbers: &[&str]| {
+        let cells = numbers.iter().map(|number| format!("{number:>20}"));
+        cells.collect::<String>()
+    };
+    let law = [
+        card(&["1.1E-9"]),
+        card(&[".495", "0", "0", "0", "         0         1"]),
+        card(&[".5", "-.1"]),
+        card(&["0"]),
+        card(&["2", "-2"]),
+        card(&["0"]),
+    ];
+    let radioss = &format!(
+        "/MAT/LAW42/1\nrubber\n{}\n/VISC/PRONY/1\n1 1\n.3 .1\n/FAIL/JOHNSON/1\n0\n/FAIL/JOHNSON/2\n0\n/MAT/LAW999/7\nother\n1\n",
+        law.join("\n")
+    );
     let lsdyna = "*KEYWORD\n*MAT_BLATZ-KO_RUBBER\n4,1e-9,1.0,0\n*MAT_HYPERELASTIC_RUBBER\n2,1.1e-9,.499,0,1\n.4,.1,0,0,0,0\n.3,10.\n*END\n";
     for (program, text, parts) in [
         (
@@ -1157,9 +1171,9 @@ fn parts_of_a_material_outside_its_law_are_named() {
             Program::Radioss,
             radioss,
             &[
-                "/VISC/PRONY/1 (line 11)",
-                "/FAIL/JOHNSON/1 (line 14)",
-                "material 7, /MAT/LAW999 (line 18)",
+                "/VISC/PRONY/1 (line 9)",
+                "/FAIL/JOHNSON/1 (line 12)",
+                "material 7, /MAT/LAW999 (line 16)",
             ],
         ),
         (
