@@ -283,10 +283,6 @@ impl Problem<'_> {
             for (x, s) in found.iter_mut().zip(step.iter()) {
                 *x += s;
             }
-            if self.family.is_linear() {
-                errors = self.equations.errors(self.family, &found).0;
-                continue;
-            }
             // The errors are linear in the moduli; the terms need not be evaluated again.
             errors.copy_from(&rest);
             for (n, value) in found.iter().enumerate().filter(|(n, _)| is_modulus[*n]) {

@@ -223,10 +223,7 @@ impl Frame<'_> {
             last = place;
         }
         let paint = Paint::stroke(line.color, width, line.dash);
-        match is_clipped {
-            true => pen.clipped(outline, paint, window),
-            false => pen.outline(outline, paint),
-        }
+        pen.outline_within(outline, paint, is_clipped.then_some(window));
     }
 
     /// Part of a segment inside the box (Liang and Barsky).

@@ -80,19 +80,20 @@ impl Scene {
         out.set_line_join(LineJoinStyle::RoundJoin);
         for shape in &self.shapes {
             match shape {
-                Shape::Outline { outline, paint } => {
-                    paint_path(&mut out, outline.clone(), &self.theme.paint(paint));
-                }
-                Shape::Clipped {
+                Shape::Outline {
                     outline,
                     paint,
-                    window: [left, top, width, height],
+                    window,
                 } => {
-                    out.save_state();
-                    out.rect(*left, *top, *width, *height);
-                    out.clip_nonzero().end_path();
+                    if let Some([left, top, width, height]) = window {
+                        out.save_state();
+                        out.rect(*left, *top, *width, *height);
+                        out.clip_nonzero().end_path();
+                    }
                     paint_path(&mut out, outline.clone(), &self.theme.paint(paint));
-                    out.restore_state();
+                    if window.is_some() {
+                        out.restore_state();
+                    }
                 }
                 Shape::Stamps { outline, at, paint } => {
                     // One by one, because they may overlap.

@@ -21,29 +21,29 @@ pub(super) struct Pen {
 
 impl Pen {
     pub(super) fn outline(&mut self, outline: PathBuilder, paint: Paint) {
+        self.outline_within(outline, paint, None);
+    }
+
+    /// Adds an outline. A window, given by left, top, width and height, limits the painted area.
+    pub(super) fn outline_within(
+        &mut self,
+        outline: PathBuilder,
+        paint: Paint,
+        window: Option<[f64; 4]>,
+    ) {
         if let Some(outline) = finish(outline, &paint) {
+            let window = window.map(|window| window.map(|own| own as f32));
             let rim = self.rim(&paint).map(|paint| Shape::Outline {
                 outline: outline.clone(),
                 paint,
+                window,
             });
             self.shapes.extend(rim);
-            self.shapes.push(Shape::Outline { outline, paint });
-        }
-    }
-
-    /// Adds an outline that is painted in a window only: left, top, width and height.
-    pub(super) fn clipped(&mut self, outline: PathBuilder, paint: Paint, window: [f64; 4]) {
-        let before = self.shapes.len();
-        self.outline(outline, paint);
-        let window = window.map(|own| own as f32);
-        for shape in &mut self.shapes[before..] {
-            if let Shape::Outline { outline, paint } = shape {
-                *shape = Shape::Clipped {
-                    outline: outline.clone(),
-                    paint: *paint,
-                    window,
-                };
-            }
+            self.shapes.push(Shape::Outline {
+                outline,
+                paint,
+                window,
+            });
         }
     }
 

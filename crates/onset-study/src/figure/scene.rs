@@ -47,12 +47,8 @@ pub(super) enum Shape {
     Outline {
         outline: Path,
         paint: Paint,
-    },
-    /// An outline that is painted in a window only: left, top, width and height.
-    Clipped {
-        outline: Path,
-        paint: Paint,
-        window: [f32; 4],
+        /// Left, top, width and height of the window in which the outline is painted; `None` for the whole picture.
+        window: Option<[f32; 4]>,
     },
     /// One outline repeated at many positions.
     Stamps {
@@ -183,27 +179,25 @@ impl Scene {
         let (mut stamps, mut windows) = (0, BTreeSet::new());
         for shape in &self.shapes {
             match shape {
-                Shape::Clipped {
+                Shape::Outline {
                     outline,
                     paint,
-                    window: [left, top, width, height],
+                    window,
                 } => {
-                    // The identifier contains the window, so that pictures in one page share only equal windows.
-                    let id = format!("w{left}-{top}-{width}-{height}");
-                    if windows.insert(id.clone()) {
-                        let _ = writeln!(
-                            svg,
-                            "<clipPath id=\"{id}\"><rect x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\"/></clipPath>"
-                        );
-                    }
-                    let _ = write!(svg, "<path clip-path=\"url(#{id})\"");
-                    write_paint(&mut svg, &self.theme.paint(paint));
-                    svg.push_str(" d=\"");
-                    write_outline(&mut svg, outline);
-                    svg.push_str("\"/>\n");
-                }
-                Shape::Outline { outline, paint } => {
+                    let clip = window.map(|[left, top, width, height]| {
+                        // The identifier contains the window, so that pictures in one page share only equal windows.
+                        let id = format!("w{left}-{top}-{width}-{height}");
+                        let clip = format!(" clip-path=\"url(#{id})\"");
+                        if windows.insert(id.clone()) {
+                            let _ = writeln!(
+                                svg,
+                                "<clipPath id=\"{id}\"><rect x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\"/></clipPath>"
+                            );
+                        }
+                        clip
+                    });
                     svg.push_str("<path");
+                    svg.push_str(&clip.unwrap_or_default());
                     write_paint(&mut svg, &self.theme.paint(paint));
                     svg.push_str(" d=\"");
                     write_outline(&mut svg, outline);
@@ -254,22 +248,18 @@ impl Scene {
         let pixels = Transform::from_scale(resolution as f32, resolution as f32);
         for shape in &self.shapes {
             match shape {
-                Shape::Outline { outline, paint } => {
-                    paint_outline(&mut canvas, outline, &self.theme.paint(paint), pixels, None);
-                }
-                Shape::Clipped {
+                Shape::Outline {
                     outline,
                     paint,
-                    window: [left, top, wide, high],
+                    window,
                 } => {
-                    let window = Rect::from_xywh(*left, *top, *wide, *high);
-                    let mask = window
-                        .zip(Mask::new(width, height))
-                        .map(|(window, mut mask)| {
-                            let window = PathBuilder::from_rect(window);
-                            mask.fill_path(&window, FillRule::Winding, true, pixels);
-                            mask
-                        });
+                    let window = window.and_then(|[x, y, w, h]| Rect::from_xywh(x, y, w, h));
+                    let mask = window.and_then(|window| {
+                        let mut mask = Mask::new(width, height)?;
+                        let window = PathBuilder::from_rect(window);
+                        mask.fill_path(&window, FillRule::Winding, true, pixels);
+                        Some(mask)
+                    });
                     let paint = self.theme.paint(paint);
                     paint_outline(&mut canvas, outline, &paint, pixels, mask.as_ref());
                 }

@@ -111,8 +111,15 @@ pub(super) struct Opened<'a> {
 /// Origin of a test.
 struct Origin {
     path: PathBuf,
-    /// Whether its column named true stresses, which were converted to nominal stresses.
-    is_true: bool,
+    /// Meaning of its column of stresses; `None` without a header.
+    stress: Option<Column>,
+}
+
+impl Origin {
+    /// Returns true if true stresses were converted to nominal stresses.
+    fn is_true(&self) -> bool {
+        self.stress == Some(Column::TrueStress)
+    }
 }
 
 impl<'a> Opened<'a> {
@@ -238,7 +245,6 @@ impl Tests {
     pub fn read(sources: &[Source], reading: &Reading) -> Result<Self, TableError> {
         let mut all = Self::default();
         let mut units: Vec<(String, Option<String>)> = Vec::new();
-        let mut used_area = false;
         let mut used_material = false;
         let mut origins: Vec<Origin> = Vec::new();
         let mut given = Vec::new();
@@ -263,7 +269,7 @@ impl Tests {
                 columns: is_deck.then_some(ABAQUS),
                 reading,
             };
-            let mut is_true = false;
+            let mut stress = None;
             let found = match own.arrays {
                 Some(arrays) => vec![(table.arrays(arrays)?, None)],
                 None if is_deck => {
@@ -275,7 +281,9 @@ impl Tests {
                     table.of_material(table.ansys()?)?
                 }
                 None => {
-                    vec![table.csv(own.mode, &mut all.notes, &mut used_area, &mut is_true)?]
+                    let (test, unit, column) = table.csv(own.mode, &mut all.notes)?;
+                    stress = Some(column);
+                    vec![(test, unit)]
                 }
             };
             for (mut test, unit) in found {
@@ -332,10 +340,11 @@ impl Tests {
                 units.push((test.name.clone(), unit.or_else(|| reading.unit.clone())));
                 all.tests.push(test);
                 let path = path.clone();
-                origins.push(Origin { path, is_true });
+                origins.push(Origin { path, stress });
             }
         }
-        if reading.area.is_some() && !used_area {
+        let is_force = |own: &Origin| own.stress == Some(Column::Force);
+        if reading.area.is_some() && !origins.iter().any(is_force) {
             all.notes
                 .push("the area is not used: no table has a column of forces".to_owned());
         }
@@ -493,7 +502,7 @@ impl Tests {
                 test.weight = 1.0;
                 if reading >> bit & 1 == 1 {
                     for point in &mut test.points {
-                        point.stress *= match origins[*n].is_true {
+                        point.stress *= match origins[*n].is_true() {
                             true => point.stretch,
                             false => point.stretch.recip(),
                         };
@@ -522,7 +531,7 @@ impl Tests {
         let names = read
             .iter()
             .map(|n| format!("{} ({})", self.tests[*n].name, origins[*n].path.display()));
-        let (area, column) = match read.iter().all(|n| origins[*n].is_true) {
+        let (area, column) = match read.iter().all(|n| origins[*n].is_true()) {
             true => ("undeformed", "nominal_stress"),
             false => ("deformed", "true_stress"),
         };
@@ -893,14 +902,12 @@ impl Table<'_> {
         })
     }
 
-    /// Table with a header.
+    /// Test of a table with a header, the unit of its stresses and the meaning of their column.
     fn csv(
         &self,
         given: Option<Mode>,
         notes: &mut Vec<String>,
-        used_area: &mut bool,
-        is_true: &mut bool,
-    ) -> Result<(Test, Option<String>), TableError> {
+    ) -> Result<(Test, Option<String>, Column), TableError> {
         if let Some((n, text)) = (self.text.lines().enumerate())
             .find(|(_, text)| text.starts_with('*') && !text.starts_with("**"))
         {
@@ -1075,8 +1082,6 @@ impl Table<'_> {
                 ));
             }
         }
-        *used_area |= stress.0 == Column::Force;
-        *is_true = stress.0 == Column::TrueStress;
         notes.extend(self.open_names(mode, &names[along.1], &names[stress.1]));
         if stress.0 == Column::Force && self.reading.area.is_none() {
             return Err(self.line(
@@ -1227,7 +1232,7 @@ impl Table<'_> {
         if percent(&along.2) {
             self.check_fractions(mode, &rows)?;
         }
-        Ok((self.test(mode, rows, along.0)?, unit))
+        Ok((self.test(mode, rows, along.0)?, unit, stress.0))
     }
 
     /// Test given by arrays, whose lengths and numbers are checked.

@@ -1041,7 +1041,8 @@ impl fmt::Display for ScreenAnswer {
             let checks = recognized(recording, self.spacing, &self.particles);
             writeln!(formatter, "\n{checks}")?;
         }
-        for note in &self.notes {
+        let of_files = self.recording.iter().flat_map(|own| &own.notes);
+        for note in of_files.chain(&self.notes) {
             writeln!(formatter, "\nnote: {note}")?;
         }
         write!(formatter, "\n{}", self.settings)

@@ -115,7 +115,7 @@ impl ScreenChecks {
     }
 }
 
-/// Description of the files and of the particles, by lines.
+/// Description of the files and of the particles, by lines without the notes.
 pub(super) fn recognized(own: &Recording, spacing: f64, particles: &str) -> String {
     let elements = match own.elements {
         0 => String::new(),
@@ -125,13 +125,12 @@ pub(super) fn recognized(own: &Recording, spacing: f64, particles: &str) -> Stri
         "" => String::new(),
         by => format!(" ({by})"),
     };
-    let notes = own.notes.iter().map(|note| format!("\n\nnote: {note}"));
     format!(
         "{}, {}: {} from t = {} to {}, {}{elements}\n\
          columns     {}\n\
          spacing     {} in the file, {} in the settings\n\
          particles   {particles}\n\
-         held        {}{held_by}{}",
+         held        {}{held_by}",
         own.format,
         counted(own.files, "file"),
         counted(own.frames, "frame"),
@@ -141,16 +140,14 @@ pub(super) fn recognized(own: &Recording, spacing: f64, particles: &str) -> Stri
         own.columns.join("; "),
         told(own.spacing),
         told(spacing),
-        counted(own.held, "particle"),
-        notes.collect::<String>()
+        counted(own.held, "particle")
     )
 }
 
 impl fmt::Display for ScreenChecks {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let own = &self.recording;
-        let text = recognized(own, self.spacing, &self.particles);
-        let (facts, notes) = text.split_once("\n\nnote: ").unwrap_or((&text, ""));
+        let facts = recognized(own, self.spacing, &self.particles);
         let digits = match own.digits {
             Some(digits) => format!(
                 "{}: positions are rounded to {} spacings, and smaller short waves cannot be observed",
@@ -168,10 +165,10 @@ impl fmt::Display for ScreenChecks {
                 missing.part, missing.key, missing.default
             )?;
         }
-        match notes {
-            "" => Ok(()),
-            notes => write!(formatter, "\n\nnote: {notes}"),
-        }
+        let notes = own.notes.iter();
+        notes
+            .into_iter()
+            .try_for_each(|note| write!(formatter, "\n\nnote: {note}"))
     }
 }
 

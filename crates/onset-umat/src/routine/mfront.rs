@@ -101,29 +101,35 @@ impl Symbols<'_> {
             .map(|at| unsafe { told(*at.cast::<*const c_char>()) })
     }
 
+    /// Array of a kind of variables, with one element for each variable.
+    ///
+    /// # Safety
+    /// The library must export the array with elements of the type `T`.
+    #[allow(unsafe_code)]
+    unsafe fn array<T: Copy>(&self, kind: &str, name: &str) -> Vec<T> {
+        let count = usize::from(self.number(&format!("n{kind}")).unwrap_or(0));
+        let first = self.address(name).filter(|_| count > 0);
+        // SAFETY: the generic interface also exports the number of elements, and the caller guarantees their type.
+        first.map_or_else(Vec::new, |at| unsafe {
+            std::slice::from_raw_parts(at.cast::<T>(), count).to_vec()
+        })
+    }
+
     /// Names of variables of a kind.
     #[allow(unsafe_code)]
     fn names(&self, kind: &str) -> Vec<String> {
-        let count = self.number(&format!("n{kind}")).unwrap_or(0);
-        let first = self.address(kind);
-        let all = first.into_iter().flat_map(|at| {
-            // SAFETY: the generic interface also exports the number of these texts.
-            (0..usize::from(count))
-                .map(move |n| unsafe { told(*at.cast::<*const c_char>().add(n)) })
-        });
-        all.collect()
+        // SAFETY: the generic interface exports the names as texts that end with zero.
+        unsafe {
+            let all = self.array::<*const c_char>(kind, kind).into_iter();
+            all.map(|text| told(text)).collect()
+        }
     }
 
-    /// Types of the internal state variables.
+    /// Codes of the types of the internal state variables.
     #[allow(unsafe_code)]
     fn types(&self) -> Vec<c_int> {
-        let count = self.number("nInternalStateVariables").unwrap_or(0);
-        let first = self.address("InternalStateVariablesTypes");
-        let all = first.into_iter().flat_map(|at| {
-            // SAFETY: the generic interface also exports the number of these numbers.
-            (0..usize::from(count)).map(move |n| unsafe { *at.cast::<c_int>().add(n) })
-        });
-        all.collect()
+        // SAFETY: the generic interface exports these codes as `int`.
+        unsafe { self.array("InternalStateVariables", "InternalStateVariablesTypes") }
     }
 }
 

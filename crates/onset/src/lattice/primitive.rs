@@ -103,10 +103,15 @@ impl<const D: usize> Cell<D> {
     }
 
     fn is_repeated_by(&self, translation: &Fractional<D>) -> bool {
+        self.is_kept_by(|place| place + translation)
+    }
+
+    /// Returns true if a map of places takes the particles and points onto themselves.
+    pub(super) fn is_kept_by(&self, image: impl Fn(&Fractional<D>) -> Fractional<D>) -> bool {
         let rounding = self.rounding();
         [&self.particles, &self.points].into_iter().all(|list| {
             list.iter().all(|(place, volume)| {
-                let moved = place + translation;
+                let moved = image(place);
                 list.iter().any(|(other, own)| {
                     (own - volume).abs() <= PLACE_TOLERANCE * volume.abs()
                         && self.apart(&moved, other) <= rounding

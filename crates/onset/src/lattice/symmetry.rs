@@ -2,16 +2,13 @@
 
 use super::numbering::{coordinates, index};
 use super::reduction::combinations;
-use super::{BravaisLattice, BrillouinZone, Crystal, Fractional, Reduced, inverse_of};
+use super::{BravaisLattice, BrillouinZone, Cell, Crystal, Fractional, Reduced, inverse_of};
 use crate::algebra::{Each, array_of, sort_by_value};
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
 
 /// Difference of lengths and angles that counts as rounding, relative to the longest vector squared.
 const LENGTH_TOLERANCE: f64 = 1e-9;
-
-/// Difference of lattice coordinates, and relative difference of volumes, that count as rounding.
-const PLACE_TOLERANCE: f64 = 1e-8;
 
 /// Orthogonal map of a lattice onto itself.
 #[derive(Clone, Copy, Debug)]
@@ -159,30 +156,17 @@ impl<const D: usize> BravaisLattice<D> {
 impl<const D: usize> Crystal<D> {
     /// Orthogonal maps `Q` for which `Q` or `-Q` maps the particles onto themselves, up to a translation.
     pub(crate) fn maps(&self) -> Vec<SMatrix<f64, D, D>> {
-        let Some(inverse) = inverse_of(self.lattice().vectors()) else {
-            return vec![SMatrix::identity()];
+        let cell = Cell::new(self, Vec::new());
+        let is_kept = |image: &dyn Fn(&Fractional<D>) -> Fractional<D>| {
+            let first = image(&self.sites()[0]);
+            let mut sites = self.sites().iter();
+            sites.any(|site| cell.is_kept_by(|place| image(place) + site - first))
         };
-        let repeats = |cells: &SMatrix<f64, D, D>| {
-            let images: Vec<Fractional<D>> = self.sites().iter().map(|own| cells * own).collect();
-            self.sites().iter().any(|to| {
-                let shift = to - images[0];
-                images.iter().zip(self.volumes()).all(|(image, volume)| {
-                    let mut all = self.sites().iter().zip(self.volumes());
-                    all.any(|(site, own)| {
-                        let apart = image + shift - site;
-                        let apart = apart - apart.map(f64::round);
-                        apart.amax() <= PLACE_TOLERANCE
-                            && (own - volume).abs() <= PLACE_TOLERANCE * volume
-                    })
-                })
-            })
-        };
-        let all = self.lattice().holohedry().into_iter();
-        all.filter(|map| {
-            let cells = inverse * map * self.lattice().vectors();
-            repeats(&cells) || repeats(&-cells)
-        })
-        .collect()
+        let all = Symmetry::all(self.lattice()).into_iter();
+        let kept = all.filter(|own| {
+            is_kept(&|place| own.of_place(place)) || is_kept(&|place| -own.of_place(place))
+        });
+        kept.map(|own| own.map).collect()
     }
 }
 

@@ -4,7 +4,7 @@ use super::{FourthOrder, Hyperelastic, MaterialError, Response};
 use crate::kinematics::DeformationGradient;
 use nalgebra::Matrix3;
 
-/// Relative difference of two laws that counts as rounding; their tangents come from turned states.
+/// Largest relative difference of equal laws: turning a state rounds its tangent.
 const EQUAL_TOLERANCE: f64 = 1e-9;
 
 /// Hill's linear comparison solid, `P = P_0 + A (F - F_0)`, about a state `F_0` of a law.
@@ -57,9 +57,8 @@ impl Linearized {
     pub(crate) fn turned(&self, map: &Matrix3<f64>) -> Self {
         let of = |response: &Response| {
             let f = map * response.deformation.matrix() * map.transpose();
-            let components = std::array::from_fn(|i| std::array::from_fn(|j| f[(i, j)]));
             Response {
-                deformation: DeformationGradient::new(components).unwrap_or(response.deformation),
+                deformation: response.deformation.with_leading(&f),
                 energy: response.energy,
                 first_piola: map * response.first_piola * map.transpose(),
                 tangent: response.tangent.transformed(map),

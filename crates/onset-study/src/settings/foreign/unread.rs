@@ -117,7 +117,7 @@ impl Relaxation {
 }
 
 impl Unread {
-    /// Further keywords from which the law is read, after the keyword of its block.
+    /// Keywords of the Prony series and of the Mullins effect, if they are read.
     pub fn keywords(&self) -> impl Iterator<Item = &str> {
         let series = self.relaxation.as_ref();
         let series = series.filter(|own| own.terms.is_some());

@@ -12,7 +12,7 @@ use std::time::Duration;
 /// Key of the library, without its section.
 pub(in crate::settings) const LIBRARY: &str = "library";
 
-const THE_LIBRARY: Key = key("material.library", Kind::Text, "path of the shared library");
+const LIBRARY_KEY: Key = key("material.library", Kind::Text, "path of the shared library");
 const PROPERTIES: Key = key(
     "material.properties",
     Kind::Numbers("1", ANY_DIMENSION),
@@ -44,7 +44,7 @@ pub(super) const MFRONT: OwnModel = OwnModel {
     name: "mfront",
     formula: "P and dP/dF of a behavior in a library of MFront with its generic interface",
     keys: &[
-        THE_LIBRARY,
+        LIBRARY_KEY,
         key(
             "material.behavior",
             Kind::Text,
@@ -77,7 +77,7 @@ pub(super) const MODEL: OwnModel = OwnModel {
     formula: "stress and DDSDDE of the subroutine umat_ in a shared library",
     source: "your own",
     keys: &[
-        THE_LIBRARY,
+        LIBRARY_KEY,
         PROPERTIES,
         STATE_VARIABLES,
         INCREMENTS,

@@ -9,7 +9,7 @@ use crate::lattice::{BravaisLattice, Crystal, Particle, Reduced, cells_between};
 use crate::material::{Hyperelastic, Linearized};
 use crate::scheme::Discretization;
 use crate::time_step::Stepping;
-use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 /// Number of particles across the thinnest blocks. With two rows, gradients are far stiffer than with three, and such bodies are rarely intended.
 const THINNEST: usize = 3;
@@ -80,7 +80,12 @@ pub(crate) fn step_of_free_blocks<const D: usize>(
     let maps: Vec<_> = crystal
         .maps()
         .into_iter()
-        .map(|map| (map, in_space(&map)))
+        .map(|map| {
+            (
+                map,
+                DeformationGradient::identity().with_leading(&map).matrix(),
+            )
+        })
         .collect();
     let same: Vec<_> = maps
         .iter()
@@ -201,14 +206,6 @@ fn are_alike<const D: usize>(a: &SMatrix<f64, D, D>, b: &SMatrix<f64, D, D>) -> 
             let apart = (own - other).amax().min((own + other).amax());
             apart <= 1e-9 * size
         })
-    })
-}
-
-/// Orthogonal map that leaves the directions beyond the dimensions unchanged.
-fn in_space<const D: usize>(map: &SMatrix<f64, D, D>) -> Matrix3<f64> {
-    Matrix3::from_fn(|i, j| match i < D && j < D {
-        true => map[(i, j)],
-        false => f64::from(u8::from(i == j)),
     })
 }
 
