@@ -1051,7 +1051,7 @@ def audit(
 
 
 @asks
-def localize(model: str | None = None, path: str | None = None, load: str | None = None, **parameters: Value) -> Localization:
+def localize(model: Material | str | None = None, path: str | None = None, load: str | None = None, **parameters: Value) -> Localization:
     """Localization of a plastic material along a loading, with the band and its angle: ``onset localize``.
 
     A band with the normal ``n`` can form where ``det(n.L.n) = 0``, with the tangent ``L`` of continued flow.
@@ -1059,7 +1059,7 @@ def localize(model: str | None = None, path: str | None = None, load: str | None
     Parameters
     ----------
     model, path, load
-        Plastic law, path of loading, and its sense, tension or compression.
+        Plastic law (its name, or a `Material` as for other functions), path of loading, and its sense, tension or compression.
     **parameters
         Keys of ``[plasticity]``: ``onset.localize("drucker-prager", "plane-strain", friction=0.7)``. Stresses are in any consistent unit, or all have
         a unit. For the models ``"umat"`` and ``"library"``, the keys of the routine are ``library``, ``properties``, ``state_variables``, ``time_limit``
@@ -1080,11 +1080,15 @@ def localize(model: str | None = None, path: str | None = None, load: str | None
     >>> answer = onset.localize("j2", "plane-strain")
     >>> answer.to_frame().columns[0]
     'plastic_shear_strain'
+    >>> rock = onset.Material("drucker-prager", friction=0.7)
+    >>> onset.localize(rock, "plane-strain")["localization"]["band"]["kind"]
+    'shear-band'
     """
-    named = {"model": model, "path": path, "load": load} | parameters
+    law = model.assignments if isinstance(model, Material) else ()
+    named = {"model": None if law else model, "path": path, "load": load} | parameters
     routine = {"library", "properties", "state_variables", "time_limit", "memory_limit"}
     keys = {_key("material" if name in routine else "plasticity", name): value for name, value in named.items() if value is not None}
-    return Localization(_onset.localize([f"{key}={_typed(value, key)}" for key, value in keys.items()]))
+    return Localization(_onset.localize([*law, *(f"{key}={_typed(value, key)}" for key, value in keys.items())]))
 
 
 @asks

@@ -1442,7 +1442,7 @@ pub struct LocalizeArguments {
     /// Sense of the loading: tension or compression; short for --set plasticity.load=LOAD.
     #[arg(long, value_name = "LOAD")]
     pub load: Option<String>,
-    /// Set a parameter, for example plasticity.friction=0.7, or material.library=./my_umat.so with --model umat (may be given several times).
+    /// Set a parameter, for example plasticity.friction=0.7, or a key of a material with a plastic law: material.model=gurson (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
     /// Folder for the figure (localize.svg, .png, .pdf), localize.csv and localize-directions.csv, or NAME.svg, NAME.png or NAME.pdf for the figure alone;

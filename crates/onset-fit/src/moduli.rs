@@ -18,8 +18,9 @@
 
 use crate::sums::{Curvatures, State};
 use nalgebra::{Matrix3, Vector3};
-use onset::real::{Jet, Real};
+use onset::real::{Jet, LANES, Lanes, Real, Work};
 use serde::Serialize;
+use std::sync::LazyLock;
 
 /// Sense in which a law is stable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -309,56 +310,22 @@ impl Moduli<f64> {
     }
 
     fn softest_wave(&self, compressible: bool, least_step: f64) -> (f64, Perturbation) {
-        // Stiffness alone, which is all that the search over directions needs.
-        let (trace, determinant) = self.elliptic_forms();
-        let inverse = self.squares.map(f64::recip);
-        let at = |p: [f64; 3]| match compressible {
-            true => lowest_root(&self.acoustic(p.map(f64::sqrt))),
+        let [u, v] = match compressible {
+            true => softest_direction(least_step, |p| {
+                let of_lane =
+                    |lane: usize| lowest_root(&self.acoustic(p.map(|own| own.0[lane].sqrt())));
+                Lanes(std::array::from_fn(of_lane))
+            }),
             false => {
-                let q = [p[0] * inverse[0], p[1] * inverse[1], p[2] * inverse[2]];
-                let unit = (q[0] + q[1] + q[2]).recip();
-                let trace = quadratic_form(&trace, q) * unit;
-                let determinant = cubic_form(&determinant, q) * unit;
-                let root = (trace * trace - 4.0 * determinant).max(0.0).sqrt();
-                match trace > 0.0 {
-                    true => 2.0 * determinant / (trace + root),
-                    false => 0.5 * (trace - root),
-                }
+                let (trace, determinant) = self.elliptic_forms();
+                Lanes::vectorized(SoftestDirection {
+                    trace,
+                    determinant,
+                    inverse: self.squares.map(f64::recip),
+                    least_step,
+                })
             }
         };
-        let (mut best, mut place) = (f64::INFINITY, [0.0; 2]);
-        for a in 0..=DIRECTIONS {
-            for b in 0..=DIRECTIONS - a {
-                let [u, v] = [a, b].map(|n| n as f64 / DIRECTIONS as f64);
-                let found = at([u, v, (1.0 - u - v).max(0.0)]);
-                if found < best {
-                    (best, place) = (found, [u, v]);
-                }
-            }
-        }
-        let mut step = 0.5 / DIRECTIONS as f64;
-        while step > least_step {
-            let before = best;
-            for [du, dv] in [
-                [1.0, 0.0],
-                [-1.0, 0.0],
-                [0.0, 1.0],
-                [0.0, -1.0],
-                [1.0, -1.0],
-                [-1.0, 1.0],
-            ] {
-                let u = (place[0] + step * du).clamp(0.0, 1.0);
-                let v = (place[1] + step * dv).clamp(0.0, 1.0 - u);
-                let found = at([u, v, (1.0 - u - v).max(0.0)]);
-                if found < best {
-                    (best, place) = (found, [u, v]);
-                }
-            }
-            if best >= before {
-                step *= 0.5;
-            }
-        }
-        let [u, v] = place;
         let normal = [u, v, (1.0 - u - v).max(0.0)].map(f64::sqrt);
         let (value, n, m) = self.softest_amplitude(normal, compressible);
         (value, Perturbation::Wave(n, m))
@@ -403,20 +370,181 @@ impl Moduli<f64> {
     }
 }
 
+/// Search for the direction of the softest wave of incompressible response.
+struct SoftestDirection {
+    trace: [f64; 6],
+    determinant: [f64; 10],
+    /// Reciprocals of the squared stretches.
+    inverse: [f64; 3],
+    least_step: f64,
+}
+
+impl Work for SoftestDirection {
+    type Output = [f64; 2];
+
+    #[inline(always)]
+    fn done(self) -> [f64; 2] {
+        let zero = Lanes::constant(0.0);
+        // The stiffness alone is all that the search needs.
+        let stiffness = |p: [Lanes; 3]| {
+            let q = [
+                p[0] * self.inverse[0],
+                p[1] * self.inverse[1],
+                p[2] * self.inverse[2],
+            ];
+            let unit = (q[0] + q[1] + q[2]).recip();
+            let trace = quadratic_form(&self.trace, q) * unit;
+            let determinant = cubic_form(&self.determinant, q) * unit;
+            let square = trace * trace - determinant * 4.0;
+            let root = square.switch(0.0, || zero, || square).sqrt();
+            trace.switch(
+                0.0,
+                || (trace - root) * 0.5,
+                || determinant * 2.0 / (trace + root),
+            )
+        };
+        softest_direction(self.least_step, stiffness)
+    }
+}
+
+/// Points of the triangle of squared directions at which the search starts, by lanes.
+static STARTS: LazyLock<Vec<[Lanes; 2]>> = LazyLock::new(|| {
+    let rows = (0..=DIRECTIONS).flat_map(|a| (0..=DIRECTIONS - a).map(move |b| [a, b]));
+    let all: Vec<[f64; 2]> = rows
+        .map(|own| own.map(|n| n as f64 / DIRECTIONS as f64))
+        .collect();
+    let of_lanes = |own: &[[f64; 2]]| {
+        // The last point fills the lanes beyond the end.
+        [0, 1].map(|axis| {
+            Lanes(std::array::from_fn(|lane| {
+                own[lane.min(own.len() - 1)][axis]
+            }))
+        })
+    };
+    all.chunks(LANES).map(of_lanes).collect()
+});
+
+/// Steps from the middle of a stencil to its points: opposite points along the edges of the triangle, and the middle itself.
+const STENCIL: [[f64; 2]; LANES] = [
+    [1.0, 0.0],
+    [-1.0, 0.0],
+    [0.0, 1.0],
+    [0.0, -1.0],
+    [1.0, -1.0],
+    [-1.0, 1.0],
+    [0.0, 0.0],
+    [0.0, 0.0],
+];
+/// Number of the middle of a stencil.
+const MIDDLE: usize = 6;
+/// Largest number of stencils.
+const STENCILS: usize = 200;
+/// Ratio of the steps of two stencils if a parabola predicts the minimum within the first one, and otherwise.
+const PREDICTED_STEP: f64 = 0.125;
+const HALVED_STEP: f64 = 0.5;
+
+/// Squared direction components `u` and `v` at which a function of the three components `u`, `v` and `1 - u - v` is lowest.
+///
+/// The search starts at the lowest point of a grid. Its stencil moves to the lowest of its points; around the lowest point its steps become shorter.
+#[inline(always)]
+fn softest_direction(least_step: f64, at: impl Fn([Lanes; 3]) -> Lanes) -> [f64; 2] {
+    let values = |u: Lanes, v: Lanes| {
+        let w = Lanes::constant(1.0) - u - v;
+        at([u, v, w.switch(0.0, || Lanes::constant(0.0), || w)]).0
+    };
+    let (mut best, mut place) = (f64::INFINITY, [0.0; 2]);
+    for [u, v] in STARTS.iter() {
+        let own = values(*u, *v);
+        for lane in 0..LANES {
+            if own[lane] < best {
+                (best, place) = (own[lane], [u.0[lane], v.0[lane]]);
+            }
+        }
+    }
+    let mut middle = place;
+    let mut step = 0.5 / DIRECTIONS as f64;
+    for _ in 0..STENCILS {
+        let (mut u, mut v) = (Lanes::constant(0.0), Lanes::constant(0.0));
+        for (lane, [du, dv]) in STENCIL.iter().enumerate() {
+            u.0[lane] = (middle[0] + step * du).clamp(0.0, 1.0);
+            v.0[lane] = (middle[1] + step * dv).clamp(0.0, 1.0 - u.0[lane]);
+        }
+        let own = values(u, v);
+        let mut lowest = MIDDLE;
+        for lane in 0..MIDDLE {
+            if own[lane] < own[lowest] {
+                lowest = lane;
+            }
+        }
+        if own[lowest] < best {
+            (best, place) = (own[lowest], [u.0[lowest], v.0[lowest]]);
+        }
+        if lowest != MIDDLE {
+            middle = place;
+            continue;
+        }
+        if step <= least_step {
+            break;
+        }
+        let predicted = predicted_step(&own, middle, step).filter(|_| middle == place);
+        middle = place;
+        match predicted {
+            Some([du, dv]) => {
+                middle = [middle[0] + step * du, middle[1] + step * dv];
+                step *= PREDICTED_STEP;
+            }
+            None => step *= HALVED_STEP,
+        }
+    }
+    place
+}
+
+/// Step to the minimum of the parabola through the values of a stencil, as a multiple of its steps; along an edge of the triangle if the middle is on it.
+/// `None` if there is no minimum within the stencil, or the stencil reaches beyond the triangle.
+#[inline(always)]
+fn predicted_step(values: &[f64; LANES], middle: [f64; 2], step: f64) -> Option<[f64; 2]> {
+    let [u, v] = middle;
+    let sizes = [u, v, 1.0 - u - v];
+    let curvature = |pair: usize| values[2 * pair] + values[2 * pair + 1] - 2.0 * values[MIDDLE];
+    let slope = |pair: usize| 0.5 * (values[2 * pair] - values[2 * pair + 1]);
+    // Components that change along the pairs of opposite points.
+    const CHANGED: [[usize; 2]; 3] = [[0, 2], [1, 2], [0, 1]];
+    if sizes.iter().all(|own| *own >= step) {
+        let (a, b) = (curvature(0), curvature(1));
+        let across = 0.5 * (a + b - curvature(2));
+        let determinant = a * b - across * across;
+        let (x, y) = (slope(0), slope(1));
+        let found = [
+            (across * y - b * x) / determinant,
+            (across * x - a * y) / determinant,
+        ];
+        let is_inside = found.iter().all(|own| own.abs() <= 1.0);
+        return (a > 0.0 && determinant > 0.0 && is_inside).then_some(found);
+    }
+    let is_along = |pair: &usize| {
+        let [a, b] = CHANGED[*pair];
+        sizes[3 - a - b] <= 0.0 && sizes[a] >= step && sizes[b] >= step
+    };
+    let pair = (0..3).find(is_along)?;
+    let length = -slope(pair) / curvature(pair);
+    let [du, dv] = STENCIL[2 * pair];
+    (curvature(pair) > 0.0 && length.abs() <= 1.0).then_some([length * du, length * dv])
+}
+
 /// Value of a quadratic form with coefficients in the Bernstein basis.
-fn quadratic_form(form: &[f64; 6], [a, b, c]: [f64; 3]) -> f64 {
-    form[0] * a * a
-        + form[1] * b * b
-        + form[2] * c * c
-        + 2.0 * (form[3] * b * c + form[4] * c * a + form[5] * a * b)
+#[inline(always)]
+fn quadratic_form(form: &[f64; 6], [a, b, c]: [Lanes; 3]) -> Lanes {
+    let mixed = b * c * form[3] + c * a * form[4] + a * b * form[5];
+    a * a * form[0] + b * b * form[1] + c * c * form[2] + mixed * 2.0
 }
 
 /// Value of a cubic form with coefficients in the Bernstein basis.
-fn cubic_form(form: &[f64; 10], [a, b, c]: [f64; 3]) -> f64 {
-    a * a * (form[0] * a + 3.0 * (form[3] * b + form[4] * c))
-        + b * b * (form[1] * b + 3.0 * (form[5] * c + form[6] * a))
-        + c * c * (form[2] * c + 3.0 * (form[7] * a + form[8] * b))
-        + 6.0 * form[9] * a * b * c
+#[inline(always)]
+fn cubic_form(form: &[f64; 10], [a, b, c]: [Lanes; 3]) -> Lanes {
+    a * a * (a * form[0] + (b * form[3] + c * form[4]) * 3.0)
+        + b * b * (b * form[1] + (c * form[5] + a * form[6]) * 3.0)
+        + c * c * (c * form[2] + (a * form[7] + b * form[8]) * 3.0)
+        + a * b * c * (6.0 * form[9])
 }
 
 /// Lowest eigenvalue of a symmetric matrix with its unit eigenvector.

@@ -145,18 +145,21 @@ impl Problem<'_> {
         self.confine(&mut constants);
         let is_free: Vec<bool> = self.bounds.iter().map(|[low, high]| low < high).collect();
         if self.family.is_linear() {
-            let mut found = self.of_moduli(&constants, &is_free)?;
+            let start = self.equations.errors(self.family, &constants);
+            let mut found = self.of_moduli(&constants, start, &is_free)?;
             found.active = self.active(&found.constants);
             let most = self.violations(&found.constants).into_iter();
             return (most.fold(0.0, f64::max) < MOST_VIOLATED).then_some(found);
         }
         // If no moduli satisfy the constraints with these exponents, the exponents change from moduli that violate them.
         let unconstrained = Problem { cuts: &[], ..*self };
+        let terms = self.equations.terms(self.family, &constants);
+        let at = |constants: &[f64]| self.equations.errors_of(self.family, &terms, constants);
         constants = self
-            .of_moduli(&constants, &is_free)
-            .or_else(|| unconstrained.of_moduli(&constants, &is_free))?
+            .of_moduli(&constants, at(&constants), &is_free)
+            .or_else(|| unconstrained.of_moduli(&constants, at(&constants), &is_free))?
             .constants;
-        let (mut errors, mut jacobian) = self.equations.errors(self.family, &constants);
+        let (mut errors, mut jacobian) = at(&constants);
         let mut violated = self.violation(&constants);
         let mut loss = errors.norm_squared();
         let unit = loss.max(f64::MIN_POSITIVE);
@@ -190,10 +193,13 @@ impl Problem<'_> {
                 .collect();
             self.confine(&mut trial);
             // The moduli follow from the other constants.
-            if let Some(better) = self.of_moduli(&trial, &is_free) {
+            let terms = self.equations.terms(self.family, &trial);
+            let at = |constants: &[f64]| self.equations.errors_of(self.family, &terms, constants);
+            let there = at(&trial);
+            if let Some(better) = self.of_moduli(&trial, there, &is_free) {
                 trial = better.constants;
             }
-            let (new_errors, new_jacobian) = self.equations.errors(self.family, &trial);
+            let (new_errors, new_jacobian) = at(&trial);
             let new_loss = new_errors.norm_squared();
             let new_violated = self.violation(&trial);
             let gain = merit(loss, violated) - merit(new_loss, new_violated);
@@ -251,9 +257,13 @@ impl Problem<'_> {
         }
     }
 
-    /// Optimal moduli for given values of the other constants.
-    fn of_moduli(&self, constants: &[f64], is_free: &[bool]) -> Option<Solution> {
-        let (mut errors, jacobian) = self.equations.errors(self.family, constants);
+    /// Optimal moduli for given values of the other constants, from the errors and their derivatives there.
+    fn of_moduli(
+        &self,
+        constants: &[f64],
+        (mut errors, jacobian): (DVector<f64>, DMatrix<f64>),
+        is_free: &[bool],
+    ) -> Option<Solution> {
         let constants_of_law = self.family.constants().iter();
         let is_modulus: Vec<bool> = constants_of_law.map(|own| own.is_modulus).collect();
         let rest = self.equations.at_rest();

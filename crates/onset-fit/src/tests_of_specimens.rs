@@ -214,32 +214,63 @@ impl Equations {
         }
     }
 
-    /// Scaled errors of a law, and their derivatives with respect to its constants.
-    pub fn errors(&self, family: &Family, constants: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
-        if let Some((upper, right)) = &self.reduced {
-            let errors = upper * DVector::from_column_slice(constants) - right;
-            return (errors, upper.clone());
-        }
-        let mut errors = DVector::zeros(self.all.len());
-        let mut jacobian = DMatrix::zeros(self.all.len(), constants.len());
-        for (row, own) in self.all.iter().enumerate() {
-            let mut sum = -own.measured;
-            for term in family.terms() {
-                let shapes = Family::variable_shapes(term, constants);
+    /// Scaled stresses of the terms of a law for a unit modulus, each followed by its derivatives with respect to the further constants of the term, as
+    /// columns. They do not depend on the moduli.
+    pub fn terms(&self, family: &Family, constants: &[f64]) -> DMatrix<f64> {
+        let columns: usize = family.terms().iter().map(|own| 1 + own.shapes.len()).sum();
+        let mut terms = DMatrix::zeros(self.all.len(), columns);
+        let mut column = 0;
+        for term in family.terms() {
+            let shapes = Family::variable_shapes(term, constants);
+            for (row, own) in self.all.iter().enumerate() {
                 let stresses = Family::stresses_of(term, shapes, own.logs);
                 let stress = (0..3).fold(Dual::constant(0.0), |sum, i| {
                     sum + stresses[i] * own.factors[i]
                 });
-                let modulus = constants[term.modulus];
-                sum += modulus * stress.value;
-                jacobian[(row, term.modulus)] += own.scale * stress.value;
-                for (n, index) in term.shapes.iter().enumerate() {
-                    jacobian[(row, *index)] += own.scale * modulus * stress.gradient[n];
+                terms[(row, column)] = own.scale * stress.value;
+                for n in 0..term.shapes.len() {
+                    terms[(row, column + 1 + n)] = own.scale * stress.gradient[n];
                 }
             }
-            errors[row] = own.scale * sum;
+            column += 1 + term.shapes.len();
+        }
+        terms
+    }
+
+    /// Scaled errors of a law, and their derivatives with respect to its constants, from the stresses of its [`terms`](Self::terms).
+    pub fn errors_of(
+        &self,
+        family: &Family,
+        terms: &DMatrix<f64>,
+        constants: &[f64],
+    ) -> (DVector<f64>, DMatrix<f64>) {
+        let mut errors = self.at_rest();
+        let mut jacobian = DMatrix::zeros(errors.len(), constants.len());
+        let mut column = 0;
+        for term in family.terms() {
+            let modulus = constants[term.modulus];
+            let stress = terms.column(column);
+            errors.axpy(modulus, &stress, 1.0);
+            let mut slope = jacobian.column_mut(term.modulus);
+            slope += stress;
+            for (n, index) in term.shapes.iter().enumerate() {
+                let mut slope = jacobian.column_mut(*index);
+                slope.axpy(modulus, &terms.column(column + 1 + n), 1.0);
+            }
+            column += 1 + term.shapes.len();
         }
         (errors, jacobian)
+    }
+
+    /// Scaled errors of a law, and their derivatives with respect to its constants.
+    pub fn errors(&self, family: &Family, constants: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
+        match &self.reduced {
+            Some((upper, right)) => {
+                let errors = upper * DVector::from_column_slice(constants) - right;
+                (errors, upper.clone())
+            }
+            None => self.errors_of(family, &self.terms(family, constants), constants),
+        }
     }
 
     /// Errors of a law by test.

@@ -52,11 +52,34 @@ pub fn other_encoding(start: &[u8]) -> Option<&'static str> {
     }
 }
 
+/// Description of a file that is not text, from its first bytes, with what to do.
+fn other_format(start: &[u8]) -> Option<&'static str> {
+    const FORMATS: &[(&[u8], &str)] = &[
+        (
+            b"PK\x03\x04",
+            "a ZIP archive, such as a spreadsheet (xlsx, ods); save the sheet as CSV",
+        ),
+        (
+            b"\xd0\xcf\x11\xe0",
+            "a spreadsheet or document of Office (xls, doc); save it as CSV",
+        ),
+        (b"%PDF", "a PDF document; save its table as CSV"),
+        (b"\x1f\x8b", "compressed by gzip; decompress it"),
+        (b"\x89HDF", "an HDF5 file; save its table as CSV"),
+        (b"\x93NUMPY", "a NumPy file; save its array as CSV"),
+    ];
+    let known = FORMATS.iter().find(|(first, _)| start.starts_with(first));
+    known.map(|(_, name)| *name)
+}
+
 /// Decodes UTF-8 with or without a byte order mark. Carriage returns that end all lines are replaced by line feeds.
 ///
 /// # Errors
-/// [`io::Error`] with the line of the first byte that is not UTF-8 text, or with the name of another encoding.
+/// [`io::Error`] with the line of the first byte that is not UTF-8 text, or with the name of another encoding or format.
 pub fn decoded(mut bytes: Vec<u8>) -> io::Result<String> {
+    if let Some(format) = other_format(&bytes) {
+        return Err(invalid(format!("it is {format}")));
+    }
     if let Some(encoding) = other_encoding(&bytes) {
         return Err(invalid(format!("it is {encoding}; save it as UTF-8")));
     }
@@ -108,6 +131,15 @@ mod tests {
         ] {
             let told = format!("it is {encoding}; save it as UTF-8");
             assert_eq!(read(bytes), Err(told), "{bytes:?}");
+        }
+        for (bytes, format) in [
+            (&b"PK\x03\x04\x14\0"[..], "a ZIP archive"),
+            (b"\xd0\xcf\x11\xe0\xa1\xb1", "a spreadsheet or document"),
+            (b"%PDF-1.4\n", "a PDF document"),
+            (b"\x1f\x8b\x08", "compressed by gzip"),
+        ] {
+            let error = read(bytes).expect_err("not text");
+            assert!(error.starts_with(&format!("it is {format}")), "{error}");
         }
         assert_eq!(read(b"x,y\r1,2\r"), Ok("x,y\n1,2\n".to_owned()));
         assert_eq!(

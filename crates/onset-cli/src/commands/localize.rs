@@ -3,8 +3,8 @@
 use super::{Failure, Read, another, with_files};
 use crate::arguments::LocalizeArguments;
 use crate::printing::print;
-use onset_study::localization::{LocalizationAnswer, PARAMETERS, PlasticSettings};
-use onset_study::settings::{MaterialSettings, Value};
+use onset_study::localization::{LocalizationAnswer, PlasticSettings};
+use onset_study::settings::MaterialSettings;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -55,45 +55,8 @@ fn law_of_file(
 ) -> Result<Vec<String>, Failure> {
     let read = Read::of(Some(file), &arguments.block, assignments)?;
     let law = MaterialSettings::of_file(&read.name, &read.text, &read.assignments);
-    let law = law.map_err(|error| read.failure(error))?;
-    let model = law.model.name();
-    let entries = law.entries();
-    let number = |wanted: &str| {
-        let mut found = entries.iter().filter(|(name, _)| *name == wanted);
-        found.find_map(|(_, value)| match value {
-            Value::Number(number) => Some(*number),
-            _ => None,
-        })
-    };
-    let is_known = |key: &str| PARAMETERS.iter().any(|own| own.name == key);
-    let others = entries
-        .iter()
-        .filter(|(name, _)| !["mu", "kappa"].contains(name));
-    let mut keys: Vec<(String, Value)> = others
-        .map(|(name, value)| (format!("plasticity.{name}"), value.clone()))
-        .collect();
-    let (Some(mu), Some(kappa), true) = (
-        number("mu"),
-        number("kappa"),
-        !keys.is_empty() && keys.iter().all(|(key, _)| is_known(key)),
-    ) else {
-        return Err(Failure::input(format!(
-            "the law of {} is {model}, whose constants `onset localize` does not read from a file\n  hint: omit the file and give the law by its keys, \
-             for example --model j2 --set plasticity.strength=20 (onset localize --help)",
-            file.display()
-        )));
-    };
-    let poisson = (3.0 * kappa - 2.0 * mu) / (2.0 * (3.0 * kappa + mu));
-    keys.push(("plasticity.shear-modulus".to_owned(), Value::Number(mu)));
-    keys.push((
-        "plasticity.poisson-ratio".to_owned(),
-        Value::Number(poisson),
-    ));
-    let keys = keys.iter().map(|(key, value)| format!("{key}={value}"));
-    Ok([format!("plasticity.model={model}")]
-        .into_iter()
-        .chain(keys)
-        .collect())
+    let law = law.and_then(|law| PlasticSettings::assignments_of(&law));
+    law.map_err(|error| read.failure(error))
 }
 
 /// Refuses an assignment that contradicts an option.

@@ -144,10 +144,63 @@ fn the_law_of_a_study_is_followed_as_the_law_of_the_options() {
     let refused = onset_line(&format!("localize {}", &*rubber));
     assert_eq!(refused.code, Some(2));
     assert!(
-        refused.stderr.contains("neo-hooke") && refused.stderr.contains("--model j2"),
+        refused.stderr.contains("neo-hooke") && refused.stderr.contains("a law that flows"),
         "{}",
         refused.stderr
     );
+}
+
+#[test]
+fn the_keys_of_a_material_give_the_law_as_for_other_commands() {
+    let of = |line: &str| document(&format!("localize {line}"));
+    let poisson = (3.0 * 16000.0 - 2.0 * 12000.0) / (2.0 * (3.0 * 16000.0 + 12000.0));
+    let constants = "--set material.voids=0.02 --set material.mu=12000 --set material.kappa=16000 --set material.strength=20 --set material.residual=10 \
+                     --set material.hardening-modulus=2000 --set material.reference-slip=0.05";
+    let own = of(&format!(
+        "--set material.model=gurson {constants} --load tension"
+    ));
+    let same = of(&format!(
+        "--model gurson --set plasticity.voids=0.02 --set plasticity.shear-modulus=12000 --set plasticity.poisson-ratio={poisson} --load tension"
+    ));
+    for place in ["plastic_modulus", "critical_modulus", "band/angle_to_minor"] {
+        let [own, same] = [&own, &same].map(|all| number(all, &format!("/first_yield/{place}")));
+        assert_close(own, same, 1e-9);
+    }
+    // Tension of a metal in units of its shear: sqrt(3) times the strength, and three times the modulus.
+    let metal = "--path pure-shear --set plasticity.slip=0.01 --set material.model=j2 --set material.saturation-stress=0 --set material.yield-stress=300MPa \
+                 --set material.mu=80GPa --set material.kappa=170GPa --set material.hardening-modulus=-3GPa";
+    let steel = of(metal);
+    assert_close(
+        number(&steel, "/first_yield/equivalent_shear"),
+        300e6 / 3.0_f64.sqrt(),
+        1e-9,
+    );
+    assert_close(number(&steel, "/first_yield/plastic_modulus"), -1e9, 1e-9);
+    assert_eq!(steel["units"], "SI");
+    let saturating = of(
+        "--path pure-shear --set material.model=j2 --set material.hardening-modulus=0 --set material.saturation-stress=-0.1",
+    );
+    assert_close(
+        number(&saturating, "/first_yield/plastic_modulus"),
+        -0.1 * 15.0 / 3.0,
+        1e-9,
+    );
+    for (line, fact) in [
+        ("--set material.model=neo-hooke", "a law that flows"),
+        ("--set material.model=j2", "material.saturation-stress=0"),
+        (
+            "--set material.model=hill-1948 --set material.angle=10",
+            "material.angle=0",
+        ),
+        (
+            "--set material.model=gurson --set material.plane=stress",
+            "in three dimensions",
+        ),
+    ] {
+        let answer = onset_line(&format!("localize {line}"));
+        assert_eq!(answer.code, Some(2), "{line}: {}", answer.stdout);
+        assert!(answer.stderr.contains(fact), "{line}: {}", answer.stderr);
+    }
 }
 
 #[test]
@@ -268,7 +321,7 @@ fn a_user_material_localizes_like_the_built_in_law() {
         ),
         (
             "localize --model umat --set material.model=ogden",
-            "material",
+            "a law that flows",
         ),
         (
             &format!("{routine} --set plasticity.friction=1"),

@@ -326,3 +326,40 @@ fn a_script_of_felupe_gives_the_same_law() {
         assert!(answer.stdout.contains(fact), "{fact}: {}", answer.stdout);
     }
 }
+
+/// A law that softens has no length: the bands of particles have the normal of the lost ellipticity of the material, a width proportional to the
+/// spacing and a growth rate inversely proportional to it.
+#[test]
+fn bands_of_softening_metals_follow_the_spacing_and_grow_as_predicted() {
+    let law = steel(-20.0);
+    for method in ["total-lagrangian-sph", "updated-sph", "material-points"] {
+        let mut known: Option<[f64; 2]> = None;
+        for spacing in [1.0, 0.5, 0.25] {
+            let line = format!(
+                "--stretch 1.01,0.99 {law} --set discretization.method={method} --set discretization.spacing={spacing}"
+            );
+            let state = document(&format!("state {line}"));
+            assert_eq!(state["verdict"], "physical", "{method}");
+            let sentence = state["sentence"].to_string();
+            assert!(
+                sentence.contains("bands with the normal")
+                    && sentence
+                        .contains("45.1 degrees from the axis of the largest principal stress")
+                    && sentence.contains("do not converge under refinement"),
+                "{sentence}"
+            );
+            let wave = [0, 1].map(|i| number(&state, &format!("/discretization/wave_vector/{i}")));
+            let length = wave[0].hypot(wave[1]);
+            let angle = wave[1].atan2(wave[0]).to_degrees();
+            assert!((angle - 45.0).abs() < 1.0, "{method} {angle}");
+            let run = document(&format!("simulate {line}"));
+            let [measured, predicted] =
+                ["measured/rate", "predicted"].map(|own| number(&run, &format!("/{own}/growth")));
+            assert_close(measured / predicted, 1.0, 1e-6);
+            let own = [length * spacing, measured * spacing];
+            for (own, first) in own.iter().zip(known.get_or_insert(own).iter()) {
+                assert_close(own / first, 1.0, 1e-6);
+            }
+        }
+    }
+}

@@ -5,6 +5,7 @@ use super::notes::is_unstressed;
 use super::problem::Problem;
 use super::remedy::remedy;
 use super::state::{SpaceAnswer, WeakestModeAnswer, list};
+use super::stiffer::band;
 use crate::compare::percent;
 use crate::number::{told, vector};
 use crate::settings::{Family, Units};
@@ -101,11 +102,17 @@ pub(super) fn of(
                 ),
             }
         }
-        Verdict::Physical => format!(
-            "Unstable, as the material is: {}, for waves along N = {}, and the discretization follows; fastest mode: {wave}, {growth}.",
-            lost(minimum),
-            along(&minimum.critical_direction())
-        ),
+        Verdict::Physical => match band(problem, assessment, f) {
+            Some(band) => format!(
+                "Unstable, as the material is: {}, and {band}, {growth}.",
+                lost(minimum)
+            ),
+            None => format!(
+                "Unstable, as the material is: {}, for waves along N = {}, and the discretization follows; fastest mode: {wave}, {growth}.",
+                lost(minimum),
+                along(&minimum.critical_direction())
+            ),
+        },
         Verdict::ZeroEnergy => {
             let which = if mode.is_long_wave {
                 let direction = analysis.spatial(f, &mode.wave_vector).normalize();

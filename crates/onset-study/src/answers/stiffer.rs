@@ -6,7 +6,7 @@ use super::finite_body::FiniteBodyAnswer;
 use super::mode::{critical_mode, finite_wave_vector};
 use super::problem::{Problem, ProblemError};
 use super::state::{list, named};
-use crate::number::{told, vector};
+use crate::number::{told, told_with, vector};
 use crate::settings::Units;
 use nalgebra::{SVector, SymmetricEigen};
 use onset::kinematics::DeformationGradient;
@@ -202,7 +202,8 @@ impl StifferAnswer {
     }
 }
 
-/// Note on the band in which a law that yields localizes; `None` for other laws and verdicts.
+/// Band in which flow localizes at a state: the part of the sentence after the loss of ellipticity; `None` for laws that do not flow, and for verdicts
+/// other than `physical`.
 pub(super) fn band(
     problem: &Problem,
     assessment: &Assessment<3>,
@@ -230,18 +231,20 @@ pub(super) fn band(
             let length = std::f64::consts::TAU / k;
             let spacing = problem.settings.discretization.spacing;
             format!(
-                "here the fastest-growing wave has the length {}, {} spacings, for any spacing",
+                "the fastest growing wave has a wavelength of {} spacings, here {}",
+                told_with(length / spacing, 3),
                 units.of(told(length), "m"),
-                told(length / spacing)
             )
         }
-        false => "here no wave grows fastest".to_owned(),
+        false => "no wave grows fastest".to_owned(),
     };
     Some(format!(
-        "flow localizes into a band with the normal {}, {} degrees from the axis of the largest principal stress; the law has no length, so the \
-         method sets the width of the band, and results do not converge under refinement: {width}; a law with a length (nonlocal or gradient), viscosity \
-         or a fixed nonlocal horizon sets a width",
+        "flow localizes into bands with the normal {}, {} degrees from the axis of the largest principal stress. The law has no length, so the spacing \
+         sets the width of the bands, and results do not converge under refinement: {width}",
         vector(&list(problem.dimension(), &normal)),
         told((angle * 10.0).round() / 10.0)
     ))
 }
+
+/// Note on what sets the width of bands of localized flow.
+pub(super) const WIDTH_OF_BANDS: &str = "a law with a length (nonlocal or gradient), viscosity or a fixed nonlocal horizon would set the width of the bands";

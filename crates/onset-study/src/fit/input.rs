@@ -794,9 +794,7 @@ fn hint_on_names(names: &[String]) -> &'static str {
         let parts = plain.iter().flat_map(|own| own.split('_'));
         parts.into_iter().any(|part| words.contains(&part))
     };
-    if names.iter().any(|own| own.starts_with("PK")) {
-        "save the sheet as CSV"
-    } else if has(&["displacement", "extension", "elongation"]) {
+    if has(&["displacement", "extension", "elongation"]) {
         "divide the displacement by the gauge length, and name the column strain"
     } else if names.len() < 2 || names.iter().any(|own| own.contains(':')) {
         "begin lines before the header with #"

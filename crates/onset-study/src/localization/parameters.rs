@@ -402,7 +402,8 @@ impl Default for PlasticSettings {
 }
 
 impl PlasticSettings {
-    /// Applies assignments such as `plasticity.friction=0.7` to the defaults, in order.
+    /// Applies assignments such as `plasticity.friction=0.7` to the defaults, in order. A law can also be given by its keys of `[material]`, as for other
+    /// commands.
     ///
     /// ```
     /// use onset_study::localization::PlasticSettings;
@@ -431,10 +432,123 @@ impl PlasticSettings {
             };
             settings.set(name.trim(), text.trim(), origin)?;
         }
+        let model = of_material.iter().find_map(|own| {
+            let (key, model) = own.split_once('=')?;
+            (key.trim() == "material.model").then(|| model.trim())
+        });
+        match model {
+            Some(model) if ROUTINES.contains(&model) => {
+                let origin = Origin::CommandLine(format!("--set material.model={model}"));
+                settings.set(MODEL, model, origin)?;
+            }
+            Some(_) => {
+                let material = MaterialSettings::of_file("", "", &of_material)?;
+                for own in Self::assignments_of(&material)? {
+                    let (name, value) = own.split_once('=').unwrap_or((&own, ""));
+                    let place = PARAMETERS.iter().position(|known| known.name == name);
+                    let is_set = |place: usize| settings.origins[place].is_some();
+                    if place.is_some_and(is_set) {
+                        continue;
+                    }
+                    let origin = Origin::CommandLine("the law of [material]".to_owned());
+                    settings.set(name, value, origin)?;
+                }
+                of_material.clear();
+            }
+            None => {}
+        }
         settings.confine();
         settings.check()?;
         settings.choose_routine(&of_material)?;
         Ok(settings)
+    }
+
+    /// Assignments to keys of `[plasticity]` that describe the law of a material.
+    ///
+    /// # Errors
+    /// [`SettingError`] if the law does not flow, or its hardening has no counterpart here.
+    pub fn assignments_of(material: &MaterialSettings) -> Result<Vec<String>, SettingError> {
+        let model = material.model.name();
+        let entries = material.entries();
+        let number = |wanted: &str| {
+            let mut found = entries.iter().filter(|(name, _)| *name == wanted);
+            found.find_map(|(_, value)| value.number())
+        };
+        let refused = |hint: String| {
+            let message = format!("the law is {model}, which `onset localize` cannot follow");
+            SettingError::new(Origin::Combination, message).hint(hint)
+        };
+        if number("angle").is_some_and(|angle| angle != 0.0) {
+            return Err(refused(
+                "set material.angle=0: the axes of the material must be the axes of the path"
+                    .to_owned(),
+            ));
+        }
+        let (Some(shear), Some(bulk)) = (number("mu"), number("kappa")) else {
+            let laws = WITH_ELASTICITY.join(", ");
+            return Err(refused(format!("expected a law that flows: {laws}")));
+        };
+        let elasticity = Elasticity { shear, bulk };
+        let mut given = vec![
+            ("shear-modulus", shear),
+            ("poisson-ratio", elasticity.poisson_ratio()),
+        ];
+        let mut hardening = None;
+        let metal = [
+            "yield-stress",
+            "hardening-modulus",
+            "saturation-stress",
+            "saturation-rate",
+        ];
+        let metal: Vec<f64> = metal.into_iter().filter_map(number).collect();
+        if let [first, modulus, gained, rate] = metal[..] {
+            // The flow stress in tension is sqrt(3) times the strength in shear, and the slip in shear is sqrt(3) times the plastic strain in tension.
+            let root = 3.0_f64.sqrt();
+            given.push(("strength", first / root));
+            if gained * rate == 0.0 {
+                hardening = Some("linear");
+                given.push(("hardening-modulus", modulus / 3.0));
+            } else if modulus == 0.0 {
+                hardening = Some("voce");
+                given.push(("saturation", (first + gained) / root));
+                given.push(("reference-slip", root / rate));
+            } else {
+                return Err(refused(
+                    "set material.saturation-stress=0 for linear hardening, or material.hardening-modulus=0 for hardening that saturates"
+                        .to_owned(),
+                ));
+            }
+            given.extend(
+                ["r0", "r90"]
+                    .into_iter()
+                    .filter_map(|own| Some((own, number(own)?))),
+            );
+        } else {
+            let others = entries
+                .iter()
+                .filter_map(|(name, value)| Some((*name, value.number()?)));
+            given.extend(others.filter(|(name, _)| !["mu", "kappa"].contains(name)));
+        }
+        let parameter = |name: &str| {
+            let mut all = PARAMETERS.iter();
+            all.find(|own| own.name.strip_prefix("plasticity.") == Some(name))
+        };
+        let is_known = |(name, _): &(&str, f64)| parameter(name).is_some();
+        if !WITH_ELASTICITY.contains(&model) || !given.iter().all(is_known) {
+            let laws = WITH_ELASTICITY.join(", ");
+            return Err(refused(format!("expected a law that flows: {laws}")));
+        }
+        let numbers = given.iter().map(|(name, value)| {
+            let unit = parameter(name).and_then(Parameter::si_unit);
+            let unit = unit.filter(|_| material.units().are_si()).unwrap_or("");
+            format!("plasticity.{name}={value}{unit}")
+        });
+        let hardening = hardening.map(|word| format!("{HARDENING}={word}"));
+        Ok([format!("{MODEL}={model}")]
+            .into_iter()
+            .chain(hardening)
+            .chain(numbers)
+            .collect())
     }
 
     /// Reads the user material of `plasticity.model = umat` (or `library`) from keys of `[material]`.

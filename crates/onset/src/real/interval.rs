@@ -84,6 +84,7 @@ impl Interval {
     }
 
     /// Moves the bounds outward by some units in the last place.
+    #[inline]
     fn widened(mut low: f64, mut high: f64, ulps: u32) -> Self {
         for _ in 0..ulps {
             low = low.next_down();
@@ -97,6 +98,7 @@ impl Interval {
     }
 
     /// Widens bounds from correctly rounded operations.
+    #[inline]
     fn rounded(low: f64, high: f64) -> Self {
         Self::widened(low, high, 1)
     }
@@ -176,6 +178,7 @@ impl Interval {
     }
 
     /// Returns true if the interval is exactly zero.
+    #[inline]
     fn is_zero(self) -> bool {
         self.low == 0.0 && self.high == 0.0
     }
@@ -230,12 +233,14 @@ impl Interval {
 }
 
 /// Product of bounds, where infinity is a bound that is not attained.
+#[inline]
 fn product(a: f64, b: f64) -> f64 {
     if a == 0.0 || b == 0.0 { 0.0 } else { a * b }
 }
 
 impl Add for Interval {
     type Output = Self;
+    #[inline]
     fn add(self, other: Self) -> Self {
         if self.is_zero() {
             return other;
@@ -253,6 +258,7 @@ impl Add for Interval {
 
 impl Sub for Interval {
     type Output = Self;
+    #[inline]
     fn sub(self, other: Self) -> Self {
         self + -other
     }
@@ -260,6 +266,7 @@ impl Sub for Interval {
 
 impl Mul for Interval {
     type Output = Self;
+    #[inline]
     fn mul(self, other: Self) -> Self {
         if self.is_zero() || other.is_zero() {
             return Self::ZERO;
