@@ -80,8 +80,13 @@ impl Track {
 const RESOLUTION: f64 = 1e-14;
 /// Largest distance from the reference configuration, in `ln lambda`, of changes that count as changes at this configuration.
 const AT_REFERENCE: f64 = 1e-9;
+/// Smallest shift of a change by rounding, relative to its distance from the reference configuration, for a change that may have been at this
+/// configuration: a value that grows with the square of the distance reaches a level at twice the ratio of level and slope.
+const MOVED_FROM_REFERENCE: f64 = 0.4;
 /// Finite-difference step of the slope of a measure, in `ln lambda`.
 const SLOPE_STEP: f64 = 1e-5;
+/// Largest step of this slope, relative to the distance from the reference configuration.
+const RELATIVE_SLOPE_STEP: f64 = 0.1;
 /// A slope is computed from changes of the excess of a jump that exceed its rounding by this factor.
 const SIGNIFICANT: f64 = 4.0;
 /// Distance beyond a kink, in `ln lambda`, at which the law beyond the kink is evaluated.
@@ -184,8 +189,14 @@ pub fn follow(path: &LoadingPath<'_>, criterion: Criterion, tension: bool) -> Op
         let state = path.state(place).or_else(|| path.state(knot))?;
         let mut found = event(lost, before, behind, criterion.measure(&state)?.witness);
         let undetermined = undetermined(path, criterion, place, &mut value);
-        // Rounding that shifts the change this far may have moved it away from the reference configuration.
-        if undetermined >= 0.5 * place.abs() {
+        // Rounding that shifts the change this far may have moved it away from the reference configuration, unless the criterion holds between.
+        let mut between = states
+            .iter()
+            .zip(&measures)
+            .filter(|(state, _)| state.parameter.abs() < place.abs());
+        let holds_between =
+            between.any(|(_, measure)| measure.value > measure.rounding.max(measure.zero));
+        if undetermined >= MOVED_FROM_REFERENCE * place.abs() && !holds_between {
             found.stretch = 1.0;
         }
         found.tolerance = found.tolerance.max(undetermined);
@@ -256,10 +267,12 @@ fn undetermined(
     let noise = changes
         .map(|measure| (measure.signed() - own.signed()).abs())
         .fold(own.zero.max(own.neutral), f64::max);
-    // One-sided slope toward the reference configuration, where the state is certain to exist.
-    let step = SLOPE_STEP.min(0.5 * s.abs());
-    let slope =
-        value(s - step.copysign(s)).map_or(0.0, |before| (own.signed() - before).abs() / step);
+    // The larger of the slopes on both sides: a neutral criterion is flat before its loss, and the path may end at it.
+    let step = SLOPE_STEP.min(RELATIVE_SLOPE_STEP * s.abs());
+    let slopes = [-step, step].into_iter().filter_map(|step| {
+        value(s + step.copysign(step * s)).map(|there| ((own.signed() - there) / step).abs())
+    });
+    let slope = slopes.fold(0.0, f64::max);
     match noise > 0.0 && slope > 0.0 {
         true => (noise / slope).min(s.abs()),
         false => 0.0,
@@ -308,7 +321,7 @@ const OUTWARD: i32 = 22;
 /// provides enclosures ([`JumpSearch::proves`]). If the best jump reaches the largest admitted stretch, the limit depends on this stretch.
 pub fn follow_jumps(path: &LoadingPath<'_>, elliptic: &Track, reach: f64, tension: bool) -> Track {
     let mut search = JumpSearch::new(path.material(), reach);
-    if path.is_incompressible() {
+    if path.keeps_volume() {
         search = search.incompressible();
     }
     if path.is_isotropic() {

@@ -88,6 +88,7 @@ pub(super) fn bulk_modulus_above(material: &dyn Hyperelastic, ratio: f64) -> Opt
 }
 
 /// Adds the volume change that corresponds to the pressure of a law with a finite bulk modulus, relative to the stress `other` of the same shape.
+/// The Kirchhoff stress and the stiffness per reference volume against rates of deformation are kept.
 pub(super) fn swollen(
     material: &dyn Hyperelastic,
     response: Response,
@@ -96,14 +97,18 @@ pub(super) fn swollen(
 ) -> Response {
     let f = response.deformation.matrix();
     let pressure = (response.first_piola - other).dot(&f) / 3.0;
-    let f = f * (1.0 + pressure / (3.0 * bulk));
+    let growth = 1.0 + pressure / (3.0 * bulk);
+    let f = f * growth;
     let components = array_of(|i| array_of(|j| f[(i, j)]));
     let deformation = DeformationGradient::from_components(components);
     let energy = material.energy_and_stress(&deformation);
     Response {
         energy: energy.map_or(response.energy, |(energy, _)| energy),
         deformation,
-        ..response
+        first_piola: response.first_piola / growth,
+        tangent: FourthOrder::from_fn(|i, j, k, l| {
+            response.tangent[(i, j, k, l)] / (growth * growth)
+        }),
     }
 }
 

@@ -101,8 +101,11 @@ const DESCENT_DECREASE: f64 = 1e-4;
 const ROUNDS: usize = 3;
 /// Fraction of a jump to the reach at which a shorter jump is tried.
 const INWARD_FRACTION: f64 = 0.99;
-/// Smallest ratio of the volumes after and before a jump.
-const SMALLEST_VOLUME_RATIO: f64 = 1e-7;
+/// Smallest ratio of the volumes after and before a jump. Rounding of the determinant leaves four digits of it.
+const SMALLEST_VOLUME_RATIO: f64 = 1e-12;
+/// Decimal powers of the volume ratios of the starts that collapse. An energy without bound below at `J = 0` falls only behind a barrier whose height
+/// is of the order of the bulk modulus, and the higher it is the smaller are the volumes behind it.
+const COLLAPSES: std::ops::Range<i32> = -11..0;
 /// Largest ratio of the volumes after and before a jump that counts as collapse.
 const COLLAPSE_VOLUME_RATIO: f64 = 1e-3;
 /// Axes of a cube: normals of its faces, its edges and its corners.
@@ -275,7 +278,27 @@ impl<'a> JumpSearch<'a> {
             let tried = AMPLITUDES.into_iter().filter_map(of_size);
             tried.min_by(|a, b| a.0.total_cmp(&b.0))
         };
-        self.pairs().into_iter().filter_map(lowest).collect()
+        let pairs = self.pairs();
+        let normals = pairs.iter().filter(|(n, g)| n == g);
+        let collapses = normals.filter_map(|(n, _)| self.collapse(state, (right * n).normalize()));
+        let mut starts: Vec<(f64, Vector6<f64>)> = collapses.collect();
+        starts.extend(pairs.into_iter().filter_map(lowest));
+        starts
+    }
+
+    /// Returns the lowest start among the jumps along `cof F N` to nearly zero volume, with its excess.
+    fn collapse(&self, state: &Response, n: Vector3<f64>) -> Option<(f64, Vector6<f64>)> {
+        let along = cofactor(&state.deformation.matrix()) * n;
+        let closing = along * (state.deformation.jacobian() / along.norm_squared());
+        let of_volume = |power: i32| {
+            let a = closing * (10.0_f64.powi(power) - 1.0);
+            let start = joined(&self.free(state, a, &n), &n);
+            Some((self.energy_of(state, &a, &n)?.0, start))
+        };
+        let tried = COLLAPSES.filter(|_| !self.incompressible);
+        tried
+            .filter_map(of_volume)
+            .min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// Returns starts that lead to the reach: for every normal of [`JumpSearch::starts`] the lowest few polarizations. All axes are rotated slightly,

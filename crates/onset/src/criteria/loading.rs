@@ -631,6 +631,11 @@ impl<'a> LoadingPath<'a> {
         self.isotropic
     }
 
+    /// Returns true if the law is incompressible. The volume of a law with a huge bulk modulus hardly changes along the path, but jumps may change it.
+    pub(super) fn keeps_volume(&self) -> bool {
+        self.problem.volume == Volume::Kept
+    }
+
     /// Returns true if the response is incompressible.
     pub fn is_incompressible(&self) -> bool {
         self.problem.volume != Volume::Changes

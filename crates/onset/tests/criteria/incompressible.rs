@@ -319,6 +319,52 @@ fn a_huge_bulk_modulus_is_a_regular_limit() {
     }
 }
 
+/// Bulk moduli from 1e4 to 1e12 in steps of the root of ten, for shear moduli of 1.
+fn bulk_moduli() -> impl Iterator<Item = f64> {
+    (8..=24).map(|n| 10.0_f64.powf(0.5 * f64::from(n)))
+}
+
+/// The neo-Hookean Kirchhoff stress grows with the logarithmic strain in every direction that preserves the volume. In the flat state of equibiaxial
+/// compression to a tenth its stiffness is a millionth of the stress.
+#[test]
+fn a_nearly_incompressible_neo_hookean_solid_is_stable_in_druckers_sense_at_any_bulk_modulus() {
+    for kappa in bulk_moduli() {
+        let own = law("neo-hooke-isochoric", &[("mu", 1.0), ("kappa", kappa)]);
+        let path = path(&*own, Mode::Equibiaxial, Lateral::PlaneStress);
+        for criterion in [
+            Criterion::Drucker,
+            Criterion::DruckerAbaqus,
+            Criterion::TrueStressMonotonicity,
+        ] {
+            let found = follow(&path, criterion, false).expect("defined").events;
+            assert!(found.is_empty(), "{kappa:e} {criterion:?}: {found:?}");
+        }
+    }
+}
+
+/// In uniaxial tension of a Mooney-Rivlin solid with `c01 < 0` the two lateral stretches bifurcate where `c10 + c01 lambda^2 = 0`. Up to there Hill's
+/// criterion is neutral, since the bar may turn about its axis.
+#[test]
+fn lateral_stretches_of_a_mooney_rivlin_bar_bifurcate_at_one_stretch_for_any_bulk_modulus() {
+    for kappa in bulk_moduli() {
+        let given = [("c10", 0.6), ("c01", -0.1), ("kappa", kappa)];
+        let own = law("mooney-rivlin-isochoric", &given);
+        let bar = path(&*own, Mode::Uniaxial, Lateral::Free);
+        for criterion in [
+            Criterion::Hill,
+            Criterion::BakerEricksen,
+            Criterion::OrderedForces,
+        ] {
+            let found = limit(&bar, criterion, true).expect("lost");
+            let error = (found / 6.0_f64.sqrt() - 1.0).abs();
+            assert!(
+                error < 1e-7 + 10.0 / kappa,
+                "{kappa:e} {criterion:?}: {found}"
+            );
+        }
+    }
+}
+
 /// In shear one stress is a pressure, and rotations lower the energy of dead loads immediately. The rounding of a stiff law does not change this
 /// limit.
 #[test]

@@ -341,3 +341,39 @@ fn library_law(name: &str) -> Box<dyn Hyperelastic> {
         .build(&[])
         .expect("defaults")
 }
+
+/// With `c01 < 0` the energy `c01 J^(-4/3) I2` has no lower bound at `J = 0`: jumps to small enough volumes lower the energy at any bulk modulus, behind a
+/// barrier of half the bulk modulus. With positive constants no jump lowers it.
+#[test]
+fn an_energy_without_lower_bound_at_zero_volume_is_never_rank_one_convex() {
+    use Lateral::{Free, Held, PlaneStrain};
+    for kappa in (3..=12).map(|power| 10.0_f64.powi(power)) {
+        // Energy of the jump from the reference configuration to `diag(j, 1, 1)`.
+        let energy = |j: f64| {
+            0.6 * (j.powf(-2.0 / 3.0) * (2.0 + j * j) - 3.0)
+                - 0.1 * (j.powf(-4.0 / 3.0) * (1.0 + 2.0 * j * j) - 3.0)
+                + 0.5 * kappa * (j - 1.0).powi(2)
+        };
+        assert!(energy(1e-11) < 0.0 && energy(0.5) > 0.0);
+        for (c01, expected) in [(-0.1, Some(1.0)), (0.1, None)] {
+            let law = Law::named("mooney-rivlin-isochoric").expect("a law");
+            let law = law
+                .build(&[("c10", 0.6), ("c01", c01), ("kappa", kappa)])
+                .expect("parameters");
+            for (mode, lateral) in [
+                (Mode::Uniaxial, Free),
+                (Mode::Uniaxial, Held),
+                (Mode::Planar, PlaneStrain),
+                (Mode::Hydrostatic, Held),
+            ] {
+                let path = path(&*law, mode, lateral);
+                for tension in [true, false] {
+                    let elliptic = track(&path, Criterion::StrongEllipticity, tension);
+                    let found = follow_jumps(&path, &elliptic, REACH, tension).limit();
+                    let what = format!("{kappa:e} {c01} {mode:?} {lateral:?} {tension}");
+                    assert_eq!(found, expected, "{what}");
+                }
+            }
+        }
+    }
+}
