@@ -1,12 +1,17 @@
 //! Primitive cell of particles and marked points that are described in a larger cell.
 
-use super::{BravaisLattice, Crystal, Fractional, Reduced, inverse_of, per_particle, shortest};
+use super::{
+    BravaisLattice, Crystal, Fractional, LatticeError, Reduced, inverse_of, per_particle, shortest,
+};
 use crate::algebra::array_of;
 use crate::cancel::checkpoint;
 use nalgebra::{SMatrix, SVector};
 
 /// Largest distance, as a fraction of the mean particle distance, and largest relative difference of volumes that are rounding errors.
 const PLACE_TOLERANCE: f64 = 1e-9;
+
+/// Largest number of combinations of lattice coordinates that are all origins.
+const MOST_ORIGINS: usize = 8;
 
 /// Particles of a cell with the points that repeat with it, each with its volume.
 #[derive(Clone, Debug)]
@@ -36,6 +41,14 @@ impl<const D: usize> Cell<D> {
         Some(smaller.in_basis(reduced.vectors, &reduced.inverse))
     }
 
+    /// The same cell in the canonical basis, with an origin in lattice coordinates of this basis relative to the first particle. Particles and points
+    /// lie in the cell at the origin.
+    pub(crate) fn reduced(&self, origin: &Fractional<D>) -> Result<Self, LatticeError> {
+        let reduced = Reduced::unique(&self.vectors)?;
+        let cell = self.in_basis(reduced.vectors, &reduced.inverse);
+        Ok(cell.about(origin))
+    }
+
     /// Particles without the points.
     pub(crate) fn crystal(&self) -> Option<Crystal<D>> {
         let (sites, volumes): (Vec<_>, Vec<_>) = self.particles.iter().copied().unzip();
@@ -62,19 +75,29 @@ impl<const D: usize> Cell<D> {
 
     /// Describes the particles and points in a basis of the same or a finer lattice, without duplicates.
     fn in_basis(&self, vectors: SMatrix<f64, D, D>, to_basis: &SMatrix<f64, D, D>) -> Self {
+        let first = self.particles.first();
+        let origin = first.map_or_else(SVector::zeros, |own| own.0);
+        let moved = |list: &[(Fractional<D>, f64)]| {
+            let in_basis = |(place, volume): &(_, _)| (to_basis * (place - origin), *volume);
+            list.iter().map(in_basis).collect()
+        };
         let cell = Self {
             vectors,
-            particles: Vec::new(),
-            points: Vec::new(),
+            particles: moved(&self.particles),
+            points: moved(&self.points),
         };
-        let (first, rounding) = (self.particles.first(), self.rounding());
-        let origin = first.map_or_else(SVector::zeros, |own| own.0);
+        cell.about(&SVector::zeros())
+    }
+
+    /// Particles and points in the cell at an origin, relative to it, without duplicates.
+    fn about(&self, origin: &Fractional<D>) -> Self {
+        let rounding = self.rounding();
         let once = |list: &[(Fractional<D>, f64)]| {
             let mut known: Vec<(Fractional<D>, f64)> = Vec::new();
             for (place, volume) in list {
-                let place = to_basis * (place - origin);
+                let place = place - origin;
                 let is_new =
-                    |(other, _): &(Fractional<D>, f64)| cell.apart(&place, other) > rounding;
+                    |(other, _): &(Fractional<D>, f64)| self.apart(&place, other) > rounding;
                 if known.iter().all(is_new) {
                     let folded = place.map(|x| x - (x + PLACE_TOLERANCE).floor());
                     // A position close to the origin is set to the origin exactly.
@@ -87,7 +110,7 @@ impl<const D: usize> Cell<D> {
         Self {
             particles: once(&self.particles),
             points: once(&self.points),
-            ..cell.clone()
+            vectors: self.vectors,
         }
     }
 
@@ -168,6 +191,45 @@ impl<const D: usize> Crystal<D> {
     /// ```
     pub fn primitive(&self) -> Option<Self> {
         Cell::new(self, Vec::new()).primitive()?.crystal()
+    }
+
+    /// Describes the particles in the canonical basis of their lattice, in the cell at an origin; see [`Cell::reduced`].
+    pub(crate) fn reduced(&self, origin: &Fractional<D>) -> Result<Self, LatticeError> {
+        let cell = Cell::new(self, Vec::new()).reduced(origin)?;
+        let crystal = cell.crystal().ok_or(LatticeError::NoSites)?;
+        Ok(crystal.with_spacing(self.spacing()))
+    }
+
+    /// Origins for which the cell at the origin has different particles on its lower faces: every combination of the lattice coordinates of the
+    /// particles, or only the particles themselves if there are many combinations.
+    pub(crate) fn origins(&self) -> Vec<Fractional<D>> {
+        let along = |i: usize| {
+            let mut known: Vec<f64> = Vec::new();
+            for x in self.sites().iter().map(|place| place[i]) {
+                let is_new = |other: &f64| {
+                    let apart = x - other;
+                    (apart - apart.round()).abs() > PLACE_TOLERANCE
+                };
+                if known.iter().all(is_new) {
+                    known.push(x);
+                }
+            }
+            known
+        };
+        let along: [Vec<f64>; D] = std::array::from_fn(along);
+        let count: usize = along.iter().map(Vec::len).product();
+        if count > MOST_ORIGINS {
+            return self.sites().to_vec();
+        }
+        let combined = |mut n: usize| {
+            SVector::from_fn(|i, _| {
+                let own = &along[i];
+                let x = own[n % own.len()];
+                n /= own.len();
+                x
+            })
+        };
+        (0..count).map(combined).collect()
     }
 
     /// Spacing derived only from the particles of a primitive cell; `None` if they have no natural spacing.

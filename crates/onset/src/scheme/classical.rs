@@ -7,7 +7,7 @@ use crate::bloch::{
     BlochBlocks, GradientMoments, Mass, WaveSystem, ZoneSearch, dynamical_matrix, gradient_norm,
 };
 use crate::kinematics::DeformationGradient;
-use crate::lattice::{Crystal, Particle};
+use crate::lattice::{Crystal, Fractional, Particle};
 use crate::material::Hyperelastic;
 use crate::method::{Background, CurrentLattice, Frame, Linearization, Method, MethodError};
 use nalgebra::SVector;
@@ -129,6 +129,7 @@ impl<const D: usize> Discretization<D> for Method<D> {
     fn on_block(
         &self,
         cells: [usize; D],
+        origin: &Fractional<D>,
     ) -> Result<Option<Box<dyn Discretization<D>>>, MethodError> {
         let choices = self.choices();
         let is_exact =
@@ -142,7 +143,7 @@ impl<const D: usize> Discretization<D> for Method<D> {
             .iter()
             .map(|point| (point.place, point.volume));
         let kernel = KernelChoices::of_method(choices);
-        let block = KernelScheme::of_block(Method::crystal(self), points, kernel, cells)?;
+        let block = KernelScheme::of_block(Method::crystal(self), points, kernel, (cells, origin))?;
         Ok(Some(Box::new(block)))
     }
 

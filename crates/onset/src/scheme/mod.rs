@@ -56,7 +56,7 @@ use crate::bloch::{
     BlochBlocks, DynamicalMatrix, GradientMoments, TransferredWaves, WaveSystem, ZoneSearch,
 };
 use crate::kinematics::DeformationGradient;
-use crate::lattice::{Crystal, Particle};
+use crate::lattice::{Crystal, Fractional, Particle};
 use crate::material::Hyperelastic;
 use crate::method::{Method, MethodError};
 use crate::real::Real;
@@ -256,14 +256,15 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
         Ok(None)
     }
 
-    /// Returns the same method on the particles of a free block cut out of the crystal, with the given numbers of cells along the lattice vectors.
-    /// `None` if the method has no forces on such particles, or if it has [bodies](crate::motion::body).
+    /// Returns the same method on the particles of a free block cut out of the crystal, with the given numbers of cells along the vectors of the
+    /// canonical basis and the corner at an origin, in lattice coordinates of this basis relative to the first particle. `None` if the method has no forces on such particles, or if it has [bodies](crate::motion::body).
     ///
     /// # Errors
     /// [`MethodError`] if particles of the block have too few neighbors.
     fn on_block(
         &self,
         _cells: [usize; D],
+        _origin: &Fractional<D>,
     ) -> Result<Option<Box<dyn Discretization<D>>>, MethodError> {
         Ok(None)
     }

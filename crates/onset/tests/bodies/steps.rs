@@ -231,7 +231,10 @@ fn single_material_points_bound_the_steps_of_all_bodies() {
 /// Critical step of the particles of a free block, from all eigenvalues of its stiffness.
 fn step_of_block<const D: usize>(method: &MethodChoices, nu: f64, cells: [usize; D]) -> f64 {
     let method = method.discretization::<D>().expect("a method");
-    let block = method.on_block(cells).expect("a state").expect("a block");
+    let block = method
+        .on_block(cells, &SVector::zeros())
+        .expect("a state")
+        .expect("a block");
     let waves = block.waves(&*law(nu), &DeformationGradient::identity());
     let squares = waves.expect("waves").omega_squared(&SVector::zeros());
     2.0 / squares.last().expect("a mode").re.sqrt()
@@ -394,6 +397,71 @@ fn a_mirrored_state_and_a_turned_lattice_have_the_finite_body_step_of_the_origin
             step(method(turned.clone()), conjugated(sheared(-0.2))),
         ] {
             assert!((other / known - 1.0).abs() < 1e-6, "{other} {known}");
+        }
+    }
+}
+
+/// The second particle of an oblique cell is described in the shortest basis, in a longer one, and from the other particle.
+#[test]
+fn the_step_of_free_blocks_does_not_depend_on_the_description_of_the_crystal() {
+    let described = |vectors: [f64; 4], basis: [f64; 2]| {
+        Box::new(KernelMethodChoices {
+            lattice: LatticeKind::Oblique,
+            vectors: vectors.to_vec(),
+            basis: basis.to_vec(),
+            support: 1.9,
+            quadrature: Quadrature::Nodal,
+            ..KernelMethodChoices::default()
+        })
+    };
+    let (short, second) = ([1.4, 0.0, 0.2, 1.5], [0.4, 0.45]);
+    let cells = [
+        described(short, second),
+        // x a + y b = (x - y) a + y (a + b).
+        described([1.4, 0.0, 1.6, 1.5], [second[0] - second[1], second[1]]),
+        described(short, second.map(|x| 1.0 - x)),
+    ];
+    let choices = |radius| TotalLagrangianChoices {
+        radius,
+        ..TotalLagrangianChoices::default()
+    };
+    let correspondence = PeridynamicsChoices {
+        horizon: 1.9,
+        model: BondModel::Correspondence {
+            control: ZeroEnergyControl::Penalty { coefficient: 0.3 },
+        },
+        ..PeridynamicsChoices::default()
+    };
+    let conforming = ConformingChoices {
+        radius: 1.9,
+        ..ConformingChoices::default()
+    };
+    let states = [[1.0, 0.0, 0.0, 1.0], [1.1, 0.15, 0.05, 0.9]];
+    for [a, b, c, d] in states {
+        let f = DeformationGradient::new([[a, b, 0.0], [c, d, 0.0], [0.0, 0.0, 1.0]]);
+        let f = f.expect("a state");
+        let steps = cells.each_ref().map(|cell| {
+            let methods = [
+                MethodChoices::TotalLagrangianSph(cell.clone(), choices(1.9)),
+                MethodChoices::Kernel(cell.clone()),
+                MethodChoices::Peridynamics(cell.clone(), correspondence.clone()),
+                MethodChoices::Conforming(cell.clone(), conforming.clone()),
+            ];
+            methods.map(|method| {
+                let own = analysis(&method, Arc::from(law(0.3))).expect("a method");
+                let found = own.finite_bodies(&f, f64::INFINITY).expect("a state");
+                let found = found.expect("a step");
+                assert_eq!(found.ground, FiniteBodyGround::Blocks);
+                found.time_step
+            })
+        });
+        for n in 0..steps[0].len() {
+            let [first, longer, other] = steps.each_ref().map(|own| own[n]);
+            let apart = |own: f64| (own / first - 1.0).abs();
+            assert!(
+                apart(longer).max(apart(other)) < 1e-6,
+                "{n}: {first} {longer} {other}"
+            );
         }
     }
 }

@@ -5,7 +5,7 @@ use super::{BodyError, BodyMotion, BodyParticles, PlacedParticle, Shape, Start, 
 use crate::algebra::array_of;
 use crate::bloch::BlochSum;
 use crate::kinematics::DeformationGradient;
-use crate::lattice::{BravaisLattice, Crystal, Particle, Reduced, cells_between};
+use crate::lattice::{BravaisLattice, Crystal, Fractional, Particle, Reduced, cells_between};
 use crate::material::{Hyperelastic, Linearized};
 use crate::scheme::Discretization;
 use crate::time_step::Stepping;
@@ -25,7 +25,8 @@ const MARGIN: f64 = 0.98;
 /// defined for finite bodies.
 ///
 /// The sizes of the blocks range from three particles to more than the range of the forces, and include corners, edges and faces. A block is also
-/// tried in every position in which a symmetry of the crystal puts it, so that mirror images of a state have the same step. The step is
+/// tried in every position in which a symmetry of the crystal puts it, so that mirror images of a state have the same step. Blocks of a crystal with
+/// several particles a cell begin at each of them: the step does not depend on the basis and the origin that describe the crystal. The step is
 /// computed, not proved: a particle that protrudes from a corner may need a smaller step.
 pub(crate) fn step_of_free_blocks<const D: usize>(
     discretization: &dyn Discretization<D>,
@@ -40,12 +41,13 @@ pub(crate) fn step_of_free_blocks<const D: usize>(
     let solid = Linearized::about(material, f)
         .ok()?
         .rotated(&rotation, upright);
-    let crystal = discretization.crystal();
+    let crystal = &discretization.crystal().reduced(&SVector::zeros()).ok()?;
     let axes = axes(crystal.lattice());
+    let of_rows = crystal.origins();
     let is_cut = with_body(
         discretization,
         &solid,
-        &turned_block(crystal, &axes, &[THINNEST; D]),
+        &turned_block(crystal, &axes, &[THINNEST; D], &SVector::zeros()),
         &[],
         None,
         &mut |_| (),
@@ -94,6 +96,10 @@ pub(crate) fn step_of_free_blocks<const D: usize>(
     let mut known: Vec<(bool, SMatrix<f64, D, D>)> = Vec::new();
     let mut least: Option<f64> = None;
     for (is_of_rows, sides) in blocks {
+        let sides = match is_of_rows {
+            true => array_of(|i| sides[i].div_ceil(particles_along(crystal, i))),
+            false => sides,
+        };
         let edges = if is_of_rows { rows } else { &axes };
         let edges = edges * SMatrix::from_diagonal(&SVector::from_fn(|i, _| sides[i] as f64));
         for (map, in_space) in &maps {
@@ -112,22 +118,25 @@ pub(crate) fn step_of_free_blocks<const D: usize>(
             let solid = solid.turned(&in_space.transpose());
             let state = solid.state();
             // Blocks without a state are skipped: they have too few neighbors, or the law is not defined.
-            let step = match (has_bodies, is_of_rows) {
+            let step = |origin: &Fractional<D>| match (has_bodies, is_of_rows) {
                 (true, false) => {
-                    let block = turned_block(crystal, &axes, &sides);
+                    let block = turned_block(crystal, &axes, &sides, origin);
                     step_of_body(discretization, &solid, state, &block)
                 }
-                (true, true) => step_of_body(
-                    discretization,
-                    &solid,
-                    state,
-                    &block_of_rows(crystal, &sides),
-                ),
+                (true, true) => {
+                    let block = block_of_rows(&crystal.reduced(origin).ok()?, &sides);
+                    step_of_body(discretization, &solid, state, &block)
+                }
                 (false, _) => {
-                    let block = discretization.on_block(sides).ok().flatten();
+                    let block = discretization.on_block(sides, origin).ok().flatten();
                     block.and_then(|block| step_of_cells(&*block, &solid, state))
                 }
             };
+            let origins = match is_of_rows {
+                true => &of_rows,
+                false => crystal.sites(),
+            };
+            let step = origins.iter().filter_map(step);
             least = least.into_iter().chain(step).reduce(f64::min);
         }
     }
@@ -220,14 +229,21 @@ fn right_stretch<const D: usize>(f: &DeformationGradient) -> DeformationGradient
     f.with_leading(&SMatrix::<f64, D, D>::from_fn(|i, j| stretch[(i, j)]))
 }
 
-/// Block with a number of particles along each of the axes.
+/// Number of particles along a vector of a lattice, at least one.
+fn particles_along<const D: usize>(crystal: &Crystal<D>, i: usize) -> usize {
+    let length = crystal.lattice().vectors().column(i).norm() / crystal.spacing();
+    (length * (1.0 + 1e-9)).clamp(1.0, crystal.sites().len() as f64) as usize
+}
+
+/// Block with a number of particles along each of the axes, which begins half a spacing before an origin.
 fn turned_block<const D: usize>(
     crystal: &Crystal<D>,
     axes: &SMatrix<f64, D, D>,
     sides: &[usize; D],
+    origin: &Fractional<D>,
 ) -> BodyParticles {
     let spacing = crystal.spacing();
-    if *axes == SMatrix::<f64, D, D>::identity() {
+    if crystal.sites().len() == 1 && *axes == SMatrix::<f64, D, D>::identity() {
         return BodyParticles::Cut(Shape::Block {
             size: sides.iter().map(|n| *n as f64 * spacing).collect(),
             hole: None,
@@ -236,13 +252,10 @@ fn turned_block<const D: usize>(
     }
     let size = SVector::<f64, D>::from_fn(|i, _| sides[i] as f64 * spacing);
     let back = axes.transpose();
-    let inside = crystal.within(
-        &SVector::zeros(),
-        size.norm() + spacing,
-        &SMatrix::identity(),
-    );
+    let corner = crystal.lattice().vectors() * origin;
+    let inside = crystal.within(origin, size.norm() + spacing, &SMatrix::identity());
     let placed = inside.into_iter().filter_map(|particle| {
-        let own = (back * crystal.position(&particle)).add_scalar(0.5 * spacing);
+        let own = (back * (crystal.position(&particle) - corner)).add_scalar(0.5 * spacing);
         let rim = 1e-9 * spacing;
         let is_in = own
             .iter()

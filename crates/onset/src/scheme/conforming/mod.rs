@@ -16,7 +16,7 @@ use crate::approximation::{Approximation, Order};
 use crate::bloch::{Mass, WaveSystem};
 use crate::kernel::Kernel;
 use crate::kinematics::DeformationGradient;
-use crate::lattice::{Crystal, Particle};
+use crate::lattice::{Crystal, Fractional, Particle};
 use crate::material::Hyperelastic;
 use crate::method::{MAXIMUM_NEIGHBORS, MethodError};
 use nalgebra::{SMatrix, SVector};
@@ -214,9 +214,10 @@ impl<const D: usize> Discretization<D> for ConformingIntegration<D> {
     fn on_block(
         &self,
         cells: [usize; D],
+        origin: &Fractional<D>,
     ) -> Result<Option<Box<dyn Discretization<D>>>, MethodError> {
         // Regions at the faces of a block equal those inside the lattice.
-        let block = self.crystal.block(cells)?;
+        let block = self.crystal.reduced(origin)?.block(cells)?;
         let block = Self::over(self.regions.clone(), block, &self.choices)?;
         Ok(Some(Box::new(block)))
     }

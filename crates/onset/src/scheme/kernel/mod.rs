@@ -21,7 +21,7 @@ use crate::approximation::Approximation;
 use crate::bloch::{BlochBlocks, Mass, WaveSystem};
 use crate::kernel::Kernel;
 use crate::kinematics::DeformationGradient;
-use crate::lattice::{Crystal, Fractional, Particle, cells_between};
+use crate::lattice::{Cell, Crystal, Fractional, Particle, cells_between};
 use crate::material::Hyperelastic;
 use crate::method::{Frame, KernelMethodChoices, MethodError, SupportSize};
 use crate::real::Real;
@@ -162,7 +162,7 @@ impl<const D: usize> KernelScheme<D> {
         Ok(scheme)
     }
 
-    /// Builds the method on a free block of a crystal, from the quadrature points of a cell. Points beyond the outermost particles are omitted.
+    /// Builds the method on a free block of a crystal, from the quadrature points of a cell; see [`Discretization::on_block`]. Points beyond the outermost particles are omitted.
     ///
     /// # Errors
     /// [`MethodError`] if a point has too few neighbors in the block.
@@ -170,9 +170,10 @@ impl<const D: usize> KernelScheme<D> {
         crystal: &Crystal<D>,
         points: impl Iterator<Item = (Fractional<D>, f64)>,
         choices: KernelChoices,
-        cells: [usize; D],
+        (cells, origin): ([usize; D], &Fractional<D>),
     ) -> Result<Self, MethodError> {
-        let block = crystal.block(cells)?;
+        let cell = Cell::new(crystal, points.collect()).reduced(origin)?;
+        let block = crystal.reduced(origin)?.block(cells)?;
         let end = |i: usize, worse: fn(f64, f64) -> f64| {
             let along = block.sites().iter().map(|site| site[i]);
             along.reduce(worse).unwrap_or(0.0)
@@ -193,7 +194,7 @@ impl<const D: usize> KernelScheme<D> {
             };
             origins.iter().map(at).collect::<Vec<_>>()
         };
-        let mut points: Vec<_> = points.flat_map(repeated).collect();
+        let mut points: Vec<_> = cell.points.into_iter().flat_map(repeated).collect();
         points.retain(|(place, _)| is_inside(place));
         Self::new(block, CrystalQuadrature::Points(points), choices)
     }
@@ -377,9 +378,10 @@ impl<const D: usize> Discretization<D> for KernelScheme<D> {
     fn on_block(
         &self,
         cells: [usize; D],
+        origin: &Fractional<D>,
     ) -> Result<Option<Box<dyn Discretization<D>>>, MethodError> {
         let points = self.points.iter().map(|point| (point.place, point.volume));
-        let block = Self::of_block(&self.crystal, points, self.choices.clone(), cells)?;
+        let block = Self::of_block(&self.crystal, points, self.choices.clone(), (cells, origin))?;
         Ok(Some(Box::new(block)))
     }
 

@@ -19,7 +19,7 @@ use super::{
 };
 use crate::bloch::{Mass, WaveSystem};
 use crate::kinematics::DeformationGradient;
-use crate::lattice::Crystal;
+use crate::lattice::{Crystal, Fractional};
 use crate::material::{Hyperelastic, MaterialError};
 use crate::method::MethodError;
 use bond::Bond;
@@ -522,8 +522,9 @@ impl<const D: usize> Discretization<D> for Peridynamics<D> {
     fn on_block(
         &self,
         cells: [usize; D],
+        origin: &Fractional<D>,
     ) -> Result<Option<Box<dyn Discretization<D>>>, MethodError> {
-        let block = self.crystal.block(cells)?;
+        let block = self.crystal.reduced(origin)?.block(cells)?;
         Ok(Some(Box::new(Self::new(block, self.choices.clone())?)))
     }
 

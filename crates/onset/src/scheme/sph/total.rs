@@ -19,7 +19,7 @@ use crate::algebra::Each;
 use crate::bloch::{Mass, WaveSystem};
 use crate::kernel::Kernel;
 use crate::kinematics::DeformationGradient;
-use crate::lattice::Crystal;
+use crate::lattice::{Crystal, Fractional};
 use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use nalgebra::SVector;
@@ -435,8 +435,9 @@ impl<const D: usize> Discretization<D> for TotalLagrangianSph<D> {
     fn on_block(
         &self,
         cells: [usize; D],
+        origin: &Fractional<D>,
     ) -> Result<Option<Box<dyn Discretization<D>>>, MethodError> {
-        let block = self.crystal.block(cells)?;
+        let block = self.crystal.reduced(origin)?.block(cells)?;
         Ok(Some(Box::new(Self::new(block, self.choices.clone())?)))
     }
 
