@@ -820,6 +820,10 @@ fn decks_with_linear_elasticity_alone_name_its_moduli() {
         (Program::Ansys, "/PREP7\nMP,EX,1,210000\nMP,PRXY,1,0.3\n"),
         (Program::Ansys, "TB,ELAS,1,,2,ISOT\nTBDATA,1,210000,0.3\n"),
         (
+            Program::Ansys,
+            "ET,1,181 $ MP,EX,1,210000 $ MP,NUXY,1,0.3 ! steel\n",
+        ),
+        (
             Program::LsDyna,
             "*KEYWORD\n*MAT_ELASTIC\n1, 7.8e-9, 210000., 0.3\n",
         ),
@@ -865,6 +869,16 @@ fn abbreviated_names_of_ansys_are_read() {
     assert_eq!(read(short).expect("a law"), full);
     let empty = read("TB,HYPE,1,1,2,MOON").expect_err("no data").to_string();
     assert!(empty.contains("TB,HYPER has no constants"), "{empty}");
+}
+
+/// `$` separates the commands of a line of ANSYS.
+#[test]
+fn commands_of_ansys_on_one_line_are_read() {
+    let read = |text: &str| law_from(Program::Ansys, "a deck", text, &[]).expect("a law");
+    let lines = "TB,HYPER,1,,1,OGDEN\nTBDATA,1,0.6,1.3\nTBDATA,3,0.02";
+    let one = "/PREP7 $ TB,HYPER,1,,1,OGDEN $TBDATA,1,0.6,1.3$ TBDATA,3,0.02 ! $ TBDATA,1,7";
+    assert_eq!(Program::of_deck(one), Some(Program::Ansys));
+    assert_eq!(read(one), read(lines));
 }
 
 /// Keywords are recognized only at the beginning of a line, so that a path with `/mat/` in a study does not count as a deck.

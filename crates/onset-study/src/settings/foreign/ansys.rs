@@ -10,6 +10,9 @@ use super::{Program, Trouble, number};
 use onset::material::PronyTerm;
 use onset_frames::brief;
 
+/// Character between two commands of a line.
+pub(super) const SEPARATOR: char = '$';
+
 /// Table of constants with its form.
 struct Table {
     line: usize,
@@ -115,16 +118,20 @@ fn name(field: &str) -> &str {
     known.unwrap_or(field)
 }
 
-/// Commands of a text with their line numbers, fields in capitals. `!` begins a comment.
+/// Commands of a text with their line numbers, fields in capitals. `$` separates the commands of a line, and `!` begins a comment.
 fn commands(text: &str) -> impl Iterator<Item = (usize, Vec<String>)> {
-    let commands = text.lines().map(|line| {
+    (1..).zip(text.lines()).flat_map(|(number, line)| {
         let own = line.split('!').next().unwrap_or_default();
-        let fields = own
-            .split(',')
-            .map(|field| field.trim().to_ascii_uppercase());
-        fields.map(|field| name(&field).to_owned()).collect()
-    });
-    (1..).zip(commands)
+        own.split(SEPARATOR).map(move |command| {
+            let fields = command
+                .split(',')
+                .map(|field| field.trim().to_ascii_uppercase());
+            (
+                number,
+                fields.map(|field| name(&field).to_owned()).collect(),
+            )
+        })
+    })
 }
 
 /// Error for linear elasticity by `MP,EX` or `TB,ELASTIC`: the first material with a modulus.

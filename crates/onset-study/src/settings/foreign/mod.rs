@@ -143,9 +143,16 @@ impl Program {
             .filter(|letter| !letter.is_whitespace())
             .collect();
         let plain = plain.to_ascii_uppercase();
-        let begins_line = |word: &&str| {
-            let mut starts = text.lines().map(str::trim_start);
-            starts.any(|line| {
+        let begins_line = |program: Self, word: &str| {
+            let commands = if program == Self::Ansys {
+                usize::MAX
+            } else {
+                1
+            };
+            let starts = text
+                .lines()
+                .flat_map(|line| line.splitn(commands, ansys::SEPARATOR));
+            starts.map(str::trim_start).any(|line| {
                 let start = line.get(..word.len());
                 start.is_some_and(|start| start.eq_ignore_ascii_case(word))
             })
@@ -181,7 +188,7 @@ impl Program {
         let by_line = |lines: &[(Self, &[&str])]| {
             let found = lines
                 .iter()
-                .find(|(_, words)| words.iter().any(begins_line));
+                .find(|(program, words)| words.iter().any(|word| begins_line(*program, word)));
             found.map(|(program, _)| *program)
         };
         let by_word = || {
