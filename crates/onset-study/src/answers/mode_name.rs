@@ -1,7 +1,7 @@
 //! Name of a mode: the motion of the particles, and the point of the zone.
 
 use super::problem::Problem;
-use crate::number::{told, told_of, vector};
+use crate::number::{told, vector};
 use crate::settings::Family;
 use nalgebra::SVector;
 use onset::bloch::Mode;
@@ -9,6 +9,8 @@ use onset::bloch::Mode;
 /// Component of the polarization along the wave, as a fraction: waves are longitudinal above the first value and transverse below the second.
 const LONGITUDINAL: f64 = 0.95;
 const TRANSVERSE: f64 = 0.3;
+/// Rounding error of the squared frequencies relative to the largest.
+const EIGENVALUE_ROUNDING: f64 = 1e-13;
 /// Relative tolerance for the lengths of wave vectors.
 const LENGTH_TOLERANCE: f64 = 1e-6;
 
@@ -42,14 +44,13 @@ pub(super) fn name(
         );
     }
     let omega_squared = mode.omega_squared;
-    // Values within rounding of the largest value are zero.
-    let is_zero = told_of(omega_squared.re, fastest * fastest) == "0";
+    let is_zero = omega_squared.re.abs() <= EIGENVALUE_ROUNDING * fastest * fastest;
     let frequency = match omega_squared.re > 0.0 && omega_squared.im == 0.0 && !is_zero {
         true => {
             let omega = told(omega_squared.re.sqrt());
             format!(", frequency {}", settings.units().of(omega, "1/s"))
         }
-        false if is_zero => ", frequency zero".to_owned(),
+        false if is_zero => ", frequency zero to rounding".to_owned(),
         false => String::new(),
     };
     let k = &mode.wave_vector;
