@@ -87,22 +87,51 @@ fn a_body_has_no_step_of_an_integrator_that_is_unstable_without_damping() {
     assert!(damped["discretization"]["finite_bodies"].is_null());
 }
 
+/// The smaller of the steps of lattice and finite bodies decides. `state` computes the step of finite bodies with each limit by itself; in space it is
+/// interpolated in the search.
 #[test]
-fn the_short_limit_has_the_step_of_finite_bodies() {
-    let line = "limit --time-step 0.5 --vary material.mu set method=total-lagrangian-sph set lattice=square \
-                --set material.model=neo-hooke --set material.mu=1 --set material.lambda=1";
-    let finite = number(&document(line), "/finite_bodies/time_step");
-    let text = onset_line(line).stdout.replace('\n', " ");
-    let words: Vec<&str> = text.split_whitespace().collect();
-    let text = words.join(" ");
-    let told = "infinite lattice; finite bodies need a step below ";
-    let place = text.find(told).expect("the step of finite bodies");
-    let told: f64 = text[place + told.len()..]
-        .split(' ')
-        .next()
-        .and_then(|word| word.parse().ok())
-        .expect("a number");
-    assert_close(told, finite, 1e-5);
+fn the_limit_admits_the_step_of_finite_bodies() {
+    let law = "--set material.model=neo-hooke --set material.mu=1 --set material.lambda=1";
+    let sph = "set method=total-lagrangian-sph set support=1.6 set lattice";
+    for (method, stretch, key, range) in [
+        (
+            format!("{sph}=square"),
+            "1.1,0.95",
+            "material.lambda",
+            "0.1,100",
+        ),
+        (
+            format!("{sph}=simple-cubic"),
+            "1.1,0.95,1",
+            "material.lambda",
+            "0.1,100",
+        ),
+        (format!("{sph}=square"), "1,1", "material.mu", "1e-6,1e6"),
+    ] {
+        let line = format!("--stretch {stretch} {law} {method}");
+        let limit = format!("limit --time-step 0.15 --vary {key} --range {range} {line}");
+        let answer = document(&limit);
+        let value = number(&answer, "/admitted/0/to/value");
+        assert_eq!(answer["admitted"][0]["to"]["kind"], "limit");
+        let state = document(&format!("state {line} --set {key}={value}"));
+        let finite = number(&state, "/discretization/finite_bodies/time_step");
+        assert_close(finite, 0.15, 1e-6);
+        assert!(number(&state, "/discretization/critical_time_step") > finite);
+        let present = &answer["present"];
+        assert_close(
+            number(present, "/finite_body_time_step"),
+            number(&answer, "/finite_bodies/time_step"),
+            1e-12,
+        );
+        assert_eq!(
+            present["critical_time_step"],
+            present["finite_body_time_step"]
+        );
+        let text = onset_line(&limit).stdout.replace('\n', " ");
+        let text: Vec<&str> = text.split_whitespace().collect();
+        let told = "finite bodies; the infinite lattice has";
+        assert!(text.join(" ").contains(told), "{text:?}");
+    }
 }
 
 #[test]

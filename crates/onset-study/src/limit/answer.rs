@@ -1,6 +1,6 @@
 //! Critical time steps as a function of a setting, and the intervals of values for which a step is stable.
 
-use super::interval::{Admitted, Trial, admitted, refuse_undefined};
+use super::interval::{Admitted, EndKind, Trial, admitted, refuse_undefined};
 use super::varied::Varied;
 use super::{LimitQuestion, SHORT_ROWS, VALUES};
 use crate::answers::{
@@ -11,9 +11,9 @@ use crate::brief::{Brief, Short, WIDTH, cut};
 use crate::caption;
 use crate::csv::Table;
 use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
-use crate::number::{told, told_below};
+use crate::number::told;
 use crate::output::{Files, picture, text};
-use crate::range::spread;
+use crate::range::{middle, spread};
 use crate::settings::{Effective, Settings, Units};
 use onset::analysis::{Analysis, SteppedWaves};
 use onset::bloch::SpectrumSummary;
@@ -34,11 +34,18 @@ const LIMIT_TOLERANCE: f64 = 1e-10;
 pub struct Tried {
     /// Value of the setting.
     pub value: f64,
-    /// Critical time step of the state; for a study with a body, the smaller of the steps of lattice and body.
+    /// Critical time step of the state: the smaller of the steps of the infinite lattice and of finite bodies, or of the body of the study.
     ///
     /// Zero if no step is stable. `null` if every step is stable because no mode oscillates, or if the value cannot be evaluated. Time.
     #[serde(serialize_with = "finite")]
     pub critical_time_step: f64,
+    /// Critical step of the infinite lattice; `null` as above. Time.
+    #[serde(serialize_with = "finite")]
+    pub lattice_time_step: f64,
+    /// Step that is stable for finite bodies; `null` if it is unknown, and for a study with a body. Time.
+    pub finite_body_time_step: Option<f64>,
+    /// Whether the step of finite bodies is interpolated, as a ratio to the step of the lattice, between values at which it was computed.
+    pub is_interpolated: bool,
     /// Verdict on the state. For an unstable state the step belongs to the waves that do not grow. `null` if the value cannot be evaluated.
     pub verdict: Option<Verdict>,
     /// Critical step of the body of the study at the state; `null` without a body.
@@ -102,7 +109,7 @@ pub struct LimitAnswer {
     pub safety: f64,
     /// Time integrator; `null` for a method with a transfer, which defines its step.
     pub integrator: Option<&'static str>,
-    /// Kind of body of the critical steps: infinite lattice, or body of the study.
+    /// Kind of body of the critical steps: finite bodies, infinite lattice, or body of the study.
     pub critical_time_step_of: String,
     /// Stable step of finite bodies with the present value; `null` if it is unknown.
     pub finite_bodies: Option<FiniteBodyAnswer>,
@@ -130,6 +137,59 @@ fn needed(time_step: f64, safety: f64) -> f64 {
     time_step / safety
 }
 
+/// Largest number of times that limits are searched for with interpolated steps of finite bodies.
+const ROUNDS: usize = 8;
+/// Relative error of interpolated steps of finite bodies at a limit.
+const RATIO_TOLERANCE: f64 = 1e-8;
+
+/// Ratios of the step of finite bodies to the step of the lattice at some values, in increasing order. They vary slowly between the values.
+#[derive(Clone, Debug, PartialEq)]
+struct Ratios(Vec<(f64, f64)>);
+
+impl Ratios {
+    /// Ratio at a value: interpolated linearly, over the logarithm if the values are positive. Outside of the known values the line through the
+    /// nearest two is followed over their distance.
+    fn at(&self, value: f64) -> f64 {
+        let is_positive = value > 0.0 && self.0.iter().all(|known| known.0 > 0.0);
+        let place = |x: f64| if is_positive { x.ln() } else { x };
+        let beyond = self.0.partition_point(|known| known.0 < value);
+        let first = beyond.saturating_sub(1).min(self.0.len().saturating_sub(2));
+        match self.0.get(first..first + 2) {
+            Some([a, b]) => {
+                let share = (place(value) - place(a.0)) / (place(b.0) - place(a.0));
+                let ratio = a.1 * (b.1 / a.1).powf(share.clamp(-1.0, 2.0));
+                ratio.min(1.0)
+            }
+            _ => self.0.first().map_or(1.0, |known| known.1),
+        }
+    }
+
+    fn is_known(&self, value: f64) -> bool {
+        self.0.iter().any(|known| known.0 == value)
+    }
+
+    /// Adds the ratio at a value; false if it was known within the tolerance.
+    fn learn(&mut self, value: f64, ratio: f64) -> bool {
+        let is_new =
+            !self.is_known(value) && (self.at(value) / ratio - 1.0).abs() > RATIO_TOLERANCE;
+        if is_new {
+            let place = self.0.partition_point(|known| known.0 < value);
+            self.0.insert(place, (value, ratio));
+        }
+        is_new
+    }
+}
+
+/// Waves of the lattice with one value of the setting.
+struct Waves {
+    problem: Problem,
+    /// Problem of the increments that limit the step, if they are stiffer.
+    stiffer: Option<Problem>,
+    step: f64,
+    verdict: Verdict,
+    isolated_point: Option<f64>,
+}
+
 /// Search for the limits at one state.
 struct Search<'a> {
     question: &'a LimitQuestion,
@@ -137,11 +197,13 @@ struct Search<'a> {
     integrator: Integrator,
     strain: &'a Strain,
     needed: f64,
+    /// Ratios of the steps of finite bodies, if these steps are too costly to be computed at every value.
+    ratios: Option<Ratios>,
     is_told: &'a (dyn Fn(f64) + Sync),
 }
 
 impl Search<'_> {
-    fn measured(&self, value: f64) -> Result<Tried, ProblemError> {
+    fn waves(&self, value: f64) -> Result<Waves, ProblemError> {
         let problem = Problem::new(self.question.settings(self.settings, value)?)?;
         let (analysis, f) = (&*problem.analysis, &self.strain.0);
         let assessment = analysis.assess(f)?;
@@ -154,20 +216,78 @@ impl Search<'_> {
             let of_stiffer = self.step(stiffer, waves.as_deref(), &stiffer.spectrum(f)?)?;
             step = step.min(of_stiffer);
         }
-        let body = BodyStepAnswer::new(stiffer.as_ref().unwrap_or(&problem), f)?;
-        let body = body.and_then(|own| own.with_integrator(self.integrator, analysis.is_damped()));
-        let of_body = body.and_then(|body| body.time_step);
-        let step = of_body.map_or(step, |own| own.min(step));
-        Ok(Tried {
+        Ok(Waves {
+            step,
+            verdict: assessment.verdict,
+            isolated_point: transferred.and_then(|waves| waves.isolated_point()),
+            stiffer,
+            problem,
+        })
+    }
+
+    /// Step of finite bodies; `None` if it is unknown, and for a study with a body.
+    fn finite(&self, waves: &Waves) -> Result<Option<FiniteBodyAnswer>, ProblemError> {
+        if self.settings.body.is_some() {
+            return Ok(None);
+        }
+        let lattice = Some(waves.step / reach_of(self.integrator)).filter(|step| step.is_finite());
+        let problem = waves.stiffer.as_ref().unwrap_or(&waves.problem);
+        let found = FiniteBodyAnswer::new(problem, &self.strain.0, lattice)?;
+        let is_damped = waves.problem.analysis.is_damped();
+        Ok(found.and_then(|own| own.with_integrator(self.integrator, is_damped)))
+    }
+
+    /// Ratio of the step of finite bodies to the step of the lattice, if both are positive and finite.
+    fn ratio(&self, value: f64) -> Option<f64> {
+        let waves = self.waves(value).ok()?;
+        let finite = self.finite(&waves).ok()??;
+        Some(finite.time_step / waves.step).filter(|ratio| *ratio > 0.0 && ratio.is_finite())
+    }
+
+    fn measured(&self, value: f64) -> Result<Tried, ProblemError> {
+        let waves = self.waves(value)?;
+        let limiting = waves.stiffer.as_ref().unwrap_or(&waves.problem);
+        let body = BodyStepAnswer::new(limiting, &self.strain.0)?;
+        let is_damped = waves.problem.analysis.is_damped();
+        let body = body.and_then(|own| own.with_integrator(self.integrator, is_damped));
+        let finite_body_time_step = match self.ratios {
+            Some(_) => None,
+            None => self.finite(&waves)?.map(|own| own.time_step),
+        };
+        let tried = Tried {
             value,
-            critical_time_step: step,
-            margin: (step / self.needed).ln(),
+            critical_time_step: waves.step,
+            lattice_time_step: waves.step,
+            finite_body_time_step,
+            is_interpolated: false,
+            margin: f64::NAN,
             body,
-            verdict: Some(assessment.verdict),
-            isolated_point_time_step: transferred.and_then(|waves| waves.isolated_point()),
+            verdict: Some(waves.verdict),
+            isolated_point_time_step: waves.isolated_point,
             note: None,
             is_refined: false,
-        })
+        };
+        Ok(self.decided(tried))
+    }
+
+    /// Result with the smallest of its steps, where the ratios give the steps of finite bodies.
+    fn decided(&self, mut tried: Tried) -> Tried {
+        if tried.note.is_some() {
+            return tried;
+        }
+        if let Some(ratios) = &self.ratios {
+            let finite = ratios.at(tried.value) * tried.lattice_time_step;
+            tried.finite_body_time_step = Some(finite).filter(|step| step.is_finite());
+            tried.is_interpolated = !ratios.is_known(tried.value);
+        }
+        let of_body = tried.body.and_then(|body| body.time_step);
+        let others = [of_body, tried.finite_body_time_step];
+        tried.critical_time_step = others
+            .into_iter()
+            .flatten()
+            .fold(tried.lattice_time_step, f64::min);
+        tried.margin = (tried.critical_time_step / self.needed).ln();
+        tried
     }
 
     /// Critical step of an analysis at the state.
@@ -192,6 +312,9 @@ impl Search<'_> {
         self.measured(value).unwrap_or_else(|error| Tried {
             value,
             critical_time_step: f64::NAN,
+            lattice_time_step: f64::NAN,
+            finite_body_time_step: None,
+            is_interpolated: false,
             margin: f64::NAN,
             body: None,
             verdict: None,
@@ -217,36 +340,60 @@ impl LimitAnswer {
     ) -> Result<Self, ProblemError> {
         let (present, [low, high]) = question.values_of(settings)?;
         let time_step = LimitQuestion::time_step(step, settings)?;
-        let search = Search {
+        let mut search = Search {
             question,
             settings,
             integrator: settings.explicit_integrator()?,
             strain,
             needed: needed(time_step, question.safety),
+            ratios: None,
             is_told,
         };
+        let typical = present.unwrap_or(middle(low, high));
+        let of_typical = search.waves(typical).ok().and_then(|waves| {
+            let finite = search.finite(&waves).ok()??;
+            Some((waves, finite))
+        });
+        // Blocks of particles in space take seconds.
+        search.ratios = of_typical.and_then(|(waves, finite)| {
+            let ratio = finite.time_step / waves.step;
+            let is_costly = waves.problem.dimension() == 3 && !finite.proved;
+            (is_costly && ratio > 0.0 && ratio.is_finite()).then(|| Ratios(vec![(typical, ratio)]))
+        });
         let values = spread([low, high], VALUES);
         let scope = Scope::current();
         let tried = |x| scope.run(|| search.tried(x));
-        let grid: Vec<Tried> = values.into_par_iter().map(tried).collect();
+        let mut grid: Vec<Tried> = values.into_par_iter().map(tried).collect();
         let measured = |value| search.measured(value);
         refuse_undefined(&grid, question.key(), present, &measured)?;
-        let (admitted, all) = admitted(grid, &|value| search.tried(value));
+        let (mut intervals, mut all) = admitted(grid.clone(), &|value| search.tried(value));
+        // Limits with interpolated ratios converge to the limits as the ratios at the limits are added.
+        for _ in 0..ROUNDS {
+            let Some(mut ratios) = search.ratios.clone() else {
+                break;
+            };
+            let ends = intervals.iter().flat_map(|own| [&own.from, &own.to]);
+            let limits = ends.filter(|end| end.kind == EndKind::Limit);
+            let known = limits.filter_map(|end| Some((end.value, search.ratio(end.value)?)));
+            let is_new = known.fold(false, |is_new, (value, ratio)| {
+                ratios.learn(value, ratio) || is_new
+            });
+            if !is_new {
+                break;
+            }
+            search.ratios = Some(ratios);
+            grid = grid.into_iter().map(|own| search.decided(own)).collect();
+            (intervals, all) = admitted(grid.clone(), &|value| search.tried(value));
+        }
         let problem = question.settings(settings, present.unwrap_or(high));
         let problem = problem.and_then(Problem::new).ok();
         let is_transferred = |problem: &Problem| problem.analysis.is_transferred();
         let present = present.map(|value| search.tried(value));
-        let finite_bodies = match (&problem, &present) {
-            (Some(problem), Some(own)) if own.body.is_none() => {
-                let integrator = search.integrator;
-                let lattice = Some(own.critical_time_step / reach_of(integrator));
-                let lattice = lattice.filter(|step| step.is_finite());
-                let is_damped = problem.analysis.is_damped();
-                let stiffer = problem.stiffer_at(&strain.0)?;
-                FiniteBodyAnswer::new(stiffer.as_ref().unwrap_or(problem), &strain.0, lattice)?
-                    .and_then(|body| body.with_integrator(integrator, is_damped))
-            }
-            _ => None,
+        let finite_bodies = present.as_ref().filter(|own| own.note.is_none());
+        let finite_bodies = finite_bodies.and_then(|own| search.waves(own.value).ok());
+        let finite_bodies = match finite_bodies {
+            Some(waves) => search.finite(&waves)?,
+            None => None,
         };
         let body = all.iter().find_map(|one| one.body);
         let notes_on_problem = problem
@@ -260,18 +407,20 @@ impl LimitAnswer {
             integrator: (!problem.as_ref().is_some_and(is_transferred))
                 .then(|| search.integrator.name()),
             deformation_gradient: *strain.0.components(),
-            critical_time_step_of: body.map_or_else(
-                || LATTICE_NOTE.to_owned(),
-                |body| {
-                    format!(
-                        "{}, or of the infinite lattice if that is smaller",
-                        body.words()
-                    )
-                },
-            ),
+            critical_time_step_of: match (body, finite_bodies) {
+                (Some(body), _) => format!(
+                    "{}, or of the infinite lattice if that is smaller",
+                    body.words()
+                ),
+                (None, Some(finite)) => format!(
+                    "finite bodies, or of the infinite lattice if that is smaller ({})",
+                    finite.ground
+                ),
+                (None, None) => LATTICE_NOTE.to_owned(),
+            },
             finite_bodies,
             present,
-            admitted,
+            admitted: intervals,
             tried: all,
             evidence: Evidence::Searched,
             notes: notes_on_problem,
@@ -374,6 +523,7 @@ impl LimitAnswer {
         Table::new(&self.tried, self.units())
             .with("value", self.varied().dimension(), |own| own.value)
             .with("critical_time_step", "time", |own| own.critical_time_step)
+            .with("lattice_time_step", "time", |own| own.lattice_time_step)
             .with("verdict", "1", |own| own.verdict.map(Verdict::name))
             .with("note", "1", |own| own.note.clone())
             .to_string()
@@ -457,8 +607,20 @@ impl LimitAnswer {
                 "Its present value is {value}, for which no step is stable."
             ));
         }
+        let of = match present.lattice_time_step {
+            lattice if step < lattice => format!(
+                " of {} (infinite lattice: {})",
+                if present.body.is_some() {
+                    "the body"
+                } else {
+                    "finite bodies"
+                },
+                self.step(lattice)
+            ),
+            _ => String::new(),
+        };
         Some(format!(
-            "Its present value is {value}, with a critical step of {}; the ratio of the given to the critical step is {}.",
+            "Its present value is {value}, with a critical step{of} of {}; the ratio of the given to the critical step is {}.",
             self.step(step),
             told(self.time_step / step)
         ))
@@ -501,16 +663,17 @@ impl LimitAnswer {
         }
     }
 
-    /// Bodies for which the steps hold, with the step of finite bodies for the present value.
+    /// Bodies for which the steps hold, with the step of the lattice for the present value.
     fn of_steps(&self) -> String {
-        let Some((finite, now)) = self.finite_bodies.as_ref().zip(self.present.as_ref()) else {
+        let Some((_, now)) = self.finite_bodies.as_ref().zip(self.present.as_ref()) else {
             return self.critical_time_step_of.clone();
         };
-        let step = self.units().of(told_below(finite.time_step), "s");
-        format!(
-            "infinite lattice; finite bodies need a step below {step} with {}",
-            self.value(told(now.value))
-        )
+        let value = self.value(told(now.value));
+        let lattice = self.step(now.lattice_time_step);
+        match now.critical_time_step < now.lattice_time_step {
+            true => format!("finite bodies; the infinite lattice has {lattice} with {value}"),
+            false => format!("infinite lattice, with {value} not more than finite bodies"),
+        }
     }
 
     /// Steps of finite bodies with the present value.
