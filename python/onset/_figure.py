@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 #: Points in a pixel, the unit of widths and diameters in a description.
 POINTS = 0.75
-MARKERS = {"circle": "o", "triangle": "^", "square": "s", "cross": "x"}
+MARKERS = {"circle": "o", "triangle": "^", "square": "s", "cross": "x", "left": r"$\leftarrow$", "right": r"$\rightarrow$"}
 COLOR_MAPS = {"viridis": "viridis", "cividis": "cividis", "grey": "Greys", "red-blue": "RdBu"}
 
 
@@ -154,6 +154,8 @@ def _laid_out(figure: Mapping[str, Any], fig: FigureBase | None) -> list[Axes]:
     panels = figure["panels"]
     columns = max(1, min(figure["columns"], len(panels)))
     rows = -(-len(panels) // columns)
+    # Rows have equal numbers of panels, if possible.
+    columns = -(-len(panels) // rows)
     if fig is None:
         try:
             from matplotlib import pyplot
@@ -267,12 +269,23 @@ def _line(data: Mapping[str, Any], _: Mapping[str, Any], ax: Axes) -> None:
 
 def _points(data: Mapping[str, Any], _: Mapping[str, Any], ax: Axes) -> None:
     points = _pairs(data["points"])
-    ax.plot(points[:, 0], points[:, 1], linestyle="none", markersize=_diameter(data["size"]), **_marker(data))
+    if data["extent"] is not None:
+        from matplotlib.collections import EllipseCollection
+
+        size = [data["extent"]]
+        marks = EllipseCollection(size, size, [0.0], units="x", offsets=points, offset_transform=ax.transData)
+        marks.set(facecolor=data["color"], edgecolor="none")
+        ax.add_collection(marks)
+        return
+    ax.plot(points[:, 0], points[:, 1], linestyle="none", **_marker(data, data["size"]))
 
 
-def _marker(data: Mapping[str, Any]) -> dict[str, Any]:
+def _marker(data: Mapping[str, Any], size: float) -> dict[str, Any]:
+    """Style of a marker, whose size is in pixels. Arrows are wider than the other markers."""
+    name = data["marker"]
     inside = data["color"] if data["filled"] else "white"
-    return {"marker": MARKERS[data["marker"]], "color": data["color"], "markerfacecolor": inside}
+    wider = 2.0 if name in ("left", "right") else 1.0
+    return {"marker": MARKERS[name], "markersize": wider * _diameter(size), "color": data["color"], "markerfacecolor": inside}
 
 
 def _arrows(data: Mapping[str, Any], _: Mapping[str, Any], ax: Axes) -> None:
@@ -344,5 +357,5 @@ def _handle(entry: Mapping[str, Any]) -> Artist:
     if kind == "line":
         return Line2D([], [], color=symbol["color"], linestyle=symbol["dash"], linewidth=_width(symbol["width"]), label=name)
     if kind == "marker":
-        return Line2D([], [], linestyle="none", label=name, **_marker(symbol))
+        return Line2D([], [], linestyle="none", label=name, **_marker(symbol, 8.0))
     return Line2D([], [], color=symbol, marker=">", markevery=[-1], label=name)

@@ -135,6 +135,7 @@ const FIGURES: &[Step] = &[
             "--",
             "plot",
             "target/foam.zarr",
+            "--trace",
             "--out",
             "target/foam.svg",
         ],

@@ -17,7 +17,7 @@ use onset_study::localization::PARAMETERS;
 use onset_study::map;
 use onset_study::screen::Cause;
 use onset_study::settings::{
-    COMPARISON_KEYS, Key, Kind, MapSettings, Program, preset_names, study_keys,
+    COMPARISON_KEYS, Key, Kind, MapSettings, Program, materials_of, preset_names, study_keys,
 };
 use onset_study::simulate::Stepper;
 use onset_study::verify::{CODES, Stepping};
@@ -101,6 +101,8 @@ fn words(command: &str, argument: &str) -> Option<Words> {
         (_, "lateral") => |_| plain(LATERALS.map(Lateral::name)),
         ("path", "from") => return None,
         (_, "from" | "read_as") => |_| plain(Program::ALL.map(Program::name)),
+        ("fit", "material") => return None,
+        (_, "material") => |_| plain(materials().iter().map(String::as_str)),
         (_, "preset") => |_| plain(preset_names()),
         ("list", "topic") => topics,
         ("list", "name") => |_| methods(),
@@ -237,6 +239,20 @@ fn plastic_words(argument: &str) -> Option<Words> {
         "path" => |_| of("plasticity.path"),
         _ => |_| of("plasticity.load"),
     })
+}
+
+/// Materials of the decks in the typed line.
+fn materials() -> Vec<String> {
+    // The typed line follows `--` and begins with the name of this program.
+    let typed = std::env::args_os().skip_while(|word| word != "--").skip(2);
+    let files = typed.filter(|word| Path::new(word).is_file());
+    let texts = files.filter_map(|file| std::fs::read(file).ok());
+    let texts = texts.map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+    let decks = texts.filter_map(|text| Some((Program::of_deck(&text)?, text)));
+    decks
+        .flat_map(|(program, text)| materials_of(program, &text))
+        .filter(|name| !name.is_empty())
+        .collect()
 }
 
 fn topics(_: &str) -> Vec<(String, String)> {

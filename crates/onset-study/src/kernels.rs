@@ -1,6 +1,6 @@
 //! Figure of all kernels: weight and slope as functions of the distance in smoothing lengths.
 
-use crate::figure::{Axis, Figure, Line, Panel, Rule, palette};
+use crate::figure::{Axis, Color, Dash, Figure, Line, Panel, Rule, palette};
 use onset::kernel::Kernel;
 
 /// Number of points of a curve.
@@ -22,15 +22,13 @@ pub fn gallery() -> Figure {
     let vertical = Axis::linear("slope h W′/W(0) (−)", (-1.0, 0.0))
         .covering(steepest.map(|(_, slope)| slope).chain([0.0]));
     let mut slopes = Panel::new("", axis(), vertical).with(Rule::horizontal(0.0));
-    for (n, kernel) in Kernel::ALL.into_iter().enumerate() {
+    for kernel in Kernel::ALL {
+        let (color, dash) = look(kernel);
         let styled = |points: Vec<(f64, f64)>| {
-            let line = Line::new(points)
-                .color(palette::SERIES[n % palette::SERIES.len()])
-                .named(kernel.name());
-            match n < palette::SERIES.len() {
-                true => line,
-                false => line.dashed(),
-            }
+            Line::new(points)
+                .color(color)
+                .dash(dash)
+                .named(kernel.name())
         };
         let (weight, slope) = curves(kernel);
         weights = weights.with(styled(weight));
@@ -44,6 +42,23 @@ pub fn gallery() -> Figure {
         .caption(
             "h: smoothing length as papers and codes define it for each kernel. Wendland's functions of two and three dimensions.",
         )
+}
+
+/// Color of the family of a kernel, and dash pattern of the kernel in it. The colors differ in lightness, for greyscale prints.
+fn look(kernel: Kernel) -> (Color, Dash) {
+    match kernel {
+        Kernel::CubicSpline => (palette::BLACK, Dash::Solid),
+        Kernel::QuarticSpline => (palette::BLACK, Dash::Dashed),
+        Kernel::QuarticBSpline => (palette::BLACK, Dash::Dashdot),
+        Kernel::QuinticSpline => (palette::BLACK, Dash::Dotted),
+        Kernel::WendlandC2 => (palette::BLUE, Dash::Solid),
+        Kernel::WendlandC4 => (palette::BLUE, Dash::Dashed),
+        Kernel::WendlandC6 => (palette::BLUE, Dash::Dotted),
+        Kernel::Gaussian => (palette::ORANGE, Dash::Solid),
+        Kernel::Hyperbolic => (palette::ORANGE, Dash::Dashed),
+        Kernel::LaguerreGauss => (palette::ORANGE, Dash::Dotted),
+        _ => (palette::SKY, Dash::Dashdot),
+    }
 }
 
 /// Vertices of a curve.
@@ -67,6 +82,18 @@ fn curves(kernel: Kernel) -> (Curve, Curve) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn kernels_differ_in_dashes_or_in_lightness() {
+        for a in Kernel::ALL {
+            for b in Kernel::ALL.into_iter().filter(|b| b.name() != a.name()) {
+                let [(first, dash), (second, other)] = [look(a), look(b)];
+                let [first, second] = [first, second].map(palette::lightness);
+                let differ = dash != other || (first - second).abs() > 20.0;
+                assert!(differ, "{} and {}", a.name(), b.name());
+            }
+        }
+    }
 
     #[test]
     fn slopes_are_the_derivatives_of_the_weights() {

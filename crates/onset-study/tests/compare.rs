@@ -322,7 +322,7 @@ fn the_courant_number_of_disordered_particles_uses_the_spacing_of_their_lattice(
 
 #[test]
 fn the_page_states_the_elliptic_range_and_the_figure_shows_onsets_outside_it() {
-    use onset_study::figure::Layer;
+    use onset_study::figure::{Layer, Marker};
     let pair = |load, material, method| OnsetPair {
         load,
         material,
@@ -362,30 +362,18 @@ fn the_page_states_the_elliptic_range_and_the_figure_shows_onsets_outside_it() {
     }
     assert!(!page.contains("ellipticity at &gt;") && !page.contains("ellipticity at >"));
     let panel = &table.figure().panels[0];
-    let arrows = panel.layers.iter().filter_map(|layer| match layer {
-        Layer::Arrows(arrows) => Some(arrows),
-        _ => None,
-    });
-    let drawn: Vec<(f64, f64)> = arrows
-        .flat_map(|arrows| {
-            arrows
-                .from
-                .iter()
-                .zip(&arrows.to)
-                .map(|(from, to)| (from.0, to.0))
-        })
-        .collect();
-    assert_eq!(drawn.len(), 2);
+    let marked = |marker: Marker| -> Vec<f64> {
+        let points = panel.layers.iter().filter_map(|layer| match layer {
+            Layer::Points(points) if points.marker == marker => Some(&points.points),
+            _ => None,
+        });
+        points.flatten().map(|point| point.0).collect()
+    };
     let (low, high) = panel.x.range;
-    assert!(drawn[0].0 == 3.0 && drawn[0].1 > 3.0 && drawn[0].1 < high);
-    assert!(drawn[1].0 == 0.3 && drawn[1].1 < 0.3 && drawn[1].1 > low);
-    let crosses = panel.layers.iter().filter(|layer| match layer {
-        Layer::Points(points) => {
-            points.marker == onset_study::figure::Marker::Cross && !points.points.is_empty()
-        }
-        _ => false,
-    });
-    assert_eq!(crosses.count(), 1);
+    let [below, above] = [Marker::Left, Marker::Right].map(marked);
+    assert!(matches!(above[..], [x] if x > 3.0 && x < high), "{above:?}");
+    assert!(matches!(below[..], [x] if x < 0.3 && x > low), "{below:?}");
+    assert_eq!(marked(Marker::Cross), [0.5]);
 }
 
 #[test]

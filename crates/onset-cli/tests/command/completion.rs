@@ -1,5 +1,6 @@
 //! Completion in shells: the function of bash, and the words of values.
 
+use super::Scratch;
 use std::process::Command;
 
 /// Candidates of bash for a line whose cursor is at its end. Words are split at blanks and equals signs, as bash splits them.
@@ -99,6 +100,14 @@ fn bash_completes_keys_values_and_words_of_options() {
     ] {
         assert_eq!(completed(line), expected, "{line}");
     }
+    let deck = Scratch::new("two.inp");
+    let text = "*MATERIAL, NAME=RUBBER_A\n*HYPERELASTIC, NEO HOOKE\n0.5, 0.001\n\
+                *MATERIAL, NAME=STEEL\n*ELASTIC\n2e5, 0.3\n\
+                *MATERIAL, NAME=RUBBER_B\n*HYPERELASTIC, OGDEN, N=1\n0.6, 1.3, 0.001\n";
+    std::fs::write(&deck, text).expect("a deck");
+    let line = format!("onset card {} --material ", deck.display());
+    assert_eq!(completed(&line), ["RUBBER_A", "RUBBER_B"]);
+    assert_eq!(completed(&format!("{line}RUBBER_B")), ["RUBBER_B"]);
     let files = completed("onset check Car");
     assert!(files.iter().any(|file| file == "Cargo.toml"), "{files:?}");
 }

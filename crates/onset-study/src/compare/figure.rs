@@ -3,7 +3,7 @@
 use super::names::Labels;
 use super::table::percent;
 use super::{Measured, Ranked, Recommendation, Table};
-use crate::figure::{Arrows, Axis, Color, Figure, Marker, Panel, Points, Rule, palette};
+use crate::figure::{Axis, Color, Figure, Marker, Panel, Points, Rule, palette};
 use crate::number::counted;
 use crate::output::{Files, picture};
 use onset::measures::{Load, StretchOnset};
@@ -181,8 +181,13 @@ impl Table {
                     None => {}
                 }
             }
-            let out = if load.is_tension() { reach } else { -reach };
-            let tips = beyond.iter().map(|(x, y)| (x + out, *y)).collect();
+            let (out, arrow) = match load.is_tension() {
+                true => (0.5 * reach, Marker::Right),
+                false => (-0.5 * reach, Marker::Left),
+            };
+            for place in &mut beyond {
+                place.0 += out;
+            }
             let marked = |points| Points::new(points).color(look.color);
             let onsets = marked(points)
                 .marker(look.marker)
@@ -192,7 +197,7 @@ impl Table {
             is_any_undefined |= !undefined.is_empty();
             // The color of the arrows identifies a loading without an onset in the range.
             let has_name = onsets.points.is_empty() && !beyond.is_empty();
-            let mut arrows = Arrows::new(beyond, tips).color(look.color);
+            let mut arrows = marked(beyond).marker(arrow);
             if has_name {
                 arrows = arrows.named(load.title(self.dimension));
             }
@@ -202,7 +207,9 @@ impl Table {
         }
         // Entries of the legend for the symbols of all loadings.
         if is_any_beyond {
-            let arrows = Arrows::new(Vec::new(), Vec::new()).color(palette::GREY);
+            let arrows = Points::new(Vec::new())
+                .marker(Marker::Right)
+                .color(palette::GREY);
             panel = panel.with(arrows.named("stable beyond the range"));
         }
         if is_any_undefined {

@@ -104,8 +104,10 @@ impl Frame<'_> {
             Layer::Points(points) => {
                 let places = points.points.iter().filter_map(|&point| self.at(point));
                 let places = places.filter(|&place| self.holds(place)).collect();
-                let (outline, paint) =
-                    marker(points.marker, points.size, points.color, points.filled);
+                let (start, end) = self.panel.x.limits();
+                let unit = self.width / (end - start).abs();
+                let size = points.extent.map_or(points.size, |extent| extent * unit);
+                let (outline, paint) = marker(points.marker, size, points.color, points.filled);
                 pen.stamps(outline, places, paint);
             }
             Layer::Arrows(arrows) => {

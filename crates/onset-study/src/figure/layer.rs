@@ -95,6 +95,8 @@ pub enum Dash {
     Dashed,
     /// A line of dots.
     Dotted,
+    /// Dashes and dots by turns.
+    Dashdot,
 }
 
 /// Markers at a list of points.
@@ -108,6 +110,8 @@ pub struct Points {
     pub color: Color,
     /// Diameter of the markers in pixels.
     pub size: f64,
+    /// Diameter in units of the horizontal axis, which replaces `size`.
+    pub extent: Option<f64>,
     /// Shape of the markers.
     pub marker: Marker,
     /// Whether the markers are filled; otherwise they are white with an outline.
@@ -127,6 +131,10 @@ pub enum Marker {
     Square,
     /// Two crossing strokes, which ignore `filled`.
     Cross,
+    /// Arrow to the left, wider than the other markers; it ignores `filled`.
+    Left,
+    /// Arrow to the right, wider than the other markers; it ignores `filled`.
+    Right,
 }
 
 /// Arrows between pairs of points.
@@ -325,6 +333,7 @@ impl Points {
             name: None,
             color: palette::BLACK,
             size: 6.0,
+            extent: None,
             marker: Marker::Circle,
             filled: true,
         }
@@ -339,6 +348,12 @@ impl Points {
     /// Sets the diameter in pixels.
     pub fn size(mut self, size: f64) -> Self {
         self.size = size;
+        self
+    }
+
+    /// Sets the diameter in units of the horizontal axis.
+    pub fn extent(mut self, extent: f64) -> Self {
+        self.extent = Some(extent);
         self
     }
 
@@ -440,19 +455,23 @@ macro_rules! named {
 }
 named!(Line, Points, Arrows, Balls, Rule);
 
-/// Defines `dashed` and `dotted` for layers of lines.
+/// Defines `dash`, `dashed` and `dotted` for layers of lines.
 macro_rules! dashed {
     ($($layer:ident),*) => {$(
         impl $layer {
             /// Draws the line in dashes.
-            pub fn dashed(mut self) -> Self {
-                self.dash = Dash::Dashed;
-                self
+            pub fn dashed(self) -> Self {
+                self.dash(Dash::Dashed)
             }
 
             /// Draws the line in dots.
-            pub fn dotted(mut self) -> Self {
-                self.dash = Dash::Dotted;
+            pub fn dotted(self) -> Self {
+                self.dash(Dash::Dotted)
+            }
+
+            /// Sets the dash pattern.
+            pub fn dash(mut self, dash: Dash) -> Self {
+                self.dash = dash;
                 self
             }
         }

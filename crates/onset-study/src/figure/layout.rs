@@ -31,9 +31,10 @@ const BAR: f64 = 13.0;
 
 /// Size of letters in a picture with a width in print, relative to the usual size: numbers have 8 pt instead of 9.
 const PRINTED: f64 = 8.0 / 9.0;
-/// Smallest width of panels in one row of a printed picture, and of panels that share their named rows. Narrower panels are arranged in fewer
-/// columns.
+/// Smallest width of panels in one row of a printed picture, of panels that share both axes, and of panels that share their named rows. Narrower
+/// panels are arranged in fewer columns.
 const NARROWEST: f64 = 150.0;
+const NARROWEST_ALIKE: f64 = 100.0;
 const NARROWEST_OF_ROWS: f64 = 80.0;
 /// Smallest width of a panel, and smallest usual height for which the label of the vertical axis has few lines.
 const SMALLEST_PANEL: f64 = 40.0;
@@ -73,7 +74,8 @@ pub(super) fn scene(figure: &Figure, sheet: &Sheet) -> Scene {
         if height_in_print(&scene, width) <= HIGHEST || figure.panels.len() < 2 {
             break scene;
         }
-        omitted.splice(0..0, figure.panels.pop().map(|panel| panel.title));
+        let last = figure.panels.pop();
+        omitted.splice(0..0, last.map(|panel| panel.title.replace('\n', ", ")));
         if !sheet.bare {
             let told = told_omitted(&omitted).unwrap_or_default();
             figure.caption = format!("{caption} {told}").trim().to_owned();
@@ -134,44 +136,54 @@ fn shorten_names(figure: &mut Figure, widest: f64) {
 fn printed(figure: &mut Figure, available: f64) -> Scene {
     let count = figure.panels.len();
     // Panels with equal rows need the names of the rows only once if they are in one row.
-    let mut pairs = figure.panels.windows(2);
-    let has_one_set = count > 1 && pairs.all(|pair| shares_rows(&pair[1], &pair[0]));
-    let (columns, narrowest) = match has_one_set {
-        true => (count, NARROWEST_OF_ROWS),
-        false => (figure.columns, NARROWEST),
+    let all = |is_alike: fn(&Panel, &Panel) -> bool| {
+        count > 1
+            && figure
+                .panels
+                .windows(2)
+                .all(|pair| is_alike(&pair[0], &pair[1]))
+    };
+    let (columns, narrowest) = if all(|a, b| a.y.ticks.is_some() && shares_y(a, b)) {
+        (count, NARROWEST_OF_ROWS)
+    } else if all(|a, b| shares_x(a, b) && shares_y(a, b)) {
+        (figure.columns, NARROWEST_ALIKE)
+    } else {
+        (figure.columns, NARROWEST)
     };
     figure.columns = columns.clamp(1, count.max(1));
     // A narrow panel next to a wide one, such as a density of states, does not need a separate row.
     let widest = figure.panels.iter().filter(|panel| !panel.equal_aspect);
     let widest = widest.map(|panel| panel.width).fold(1.0, f64::max);
-    while widest_panel(figure, available) * widest < narrowest && figure.columns > 1 {
+    while widest_panel(figure, available, 1.0) * widest < narrowest && figure.columns > 1 {
         figure.columns -= 1;
     }
-    // Rows have equal numbers of panels, if possible.
-    let rows = count.div_ceil(figure.columns).max(1);
-    figure.columns = count.div_ceil(rows).max(1);
-    let panel = widest_panel(figure, available);
-    let mut scene = drawn(figure, Some(panel), LOWERED[0], available);
+    let widest = widest_panel(figure, available, 1.0);
+    // Labels have more lines at lower panels.
+    let at = |lowered| {
+        let panel = widest_panel(figure, available, lowered).min(widest);
+        drawn(figure, Some(panel), lowered, available)
+    };
+    let mut scene = at(LOWERED[0]);
     for lowered in &LOWERED[1..] {
         let width = available * PRINTED;
         let high = HIGH.min(HIGH_FOR_ITS_WIDTH * width / MILLIMETER);
         if height_in_print(&scene, width) <= high {
             break;
         }
-        scene = drawn(figure, Some(panel), *lowered, available);
+        scene = at(*lowered);
     }
     scene
 }
 
-/// Largest usual panel width for which the picture is not wider than available.
-fn widest_panel(figure: &Figure, available: f64) -> f64 {
+/// Largest usual panel width for which a picture with panels of a relative height is not wider than available.
+fn widest_panel(figure: &Figure, available: f64, lowered: f64) -> f64 {
     let (mut low, mut high) = (
         SMALLEST_PANEL,
         (available / figure.columns as f64).max(SMALLEST_PANEL),
     );
     for _ in 0..12 {
         let middle = 0.5 * (low + high);
-        match Grid::of(figure, Some(middle), 1.0).width() <= available {
+        match Grid::of(figure, Some(middle), lowered).width() <= available {
             true => low = middle,
             false => high = middle,
         }
@@ -179,9 +191,19 @@ fn widest_panel(figure: &Figure, available: f64) -> f64 {
     low
 }
 
-/// Returns true if a panel has the same named rows as the panel before it.
-fn shares_rows(panel: &Panel, before: &Panel) -> bool {
-    panel.y.ticks.is_some() && panel.y == before.y
+/// Returns true if two panels in a row have equal boxes and vertical axes: the second needs no words at its vertical axis.
+fn shares_y(a: &Panel, b: &Panel) -> bool {
+    a.y == b.y && a.lines == b.lines && has_equal_scales(a, b)
+}
+
+/// Returns true if two panels in a column have equal boxes and horizontal axes: the upper one needs no words at its horizontal axis.
+fn shares_x(a: &Panel, b: &Panel) -> bool {
+    a.x == b.x && a.width == b.width && has_equal_scales(a, b)
+}
+
+/// Returns true if two panels both have independent axes, or both have an equal aspect with equal axes.
+fn has_equal_scales(a: &Panel, b: &Panel) -> bool {
+    a.equal_aspect == b.equal_aspect && (!a.equal_aspect || (&a.x, &a.y) == (&b.x, &b.y))
 }
 
 /// Measured panels in rows.
@@ -197,7 +219,10 @@ struct Grid<'a> {
 impl<'a> Grid<'a> {
     /// Measures the panels with boxes of the `usual` width, or of a default width, and of a relative height.
     fn of(figure: &'a Figure, usual: Option<f64>, lowered: f64) -> Self {
-        let columns = figure.columns.clamp(1, figure.panels.len().max(1));
+        let count = figure.panels.len().max(1);
+        // Rows have equal numbers of panels, if possible.
+        let rows = count.div_ceil(figure.columns.clamp(1, count));
+        let columns = count.div_ceil(rows);
         let usual = usual.unwrap_or(if columns == 1 { 420.0 } else { 300.0 });
         let size = Size::of(figure.panel_size, usual).lowered(lowered);
         let panels: Vec<Measured> = figure
@@ -205,8 +230,11 @@ impl<'a> Grid<'a> {
             .iter()
             .enumerate()
             .map(|(n, panel)| {
-                let is_named = n % columns == 0 || !shares_rows(panel, &figure.panels[n - 1]);
-                Measured::new(panel, size, is_named)
+                let all = &figure.panels;
+                let has_y = n % columns == 0 || !shares_y(&all[n - 1], panel);
+                let below = all.get(n + columns);
+                let has_x = below.is_none_or(|below| !shares_x(panel, below));
+                Measured::new(panel, size, [has_x, has_y])
             })
             .collect();
         let column = |index: usize, size: fn(&Measured) -> f64| {
@@ -344,21 +372,28 @@ struct Bar<'a> {
 }
 
 impl<'a> Measured<'a> {
-    /// Measures a panel, with the names of the ticks of its vertical axis if `is_named`.
-    fn new(panel: &'a Panel, size: Size, is_named: bool) -> Self {
+    /// Measures a panel, with words at its horizontal and at its vertical axis if `has_words`.
+    fn new(panel: &'a Panel, size: Size, has_words: [bool; 2]) -> Self {
         let (width, height) = box_size(panel, size);
         let title = font::wrap(&panel.title, WORDS, width + 50.0);
-        let x_label = label_lines(&panel.x.label, width + 50.0);
-        let y_label = label_lines(&panel.y.label, height + 10.0);
-        let x_marks = spaced_marks(&panel.x, width);
+        let mut x_label = label_lines(&panel.x.label, width + 50.0);
+        let mut y_label = label_lines(&panel.y.label, height + 10.0);
+        let mut x_marks = spaced_marks(&panel.x, width);
         let mut y_marks = panel.y.labeled_marks(match panel.y.scale {
             Scale::Linear => mark_target(height, 42.0),
             // One tick per decade if there is room.
             Scale::Log10 => mark_target(height, 22.0),
         });
-        if !is_named {
-            y_marks.iter_mut().for_each(|mark| mark.label.clear());
+        let axes = [(&mut x_label, &mut x_marks), (&mut y_label, &mut y_marks)];
+        for ((label, marks), _) in axes.into_iter().zip(has_words).filter(|(_, has)| !has) {
+            label.clear();
+            marks.iter_mut().for_each(|mark| mark.label.clear());
         }
+        let below = if has_words[0] {
+            TICK_GAP + NUMBERS
+        } else {
+            0.0
+        };
         let bars: Vec<Bar> = panel
             .layers
             .iter()
@@ -414,7 +449,7 @@ impl<'a> Measured<'a> {
                 .max(overhang)
                 .max(6.0),
             top,
-            bottom: TICK + TICK_GAP + NUMBERS + gap(&x_label) / 2.0 + lines(&x_label),
+            bottom: TICK + below + gap(&x_label) / 2.0 + lines(&x_label),
             title,
             x_label,
             y_label,
@@ -565,14 +600,31 @@ fn mark_target(length: f64, spacing: f64) -> usize {
     (length / spacing).floor().clamp(1.0, 9.0) as usize
 }
 
-/// Lines of the label of an axis. Its unit, in brackets at its end, stays with the word before it.
+/// Lines of the label of an axis. Its unit, in brackets at its end, stays with the word before it, and brackets are not divided if they fit in a line.
 fn label_lines(label: &str, available: f64) -> Vec<String> {
-    let kept = match label.rsplit_once(" (").filter(|_| label.ends_with(')')) {
+    let joined = match label.rsplit_once(" (").filter(|_| label.ends_with(')')) {
         Some((quantity, unit)) => format!("{quantity}\u{a0}({unit}"),
         None => label.to_owned(),
     };
-    let lines = font::wrap(&kept, WORDS, available).into_iter();
-    lines.map(|line| line.replace('\u{a0}', " ")).collect()
+    let mut depth = 0;
+    let undivided = joined.chars().map(|letter| {
+        depth += i32::from(letter == '(') - i32::from(letter == ')');
+        if letter == ' ' && depth > 0 {
+            '\u{a0}'
+        } else {
+            letter
+        }
+    });
+    let undivided = font::wrap(&undivided.collect::<String>(), WORDS, available);
+    let fits = |line: &String| font::width(line, WORDS) <= available;
+    let lines = match undivided.iter().all(fits) {
+        true => undivided,
+        false => font::wrap(&joined, WORDS, available),
+    };
+    lines
+        .into_iter()
+        .map(|line| line.replace('\u{a0}', " "))
+        .collect()
 }
 
 /// Ticks of a horizontal axis whose labels do not overlap.
@@ -731,7 +783,7 @@ mod tests {
         let panel = Panel::new("", Axis::linear("k", (0.0, 1.0)), axis()).wider(1.84);
         let figure = Figure::new("").columns(1).with(panel);
         for available in [250.0, 357.0, 740.0] {
-            let grid = Grid::of(&figure, Some(widest_panel(&figure, available)), 1.0);
+            let grid = Grid::of(&figure, Some(widest_panel(&figure, available, 1.0)), 1.0);
             assert!(grid.width() <= available && grid.width() > available - 40.0);
             assert!(grid.panels[0].height >= LOWEST);
         }
@@ -818,12 +870,59 @@ mod tests {
     }
 
     #[test]
+    fn panels_with_equal_axes_have_their_words_at_the_margin_of_the_picture() {
+        let panel = |title: &str| {
+            let axis = |label| Axis::linear(label, (0.0, 10.0));
+            Panel::new(title, axis("x (m)"), axis("y (m)")).equal_aspect()
+        };
+        let titles = ["1", "2", "3", "4"];
+        let mut figure = titles
+            .iter()
+            .fold(Figure::new(""), |figure, title| figure.with(panel(title)));
+        let has_words = |n: usize, grid: &Grid<'_>| {
+            let own = &grid.panels[n];
+            [(&own.x_label, &own.x_marks), (&own.y_label, &own.y_marks)].map(|(label, marks)| {
+                let is_labeled = marks.iter().any(|mark| !mark.label.is_empty());
+                assert_eq!(is_labeled, !label.is_empty());
+                is_labeled
+            })
+        };
+        // Four panels of at most three in a row are two rows of two.
+        let grid = Grid::of(&figure, None, 1.0);
+        assert_eq!(grid.columns, 2);
+        let all: Vec<[bool; 2]> = (0..4).map(|n| has_words(n, &grid)).collect();
+        assert_eq!(
+            all,
+            [[false, true], [false, false], [true, true], [true, false]]
+        );
+
+        // The last panel of a column has the words, also in a row that is not full.
+        figure.panels.push(panel("5"));
+        let grid = Grid::of(&figure, None, 1.0);
+        assert_eq!(grid.columns, 3);
+        assert_eq!(has_words(2, &grid), [true, false]);
+
+        // A panel with a different scale keeps its words.
+        figure.panels[3].x.range.1 = 20.0;
+        assert_eq!(has_words(0, &Grid::of(&figure, None, 1.0)), [true, true]);
+    }
+
+    #[test]
     fn the_unit_of_an_axis_stays_with_its_word() {
         let label = "coefficient of the penalty (1/m)";
         let width = font::width("coefficient of the penalty (", WORDS);
         let expected = ["coefficient of the", "penalty (1/m)"];
         assert_eq!(label_lines(label, width), expected);
         assert_eq!(label_lines(label, 1e3), [label]);
+        let label = "min Re ω² / (c² |k|²) (−)";
+        let width = font::width("min Re ω² / (c²", WORDS);
+        assert_eq!(label_lines(label, width), ["min Re ω² /", "(c² |k|²) (−)"]);
+        let label = "stress (unit of the tables)";
+        let width = font::width("of the tables)", WORDS) + 1.0;
+        assert_eq!(
+            label_lines(label, width),
+            ["stress (unit", "of the tables)"]
+        );
     }
 
     #[test]
@@ -837,7 +936,7 @@ mod tests {
             bare,
             ..Sheet::default()
         };
-        let panel = |bare| widest_panel(&sheet(bare).dressed(&figure), 350.0);
+        let panel = |bare| widest_panel(&sheet(bare).dressed(&figure), 350.0, 1.0);
         assert!(panel(true) > panel(false) + 20.0);
     }
 

@@ -140,6 +140,10 @@ fn symbol_width(symbol: Symbol) -> f64 {
             direction: Direction::Vertical,
             ..
         } => 6.0,
+        Symbol::Marker {
+            marker: Marker::Left | Marker::Right,
+            ..
+        } => 16.0,
         Symbol::Marker { .. } => 10.0,
         Symbol::Line { .. } | Symbol::Arrow(_) => 26.0,
     }

@@ -72,6 +72,9 @@ pub fn certainty(word: &str) -> Color {
 }
 
 #[cfg(test)]
+pub(crate) use tests::lightness;
+
+#[cfg(test)]
 mod tests {
     use super::*;
 
@@ -125,13 +128,18 @@ mod tests {
         (0..VERDICTS.len()).flat_map(|i| (0..i).map(move |j| (VERDICTS[i], VERDICTS[j])))
     }
 
+    /// Lightness L* of a color, from 0 (black) to 100 (white).
+    pub(crate) fn lightness(color: Color) -> f64 {
+        lab(linear(color))[0]
+    }
+
     #[test]
     fn verdicts_and_bars_differ_in_greyscale() {
         let names = ["first bar", "second bar", "third bar", "fourth bar"];
         let bar = |n: usize| (names[n], BARS[n]);
         let bars = (0..4).flat_map(|i| (0..i).map(move |j| (bar(i), bar(j))));
         for ((a, first), (b, second)) in pairs().chain(bars) {
-            let difference = (lab(linear(first))[0] - lab(linear(second))[0]).abs();
+            let difference = (lightness(first) - lightness(second)).abs();
             assert!(
                 difference > 8.0,
                 "{a} and {b} differ by {difference:.1} in L*"

@@ -232,10 +232,8 @@ fn paint_path(out: &mut Content, outline: Path, paint: &Paint) {
     if let Some(stroke) = stroke {
         set_stroke(out, stroke.color);
         out.set_line_width(stroke.width.max(0.0) as f32);
-        let pattern = stroke
-            .pattern()
-            .map(|pattern| pattern.map(|length| length as f32));
-        out.set_dash_pattern(pattern.into_iter().flatten(), 0.0);
+        let pattern = stroke.pattern();
+        out.set_dash_pattern(pattern.iter().map(|own| *own as f32), 0.0);
     }
     write_path(out, &outline);
     match (paint.fill.is_some(), stroke.is_some()) {

@@ -159,10 +159,24 @@ pub(super) fn marker(
             segment(&mut outline, (-r, -r), (r, r));
             segment(&mut outline, (-r, r), (r, -r));
         }
+        Marker::Left | Marker::Right => {
+            let along = if marker == Marker::Left { -r } else { r };
+            let (tip, neck, inner) = (1.8 * along, -0.2 * along, 0.2 * along);
+            let corners = [
+                (tip, 0.0),
+                (neck, 0.75 * r),
+                (inner, 0.2 * r),
+                (-tip, 0.2 * r),
+                (-tip, -0.2 * r),
+                (inner, -0.2 * r),
+                (neck, -0.75 * r),
+            ];
+            polygon(&mut outline, &corners);
+        }
     }
     let paint = match (marker, filled) {
         (Marker::Cross, _) => Paint::stroke(color, 1.6, Dash::Solid),
-        (_, true) => Paint::fill(color),
+        (Marker::Left | Marker::Right, _) | (_, true) => Paint::fill(color),
         (_, false) => Paint {
             fill: Some(palette::WHITE),
             ..Paint::stroke(color, 1.3, Dash::Solid)

@@ -5,24 +5,28 @@ use super::{ColorMap, Field, Panel, Points};
 /// Number of colors of the marks, evenly spaced from the lowest to the highest value.
 const CLASSES: usize = 32;
 
+/// Largest diameter of a mark relative to the width of the panel, for few particles.
+const LARGEST_MARK: f64 = 0.03;
+
 impl Panel {
-    /// Adds particles as marks that nearly touch in a panel of the given width (pixels), colored by their values from `low` to `high`, with a color bar.
+    /// Adds particles as round marks that nearly touch, colored by their values from `low` to `high`, with a color bar. The ranges of the axes are
+    /// extended so that the marks lie inside the panel.
     #[must_use]
     pub fn with_particles(
         mut self,
         places: &[(f64, f64)],
         values: &[f64],
         (low, high): (f64, f64),
-        width: f64,
         label: impl Into<String>,
     ) -> Self {
-        let (across, along) = (
-            self.x.range.1 - self.x.range.0,
-            self.y.range.1 - self.y.range.0,
-        );
-        // Round marks that nearly touch at the mean distance.
-        let area = across * along / places.len() as f64;
-        let size = (0.8 * area.sqrt() * width / across).clamp(1.0, 9.0);
+        let length = |(start, end): (f64, f64)| end - start;
+        let (across, along) = (length(self.x.range), length(self.y.range));
+        // The mean distance of the particles.
+        let distance = (across * along / places.len() as f64).sqrt();
+        let extent = (0.8 * distance).min(LARGEST_MARK * across);
+        for range in [&mut self.x.range, &mut self.y.range] {
+            *range = (range.0 - 0.5 * extent, range.1 + 0.5 * extent);
+        }
         for class in 0..CLASSES {
             let is_own = |own: &f64| {
                 let place = (own - low) / (high - low) * CLASSES as f64;
@@ -36,7 +40,7 @@ impl Panel {
             }
             let middle = low + (high - low) * (class as f64 + 0.5) / CLASSES as f64;
             let color = ColorMap::Viridis.color(middle, (low, high));
-            self = self.with(Points::new(own).size(size).color(color));
+            self = self.with(Points::new(own).extent(extent).color(color));
         }
         // A blank map has the color bar; it is the last layer, because marks over a map have a rim.
         let (x, y) = (self.x.range, self.y.range);

@@ -112,13 +112,15 @@ impl Paint {
 }
 
 impl Stroke {
-    /// Lengths of dash and gap.
-    pub(super) fn pattern(&self) -> Option<[f64; 2]> {
-        match self.dash {
-            Dash::Solid => None,
-            Dash::Dashed => Some([4.0 * self.width, 2.5 * self.width]),
-            Dash::Dotted => Some([self.width, 1.6 * self.width]),
-        }
+    /// Lengths of dashes and gaps by turns; empty for a solid line.
+    pub(super) fn pattern(&self) -> Vec<f64> {
+        let widths: &[f64] = match self.dash {
+            Dash::Solid => &[],
+            Dash::Dashed => &[4.0, 2.5],
+            Dash::Dotted => &[1.0, 1.6],
+            Dash::Dashdot => &[5.0, 1.8, 1.2, 1.8],
+        };
+        widths.iter().map(|own| own * self.width).collect()
     }
 }
 
@@ -321,14 +323,12 @@ fn paint_outline(
         );
     }
     if let Some(stroke) = paint.stroke {
-        let pattern = stroke
-            .pattern()
-            .map(|pattern| pattern.map(|length| length as f32).to_vec());
+        let pattern = stroke.pattern().iter().map(|own| *own as f32).collect();
         let style = tiny_skia::Stroke {
             width: stroke.width as f32,
             line_cap: LineCap::Butt,
             line_join: LineJoin::Round,
-            dash: pattern.and_then(|pattern| StrokeDash::new(pattern, 0.0)),
+            dash: StrokeDash::new(pattern, 0.0),
             ..tiny_skia::Stroke::default()
         };
         canvas.stroke_path(outline, &source(stroke.color, true), &style, place, mask);
@@ -414,8 +414,9 @@ fn write_paint(out: &mut String, paint: &Paint) {
             " stroke=\"{}\" stroke-width=\"{}\"",
             stroke.color, stroke.width
         );
-        if let Some([dash, gap]) = stroke.pattern() {
-            let _ = write!(out, " stroke-dasharray=\"{dash} {gap}\"");
+        let pattern: Vec<String> = stroke.pattern().iter().map(f64::to_string).collect();
+        if !pattern.is_empty() {
+            let _ = write!(out, " stroke-dasharray=\"{}\"", pattern.join(" "));
         }
     }
     if paint.crisp {

@@ -1,7 +1,7 @@
 //! Figure of a fit: a panel for each test, and the plane of the largest and the smallest stretch with data, range and lost states.
 
 use super::FitAnswer;
-use crate::figure::{Axis, Figure, Line, Panel, Points, Regions, palette};
+use crate::figure::{Axis, Figure, Line, Marker, Panel, Points, Regions, palette};
 use onset_fit::{Fitted, Mode, Test};
 
 /// Points of a curve.
@@ -16,6 +16,14 @@ const BLANK_CLASS: u8 = 9;
 const EXTENT_RATIO: f64 = 1.1;
 /// Margin at the most compressed point, as a fraction of the width of a panel.
 const MARGIN: f64 = 0.04;
+
+/// Markers of the tests in the plane of stretches.
+const MARKERS: [Marker; 4] = [
+    Marker::Circle,
+    Marker::Triangle,
+    Marker::Square,
+    Marker::Cross,
+];
 
 /// Number of strokes of a hatching along a diagonal of a panel, and number of points of a stroke.
 const STROKES: usize = 40;
@@ -287,21 +295,26 @@ impl FitAnswer {
         for lines in hatched {
             panel = panel.with(lines);
         }
-        for (test, color) in self.data.iter().zip(palette::SERIES) {
-            if test.mode == Mode::Volumetric {
-                continue;
-            }
+        let tests = self
+            .data
+            .iter()
+            .filter(|test| test.mode != Mode::Volumetric);
+        for (n, test) in tests.enumerate() {
             let states = test.points.iter().map(|point| {
                 let mut logs = test.mode.logs(point.stretch);
                 logs.sort_by(|a, b| b.total_cmp(a));
                 (logs[0].exp(), (-logs[2]).exp())
             });
-            panel = panel.with(
-                Points::new(states.collect())
-                    .color(color)
-                    .size(4.0)
-                    .named(&test.name),
-            );
+            let points = Points::new(states.collect())
+                .color(palette::SERIES[n % palette::SERIES.len()])
+                .marker(MARKERS[n % MARKERS.len()])
+                .size(5.0)
+                .named(&test.name);
+            // Markers of further tests are open.
+            panel = panel.with(match n / MARKERS.len() % 2 {
+                0 => points,
+                _ => points.open(),
+            });
         }
         panel
     }

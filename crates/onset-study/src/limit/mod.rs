@@ -53,8 +53,10 @@ impl LimitQuestion {
     pub fn new(name: &str) -> Result<Self, SettingError> {
         let origin = || Origin::CommandLine(name.to_owned());
         let Some(key) = Key::named(name) else {
-            let numbers = KEYS.iter().filter(|key| key.is_varied());
-            return Err(unknown_key(name, numbers.map(|key| key.name), origin()));
+            // A name without its section is completed, also if it is not a number.
+            let is_meant = |key: &&Key| key.is_varied() || key.parts().1 == name;
+            let names = KEYS.iter().filter(is_meant).map(|key| key.name);
+            return Err(unknown_key(name, names, origin()));
         };
         if !key.is_varied() {
             let message = format!("`{name}` cannot be varied: it takes {}", key.expects());

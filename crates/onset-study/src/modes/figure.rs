@@ -16,6 +16,8 @@ const HALF_SIDE: f64 = 1.6;
 const RADIUS: f64 = 0.15;
 /// Largest distance between neighbors that are joined by a line, in spacings.
 const JOINING_DISTANCE: f64 = 1.05;
+/// Diameter of a particle in one and two dimensions, in spacings.
+const DIAMETER: f64 = 0.2;
 /// Color of the lines between neighbors.
 const PALE: Color = Color::hex(0xc4c4c4);
 
@@ -42,6 +44,14 @@ impl ModesAnswer {
             if self.dimension > 1 {
                 words.push_str(" Arrows: twice the displacements.");
             }
+        }
+        if self
+            .modes
+            .iter()
+            .take(MAX_MODES)
+            .any(|mode| mode.nullity == 0)
+        {
+            words.push_str(" Percentages: frequency relative to the material.");
         }
         match self.modes.len().saturating_sub(MAX_MODES) {
             0 => {}
@@ -70,9 +80,9 @@ impl ModesAnswer {
 
     fn panel(&self, mode: &ShownMode) -> Panel {
         let title = format!(
-            "k = {}: {}",
+            "k = {}\n{}",
             mode.place().replace('-', "−"),
-            mode.description()
+            mode.title("modes")
         );
         if self.dimension == 3 {
             return self.panel_in_space(mode, &title);
@@ -101,7 +111,7 @@ impl ModesAnswer {
             )
             .with(
                 Points::new(from)
-                    .size(5.0)
+                    .extent(DIAMETER * self.spacing)
                     .color(palette::BLUE)
                     .named("particles"),
             );

@@ -259,29 +259,35 @@ impl ShownMode {
         }
     }
 
-    /// Kind of the mode with its frequency or its number of modes, and its extent.
-    pub fn description(&self) -> String {
+    /// Kind of the mode with its frequency relative to the material or its number of modes, which have a name, and its extent.
+    pub(super) fn title(&self, modes: &str) -> String {
         let kind = self.kind();
         let of_zero = match self.nullity {
-            0 => {
-                let share = 100.0 * self.relative_frequency;
-                let weak = format!("{kind}, {share:.1} % of the material's frequency");
-                return match &self.unfolded {
-                    None => weak,
-                    Some(wave) => {
-                        let parts: Vec<String> = wave.iter().map(fraction).collect();
-                        format!("{weak}, as the wave ({})", parts.join(", "))
-                    }
-                };
-            }
+            0 => return format!("{kind}, {:.1} %", 100.0 * self.relative_frequency),
             1 => kind.to_owned(),
-            count => format!("{kind}, {count} independent modes"),
+            count => format!("{kind}, {count} {modes}"),
         };
         match self.extent {
             Extent::Point => of_zero,
             Extent::Line => format!("{of_zero}, along a whole line"),
             Extent::Surface => format!("{of_zero}, over a whole surface"),
             Extent::Zone => format!("{of_zero}, at every wave vector"),
+        }
+    }
+
+    /// Description of the mode: its title, and the meaning of the frequency.
+    pub fn description(&self) -> String {
+        let title = self.title("independent modes");
+        if self.nullity > 0 {
+            return title;
+        }
+        let weak = format!("{title} of the material's frequency");
+        match &self.unfolded {
+            None => weak,
+            Some(wave) => {
+                let parts: Vec<String> = wave.iter().map(fraction).collect();
+                format!("{weak}, as the wave ({})", parts.join(", "))
+            }
         }
     }
 }

@@ -47,8 +47,6 @@ const LARGEST_INTERVAL_GROWTH: f64 = 2.0;
 
 /// Smallest amplitude in the figure; spacings.
 const SMALLEST_DRAWN_AMPLITUDE: f64 = 1e-8;
-/// Width of the map; pixels.
-const PANEL_WIDTH: f64 = 420.0;
 
 /// First cause of the instability of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -959,13 +957,7 @@ impl ScreenAnswer {
         let range = (least.min(most - 1.0), most);
         Panel::new(format!("short waves at t = {}", told(picture.time)), x, y)
             .equal_aspect()
-            .with_particles(
-                &places,
-                &logs,
-                range,
-                PANEL_WIDTH,
-                "log₁₀ of short waves / spacing",
-            )
+            .with_particles(&places, &logs, range, "log₁₀ of short waves / spacing")
     }
 }
 

@@ -44,7 +44,9 @@ pub(crate) use effective::is_of_an_absent_term;
 pub use effective::{Choice, Effective};
 pub use error::{Origin, SettingError, did_you_mean};
 pub(crate) use foreign::{DECK_NOTES, fields_of_keyword};
-pub use foreign::{Program, Reading, WriteError, Writing, law_from, law_of, law_written};
+pub use foreign::{
+    Program, Reading, WriteError, Writing, law_from, law_of, law_written, materials_of,
+};
 pub use key::{KEYS, Key, Kind, MAP_KEYS, STATE_KEYS, study_keys};
 pub use map::{MapSettings, OUTPUTS, Outputs};
 pub use material::{MaterialSettings, Plane};

@@ -38,9 +38,9 @@ pub(super) fn figure(body: &dyn BodyMotion, time: f64, units: Units) -> Figure {
         ["x₁", "x₂"].map(|what| Axis::linear(caption::label(units, what, "length"), (0.0, 1.0)));
     let x = x.covering(places.iter().map(|place| place.0));
     let y = y.covering(places.iter().map(|place| place.1));
-    let (width, height) = (x.range.1 - x.range.0, y.range.1 - y.range.0);
     let panel = Panel::new("", x, y).equal_aspect();
-    let panel = panel.with_particles(&places, &stretches, (low, high), WIDTH, "largest stretch");
+    let panel = panel.with_particles(&places, &stretches, (low, high), "largest stretch");
+    let [width, height] = [&panel.x, &panel.y].map(|axis| axis.range.1 - axis.range.0);
     let mut figure = Figure::new(format!(
         "Largest stretch of the particles at time {}",
         told(time)

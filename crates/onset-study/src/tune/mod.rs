@@ -46,7 +46,9 @@ impl TuneQuestion {
         let origin = || Origin::CommandLine(name.to_owned());
         let is_coefficient = |key: &&Key| key.parts().0 == "discretization" && key.unit().is_some();
         let Some(key) = Key::named(name) else {
-            let names = KEYS.iter().filter(is_coefficient).map(|key| key.name);
+            // A name without its section is completed, also if it is not a coefficient.
+            let is_meant = |key: &&Key| is_coefficient(key) || key.parts().1 == name;
+            let names = KEYS.iter().filter(is_meant).map(|key| key.name);
             return Err(unknown_key(name, names, origin()));
         };
         if !is_coefficient(&key) {

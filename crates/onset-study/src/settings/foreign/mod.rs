@@ -287,15 +287,7 @@ pub fn law_of(
     material: Option<&str>,
     set: &[String],
 ) -> Result<Reading, SettingError> {
-    let law = match program {
-        Program::Abaqus | Program::Calculix => abaqus::read(program, text, material),
-        Program::LsDyna => lsdyna::read(text, material),
-        Program::Radioss => radioss::read(text, material),
-        Program::Febio => febio::read(text, material),
-        Program::Ansys => ansys::read(text, material),
-        Program::Felupe | Program::Hyperelastic => python::read(program, text, material),
-    };
-    let law = law.map_err(|trouble| trouble.at(name))?;
+    let law = read(program, text, material).map_err(|trouble| trouble.at(name))?;
     let origin = || place(name, law.line);
     let known: Vec<&str> = set
         .iter()
@@ -319,6 +311,23 @@ pub fn law_of(
     let reading = law.reading(set, name, text);
     reading.check(name, &blocks, set)?;
     Ok(reading)
+}
+
+fn read(program: Program, text: &str, material: Option<&str>) -> Result<law::ForeignLaw, Trouble> {
+    match program {
+        Program::Abaqus | Program::Calculix => abaqus::read(program, text, material),
+        Program::LsDyna => lsdyna::read(text, material),
+        Program::Radioss => radioss::read(text, material),
+        Program::Febio => febio::read(text, material),
+        Program::Ansys => ansys::read(text, material),
+        Program::Felupe | Program::Hyperelastic => python::read(program, text, material),
+    }
+}
+
+/// Names or numbers of the materials with a law in a deck, also of laws that are not supported.
+pub fn materials_of(program: Program, text: &str) -> Vec<String> {
+    // No material has an empty line as its name.
+    read(program, text, Some("\n")).map_or_else(|trouble| trouble.materials, |_| Vec::new())
 }
 
 /// Reads the table and the bulk modulus of the first material with Marlow's form.
@@ -352,6 +361,8 @@ struct Trouble {
     line: usize,
     message: String,
     hint: Cow<'static, str>,
+    /// Materials with a law, if the requested material is not one of them.
+    materials: Vec<String>,
 }
 
 impl Trouble {
@@ -360,6 +371,7 @@ impl Trouble {
             line,
             message: message.into(),
             hint: hint.into(),
+            materials: Vec::new(),
         }
     }
 
@@ -387,15 +399,15 @@ impl Trouble {
 
     /// Returns the error that no material of the requested name has a supported law.
     fn no_such_material(wanted: &str, names: &[impl AsRef<str>]) -> Self {
-        Self::new(
-            1,
-            format!(
-                "no material {} has a hyperelastic law; materials with a law: {}",
-                quoted(wanted),
-                several(names.iter().map(|name| quoted(name.as_ref())))
-            ),
-            "name one of them with --material",
-        )
+        let message = format!(
+            "no material {} has a hyperelastic law; materials with a law: {}",
+            quoted(wanted),
+            several(names.iter().map(|name| quoted(name.as_ref())))
+        );
+        Self {
+            materials: names.iter().map(|name| name.as_ref().to_owned()).collect(),
+            ..Self::new(1, message, "name one of them with --material")
+        }
     }
 
     fn at(self, name: &str) -> SettingError {

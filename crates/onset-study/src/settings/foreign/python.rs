@@ -107,15 +107,8 @@ pub(super) fn read(
             .iter()
             .position(|own| own.name == wanted)
             .ok_or_else(|| {
-                Trouble::new(
-                    1,
-                    format!(
-                        "no material of the script is called {}; its materials: {}",
-                        brief(wanted),
-                        super::several(materials.iter().map(|own| brief(own.name)))
-                    ),
-                    "name one of them with --material",
-                )
+                let names: Vec<&str> = materials.iter().map(|own| own.name).collect();
+                Trouble::no_such_material(wanted, &names)
             })?,
     };
     let Some(own) = materials.get(place) else {
