@@ -375,7 +375,7 @@ impl<'a> Measured<'a> {
     /// Measures a panel, with words at its horizontal and at its vertical axis if `has_words`.
     fn new(panel: &'a Panel, size: Size, has_words: [bool; 2]) -> Self {
         let (width, height) = box_size(panel, size);
-        let title = font::wrap(&panel.title, WORDS, width + 50.0);
+        let title = font::wrap(&panel.title, WORDS, width + 30.0);
         let mut x_label = label_lines(&panel.x.label, width + 50.0);
         let mut y_label = label_lines(&panel.y.label, height + 10.0);
         let mut x_marks = spaced_marks(&panel.x, width);
