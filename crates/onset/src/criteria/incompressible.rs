@@ -69,7 +69,7 @@ impl Loading {
 
 /// Smallest ratio of bulk to shear modulus that counts as infinite. Results differ by no more than the inverse ratio, while rounding of the volume
 /// change would cost the pressure of a compressible law more digits.
-const STIFF: f64 = 1e8;
+const STIFF: f64 = 5e7;
 
 /// Bulk modulus of a law in the reference configuration, if it counts as infinite.
 pub(super) fn huge_bulk_modulus(material: &dyn Hyperelastic) -> Option<f64> {

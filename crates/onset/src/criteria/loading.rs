@@ -537,7 +537,7 @@ enum Missing {
 impl<'a> LoadingPath<'a> {
     /// Follows a loading over a range.
     ///
-    /// An isotropic law whose bulk modulus exceeds 1e8 shear moduli is replaced by its incompressible response if the loading can preserve the
+    /// An isotropic law whose bulk modulus exceeds 5e7 shear moduli is replaced by its incompressible response if the loading can preserve the
     /// volume. Otherwise rounding would hide the change of volume that carries the pressure.
     ///
     /// # Errors
@@ -631,7 +631,7 @@ impl<'a> LoadingPath<'a> {
         self.isotropic
     }
 
-    /// Returns true if the law is incompressible. The volume of a law with a huge bulk modulus hardly changes along the path, but jumps may change it.
+    /// Returns true if the law is incompressible. A law with a huge bulk modulus keeps its volume along the path to rounding, while jumps may change it.
     pub(super) fn keeps_volume(&self) -> bool {
         self.problem.volume == Volume::Kept
     }
@@ -728,12 +728,13 @@ impl<'a> LoadingPath<'a> {
             }
             // Error of the free stretches for a residual at the rounding level. If the matrix is nearly singular, the quadratic terms bound the
             // error.
+            let most = f64::EPSILON.sqrt();
             let open = linear
                 .solve(&Vector3::z(), &(sense * noise).push(0.0))
-                .map_or(f64::INFINITY, |open| open.amax());
-            let size = open.min(f64::EPSILON.sqrt());
-            for sign in [size, -size] {
-                let lateral = state.lateral + sense * sign;
+                .map_or(sense * most, |open| open.xy());
+            let open = open * (most / open.amax()).min(1.0);
+            for sign in [1.0, -1.0] {
+                let lateral = state.lateral + open * sign;
                 let f = with_free(imposed, free, &lateral);
                 let Ok(response) = respond(self.material(), &f) else {
                     continue;
