@@ -80,8 +80,8 @@ impl Track {
 const RESOLUTION: f64 = 1e-14;
 /// Largest distance from the reference configuration, in `ln lambda`, of changes that count as changes at this configuration.
 const AT_REFERENCE: f64 = 1e-9;
-/// Smallest shift of a change by rounding, relative to its distance from the reference configuration, for a change that may have been at this
-/// configuration: a value that grows with the square of the distance reaches a level at twice the ratio of level and slope.
+/// Smallest shift of a change by rounding that may have moved it away from the reference configuration, relative to its distance. A value that grows
+/// with the square of the distance reaches a level at twice the ratio of level and slope.
 const MOVED_FROM_REFERENCE: f64 = 0.4;
 /// Finite-difference step of the slope of a measure, in `ln lambda`.
 const SLOPE_STEP: f64 = 1e-5;
@@ -481,7 +481,22 @@ impl Jumps<'_, '_> {
     fn followed(&self, s: f64, jump: &Jump) -> Option<Jump> {
         let state = self.path.at(s)?;
         let found = self.search.descend(&state.response, jump);
-        found.filter(|jump| self.gains(&state, jump))
+        self.gaining_of(&state, found, jump)
+    }
+
+    /// Returns the end of a descent from a jump if it lowers the energy, or else the jump across a step of the energy.
+    fn gaining_of(
+        &self,
+        state: &super::PathState,
+        found: Option<Jump>,
+        jump: &Jump,
+    ) -> Option<Jump> {
+        let found = found.filter(|jump| self.gains(state, jump));
+        found.or_else(|| {
+            let has_step = !self.beside_kinks.is_empty();
+            let across = has_step.then(|| self.search.across_step(&state.response, jump));
+            across.flatten()
+        })
     }
 
     /// Returns true if a jump lowers the energy by more than rounding, or provably. The estimate of rounding is far above the enclosures of most laws.
@@ -541,7 +556,7 @@ impl Jumps<'_, '_> {
             let found = self.search.descend(&state.response, &last.1);
             // Without a jump that lowers the energy the value is positive. If the descent finds no jump at all, the gain of the given jump replaces the
             // unknown loss.
-            let Some(gaining) = found.filter(|jump| self.gains(&state, jump)) else {
+            let Some(gaining) = self.gaining_of(&state, found, &last.1) else {
                 let lost = found.map_or(-gain(&jump), |found| found.excess + found.rounding);
                 return Some(lost.max(f64::MIN_POSITIVE));
             };

@@ -87,6 +87,10 @@ const STIFF: f64 = 3e3;
 const INFINITESIMAL_AMPLITUDE: f64 = 1e-3;
 /// Number of halvings of the longest trial jump.
 const HALVINGS: i32 = 22;
+/// Ratio of the lengths of trial jumps across a step of the energy.
+const LENGTHENING: f64 = 1.05;
+/// Number of these jumps.
+const LENGTHENINGS: i32 = 48;
 /// Number of lowest starts that are followed.
 const FOLLOWED_STARTS: usize = 16;
 /// Number of jumps to the reach that are followed for each normal.
@@ -257,6 +261,28 @@ impl<'a> JumpSearch<'a> {
                 .filter(Jump::gains)
                 .min_by(|a, b| a.excess.total_cmp(&b.excess))
         })
+    }
+
+    /// Returns the shortest jump that lowers the energy among the jumps that lengthen another jump. Near a step of the energy it is the jump that
+    /// just crosses the step.
+    pub(super) fn across_step(&self, state: &Response, jump: &Jump) -> Option<Jump> {
+        let n = jump.direction;
+        let of_length = |length: f64| {
+            let a = self.admitted(state, jump.amplitude * length, &n);
+            self.evaluated(state, a, n).filter(Jump::gains)
+        };
+        let mut lengths = (0..LENGTHENINGS).map(|n| LENGTHENING.powi(n));
+        let (mut long, mut found) =
+            lengths.find_map(|length| Some((length, of_length(length)?)))?;
+        let mut short = long / LENGTHENING;
+        for _ in 0..f64::MANTISSA_DIGITS {
+            let middle = 0.5 * (short + long);
+            match of_length(middle) {
+                Some(shorter) => (long, found) = (middle, shorter),
+                None => short = middle,
+            }
+        }
+        Some(found)
     }
 
     /// Returns the lowest start of every pair of normal and polarization, with its excess.
