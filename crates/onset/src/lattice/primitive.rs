@@ -41,8 +41,8 @@ impl<const D: usize> Cell<D> {
         Some(smaller.in_basis(reduced.vectors, &reduced.inverse))
     }
 
-    /// The same cell in the canonical basis, with an origin in lattice coordinates of this basis relative to the first particle. Particles and points
-    /// lie in the cell at the origin.
+    /// Describes the cell in the canonical basis, about an origin in lattice coordinates of this basis relative to the first particle. Particles and
+    /// points lie in the cell at the origin.
     pub(crate) fn reduced(&self, origin: &Fractional<D>) -> Result<Self, LatticeError> {
         let reduced = Reduced::unique(&self.vectors)?;
         let cell = self.in_basis(reduced.vectors, &reduced.inverse);
