@@ -354,10 +354,12 @@ impl LimitAnswer {
             let finite = search.finite(&waves).ok()??;
             Some((waves, finite))
         });
-        // Blocks of particles in space take seconds.
+        // Blocks in space and blocks of several kinds of particles take seconds.
         search.ratios = of_typical.and_then(|(waves, finite)| {
             let ratio = finite.time_step / waves.step;
-            let is_costly = waves.problem.dimension() == 3 && !finite.proved;
+            let analysis = &waves.problem.analysis;
+            let is_large = waves.problem.dimension() == 3 || analysis.sites() > 1;
+            let is_costly = is_large && !finite.proved;
             (is_costly && ratio > 0.0 && ratio.is_finite()).then(|| Ratios(vec![(typical, ratio)]))
         });
         let values = spread([low, high], VALUES);
@@ -609,18 +611,17 @@ impl LimitAnswer {
         }
         let of = match present.lattice_time_step {
             lattice if step < lattice => format!(
-                " of {} (infinite lattice: {})",
-                if present.body.is_some() {
-                    "the body"
-                } else {
-                    "finite bodies"
+                " ({}; infinite lattice {})",
+                match present.body {
+                    Some(_) => "body",
+                    None => "finite bodies",
                 },
                 self.step(lattice)
             ),
             _ => String::new(),
         };
         Some(format!(
-            "Its present value is {value}, with a critical step{of} of {}; the ratio of the given to the critical step is {}.",
+            "Its present value is {value}, with a critical step of {}{of}; the ratio of the given to the critical step is {}.",
             self.step(step),
             told(self.time_step / step)
         ))
