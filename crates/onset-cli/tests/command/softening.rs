@@ -78,7 +78,7 @@ fn commands_read_a_law_that_softens() {
             answer.stderr
         );
     }
-    // Both the spacing of the lattice and its largest step follow the stiffer tangent.
+    // The largest step follows the stiffer tangent.
     let spacing = |law: &str| {
         let line = format!(
             "limit --vary discretization.spacing --time-step 0.01 --stretch 1.5,0.8 {METHOD} {law}"
@@ -86,7 +86,7 @@ fn commands_read_a_law_that_softens() {
         number(&document(&line), "/admitted/0/from/value")
     };
     let [virgin, primary] = ["--set material.model=yeoh", RUBBER].map(spacing);
-    assert!(primary > 1.01 * virgin, "{primary} {virgin}");
+    assert!(primary > 1.003 * virgin, "{primary} {virgin}");
 }
 
 #[test]

@@ -523,7 +523,7 @@ fn materials_of_a_script_are_chosen_by_name_and_sums_are_refused() {
     assert!(second.contains("material b (2 of 2"), "{second}");
     let unknown = law_of(Program::Felupe, "a script", two, Some("c"), &[]).expect_err("no c");
     assert!(
-        unknown.to_string().contains("its materials: a, b"),
+        unknown.to_string().contains("materials with a law: a, b"),
         "{unknown}"
     );
     let softened = "fem.OgdenRoxburgh(fem.NeoHooke(mu=1, bulk=2), r=3, m=1, beta=0)";

@@ -1,5 +1,6 @@
 //! Kinks of laws along loadings.
 
+use super::{path, track, zero};
 use nalgebra::{Matrix3, Vector3};
 use onset::criteria::{
     Change, Criterion, Discontinuity, Lateral, Loading, LoadingPath, Mode, PathEnd, Range, Witness,
@@ -352,4 +353,22 @@ fn a_path_turns_back_at_a_kink_of_the_stress() {
         let load = follow(&path, Criterion::LoadMaximum, true).expect("defined");
         assert_eq!(load.limit(), None, "the load rises up to the fold");
     }
+}
+
+/// In uniaxial strain a jump `(0.8 - x) e_1 (x) e_1` crosses the step at `J = 0.8` and gains 0.3. With the energy `w(x)` without the step it lowers the
+/// energy from the largest `x` with `w(0.8) - 0.3 < w(x) + w'(x) (0.8 - x)`; other jumps may lower it earlier.
+#[test]
+fn a_jump_across_a_step_of_the_energy_is_found_before_the_step() {
+    let law = Formula::parse("10*(I1-3-2*ln(J)) + 20*(J-1)^2 - 0.3*(1-heaviside(J-0.8))");
+    let law = law.and_then(|law| law.with(&[])).expect("a law");
+    let held = path(&law, Mode::Uniaxial, Lateral::Held);
+    let elliptic = track(&held, Criterion::StrongEllipticity, false);
+    let limit = follow_jumps(&held, &elliptic, 10.0, false).limit();
+    let w = |x: f64| 10.0 * (x * x - 1.0 - 2.0 * x.ln()) + 20.0 * (x - 1.0).powi(2);
+    let slope = |x: f64| 20.0 * (x - 1.0 / x) + 40.0 * (x - 1.0);
+    let gained = |x: f64| w(0.8) - 0.3 - w(x) - slope(x) * (0.8 - x);
+    let along_one_axis = zero(gained, 0.81, 0.99);
+    assert!((along_one_axis - 0.8829).abs() < 1e-4, "{along_one_axis}");
+    let limit = limit.expect("lost");
+    assert!((0.87..1.0).contains(&limit), "{limit}");
 }
