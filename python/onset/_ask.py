@@ -43,6 +43,7 @@ from ._arrays import state as state_as_typed
 from ._errors import InputError, OnsetError, asks
 from ._exports import Cell
 from ._settings import (
+    Material,
     MaterialLike,
     Method,
     MethodLike,
@@ -1082,7 +1083,7 @@ def localize(model: Material | str | None = None, path: str | None = None, load:
     'plastic_shear_strain'
     >>> rock = onset.Material("drucker-prager", friction=0.7)
     >>> onset.localize(rock, "plane-strain")["localization"]["band"]["kind"]
-    'shear-band'
+    'dilatant-shear-band'
     """
     law = model.assignments if isinstance(model, Material) else ()
     named = {"model": None if law else model, "path": path, "load": load} | parameters
