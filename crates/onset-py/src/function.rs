@@ -117,7 +117,7 @@ impl FunctionLaw {
         for (name, value) in &self.parameters {
             parameters.set_item(name, value)?;
         }
-        let arguments = (bytes(py, &components), parameters);
+        let arguments = (bytes(py, &components)?, parameters);
         let answer = evaluating(|| self.respond.call1(py, arguments))?;
         let answer = answer.bind(py).cast::<PyBytes>()?;
         let (numbers, _) = answer.as_bytes().as_chunks();

@@ -174,7 +174,7 @@ impl Law {
                 .try_for_each(|own| scope.run(|| part(own)))?;
             Ok(all)
         })?;
-        Ok(bytes(py, &responses))
+        bytes(py, &responses)
     }
 }
 

@@ -322,10 +322,10 @@ impl Problem {
         let number = |take: fn(&Record) -> f64| -> Vec<f64> { records.iter().map(take).collect() };
         let verdicts = number(|own| code(&Verdict::ALL, own.finding.verdict));
         let mechanisms = number(|own| code(&Mechanism::ALL, own.mechanism));
-        columns.set_item("verdict", bytes(py, &verdicts))?;
-        columns.set_item("mechanism", bytes(py, &mechanisms))?;
+        columns.set_item("verdict", bytes(py, &verdicts)?)?;
+        columns.set_item("mechanism", bytes(py, &mechanisms)?)?;
         for (name, take) in NUMBERS {
-            columns.set_item(name, bytes(py, &number(*take)))?;
+            columns.set_item(name, bytes(py, &number(*take))?)?;
         }
         let dimension = self.0.dimension();
         for (name, take) in VECTORS {
@@ -333,7 +333,7 @@ impl Problem {
                 .iter()
                 .flat_map(|record| take(record).into_iter().take(dimension))
                 .collect();
-            columns.set_item(name, bytes(py, &vectors))?;
+            columns.set_item(name, bytes(py, &vectors)?)?;
         }
         Ok(columns)
     }
@@ -348,7 +348,7 @@ impl Problem {
         let problem = Arc::clone(&self.0);
         let records = interrupt::answer(py, move || records(&problem, &components, |own| own))?;
         let steps: Vec<f64> = records.iter().map(|own| own.critical_time_step).collect();
-        Ok(bytes(py, &steps).into_any())
+        Ok(bytes(py, &steps)?.into_any())
     }
 
     /// Returns true if waves are damped, so that the critical time steps need a separate search.
@@ -586,7 +586,7 @@ impl Problem {
             }
             Ok(all)
         })?;
-        Ok(bytes(py, &spectra).into_any())
+        Ok(bytes(py, &spectra)?.into_any())
     }
 }
 

@@ -66,7 +66,7 @@ fn frame(py: Python<'_>, give: &Py<PyAny>, number: usize, given: [bool; 6]) -> P
 fn keep(py: Python<'_>, take: &Py<PyAny>, snapshot: &Snapshot<'_>) -> PyResult<()> {
     let fields = PyDict::new(py);
     for (name, values) in snapshot.of_nodes.iter().chain(&snapshot.of_points) {
-        fields.set_item(name, crate::arrays::bytes(py, values))?;
+        fields.set_item(name, crate::arrays::bytes(py, values)?)?;
     }
     evaluating(|| take.call1(py, (snapshot.number, snapshot.time, fields)))?;
     Ok(())
@@ -74,7 +74,7 @@ fn keep(py: Python<'_>, take: &Py<PyAny>, snapshot: &Snapshot<'_>) -> PyResult<(
 
 fn keep_modes(py: Python<'_>, take: &Py<PyAny>, actual: &Actual) -> PyResult<()> {
     for mode in &actual.modes {
-        let displacements = crate::arrays::bytes(py, mode.displacements.as_flattened());
+        let displacements = crate::arrays::bytes(py, mode.displacements.as_flattened())?;
         evaluating(|| take.call1(py, (displacements,)))?;
     }
     Ok(())

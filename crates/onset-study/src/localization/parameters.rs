@@ -561,7 +561,7 @@ impl PlasticSettings {
                     "keys of [material] have no effect here".to_owned(),
                 )
                 .hint(format!(
-                    "plastic laws are set by {MODEL} and its keys; the keys of a user material are used only with {MODEL} = {}",
+                    "set material.model too, or the law by {MODEL} and its keys; the keys of a user material are used only with {MODEL} = {}",
                     ROUTINES.join(" | ")
                 ))),
             };
