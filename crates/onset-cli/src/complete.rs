@@ -12,6 +12,7 @@ use onset_study::catalog;
 use onset_study::criteria::{Criterion, Lateral, Mode};
 use onset_study::figure::{ColorMap, Theme};
 use onset_study::fit::{Tests, families};
+use onset_study::input;
 use onset_study::limit::Integrator;
 use onset_study::localization::PARAMETERS;
 use onset_study::map;
@@ -245,9 +246,7 @@ fn plastic_words(argument: &str) -> Option<Words> {
 fn materials() -> Vec<String> {
     // The typed line follows `--` and begins with the name of this program.
     let typed = std::env::args_os().skip_while(|word| word != "--").skip(2);
-    let files = typed.filter(|word| Path::new(word).is_file());
-    let texts = files.filter_map(|file| std::fs::read(file).ok());
-    let texts = texts.map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+    let texts = typed.filter_map(|word| input::text(Path::new(&word), input::MOST_TEXT).ok());
     let decks = texts.filter_map(|text| Some((Program::of_deck(&text)?, text)));
     decks
         .flat_map(|(program, text)| materials_of(program, &text))

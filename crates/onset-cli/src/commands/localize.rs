@@ -55,8 +55,9 @@ fn law_of_file(
 ) -> Result<Vec<String>, Failure> {
     let read = Read::of(Some(file), &arguments.block, assignments)?;
     let law = MaterialSettings::of_file(&read.name, &read.text, &read.assignments);
-    let law = law.and_then(|law| PlasticSettings::assignments_of(&law));
-    law.map_err(|error| read.failure(error))
+    let law = law.and_then(|law| PlasticSettings::values_of(&law));
+    let law = law.map_err(|error| read.failure(error))?.into_iter();
+    Ok(law.map(|(name, value)| format!("{name}={value}")).collect())
 }
 
 /// Refuses an assignment that contradicts an option.

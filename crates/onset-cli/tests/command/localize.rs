@@ -187,6 +187,7 @@ fn the_keys_of_a_material_give_the_law_as_for_other_commands() {
     );
     for (line, fact) in [
         ("--set material.model=neo-hooke", "a law that flows"),
+        ("--set material.model=gurson --model j2", "are two laws"),
         ("--set material.model=j2", "material.saturation-stress=0"),
         (
             "--set material.model=hill-1948 --set material.angle=10",

@@ -5,12 +5,11 @@ use crate::number::{told, vector};
 use crate::settings::Family;
 use nalgebra::SVector;
 use onset::bloch::Mode;
+use onset::verdict::ZERO_FREQUENCY_FRACTION;
 
 /// Component of the polarization along the wave, as a fraction: waves are longitudinal above the first value and transverse below the second.
 const LONGITUDINAL: f64 = 0.95;
 const TRANSVERSE: f64 = 0.3;
-/// Rounding error of the squared frequencies relative to the largest.
-const EIGENVALUE_ROUNDING: f64 = 1e-13;
 /// Relative tolerance for the lengths of wave vectors.
 const LENGTH_TOLERANCE: f64 = 1e-6;
 
@@ -44,7 +43,7 @@ pub(super) fn name(
         );
     }
     let omega_squared = mode.omega_squared;
-    let is_zero = omega_squared.re.abs() <= EIGENVALUE_ROUNDING * fastest * fastest;
+    let is_zero = omega_squared.re.abs() <= ZERO_FREQUENCY_FRACTION * fastest * fastest;
     let frequency = match omega_squared.re > 0.0 && omega_squared.im == 0.0 && !is_zero {
         true => {
             let omega = told(omega_squared.re.sqrt());

@@ -11,7 +11,7 @@ use super::next::next;
 use super::notes::{buckling, note_on_upwinding, notes, softening};
 use super::problem::{Problem, ProblemError, Strain};
 use super::sentence;
-use super::stiffer::{RelaxationAnswer, StifferAnswer, WIDTH_OF_BANDS, band};
+use super::stiffer::{RelaxationAnswer, StifferAnswer, WIDTH_OF_BANDS, localizes};
 use crate::compare::percent;
 use crate::csv::Table;
 use crate::methods::reduced;
@@ -446,7 +446,7 @@ fn answer(
     let relaxation = RelaxationAnswer::new(problem, disturbed.as_ref(), f)?;
     let mut notes = notes(&problem.settings, &*problem.material);
     // The cause of an instability is the first note.
-    if band(problem, assessment, f).is_some() {
+    if localizes(problem, assessment) {
         notes.insert(0, WIDTH_OF_BANDS.to_owned());
     }
     notes.extend(waves_in_the_plane(problem, strain));

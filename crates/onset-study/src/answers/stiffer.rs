@@ -202,17 +202,21 @@ impl StifferAnswer {
     }
 }
 
-/// Band in which flow localizes at a state: the part of the sentence after the loss of ellipticity; `None` for laws that do not flow, and for verdicts
-/// other than `physical`.
+/// Returns true if flow localizes at a state: the material of a law that flows is unstable.
+pub(super) fn localizes(problem: &Problem, assessment: &Assessment<3>) -> bool {
+    assessment.verdict == Verdict::Physical && problem.settings.material.model.yields()
+}
+
+/// Band in which flow localizes at a state: the part of the sentence after the loss of ellipticity; `None` if it does not localize.
 pub(super) fn band(
     problem: &Problem,
     assessment: &Assessment<3>,
     f: &DeformationGradient,
 ) -> Option<String> {
-    let material = &assessment.material;
-    if assessment.verdict != Verdict::Physical || !problem.settings.material.model.yields() {
+    if !localizes(problem, assessment) {
         return None;
     }
+    let material = &assessment.material;
     let units = problem.settings.units();
     // Normals transform with F^-T.
     let direction = material.minimum.critical_direction();

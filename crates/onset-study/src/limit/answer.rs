@@ -355,7 +355,7 @@ impl LimitAnswer {
             Some((waves, finite))
         });
         // Blocks in space and blocks of several kinds of particles take seconds.
-        search.ratios = of_typical.and_then(|(waves, finite)| {
+        search.ratios = of_typical.as_ref().and_then(|(waves, finite)| {
             let ratio = finite.time_step / waves.step;
             let analysis = &waves.problem.analysis;
             let is_large = waves.problem.dimension() == 3 || analysis.sites() > 1;
@@ -391,12 +391,9 @@ impl LimitAnswer {
         let problem = problem.and_then(Problem::new).ok();
         let is_transferred = |problem: &Problem| problem.analysis.is_transferred();
         let present = present.map(|value| search.tried(value));
-        let finite_bodies = present.as_ref().filter(|own| own.note.is_none());
-        let finite_bodies = finite_bodies.and_then(|own| search.waves(own.value).ok());
-        let finite_bodies = match finite_bodies {
-            Some(waves) => search.finite(&waves)?,
-            None => None,
-        };
+        // With a present value this is the value of `of_typical`.
+        let is_evaluated = present.as_ref().is_some_and(|own| own.note.is_none());
+        let finite_bodies = of_typical.filter(|_| is_evaluated).map(|(_, own)| own);
         let body = all.iter().find_map(|one| one.body);
         let notes_on_problem = problem
             .as_ref()

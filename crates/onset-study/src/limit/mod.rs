@@ -16,7 +16,7 @@ pub use onset::time_step::Integrator;
 
 use crate::answers::ProblemError;
 use crate::settings::{
-    KEYS, Key, Kind, Origin, STEP_OF_RATES, SettingError, Settings, Value, units, unknown_key,
+    Key, Kind, Origin, STEP_OF_RATES, SettingError, Settings, Value, units, unknown_key_of,
 };
 
 /// Number of grid values that are evaluated before limits are refined.
@@ -53,10 +53,7 @@ impl LimitQuestion {
     pub fn new(name: &str) -> Result<Self, SettingError> {
         let origin = || Origin::CommandLine(name.to_owned());
         let Some(key) = Key::named(name) else {
-            // A name without its section is completed, also if it is not a number.
-            let is_meant = |key: &&Key| key.is_varied() || key.parts().1 == name;
-            let names = KEYS.iter().filter(is_meant).map(|key| key.name);
-            return Err(unknown_key(name, names, origin()));
+            return Err(unknown_key_of(name, Key::is_varied, origin()));
         };
         if !key.is_varied() {
             let message = format!("`{name}` cannot be varied: it takes {}", key.expects());

@@ -441,17 +441,20 @@ impl PlasticSettings {
                 let origin = Origin::CommandLine(format!("--set material.model={model}"));
                 settings.set(MODEL, model, origin)?;
             }
-            Some(_) => {
+            Some(model) => {
                 let material = MaterialSettings::of_file("", "", &of_material)?;
-                for own in Self::assignments_of(&material)? {
-                    let (name, value) = own.split_once('=').unwrap_or((&own, ""));
-                    let place = PARAMETERS.iter().position(|known| known.name == name);
-                    let is_set = |place: usize| settings.origins[place].is_some();
-                    if place.is_some_and(is_set) {
-                        continue;
+                let values = Self::values_of(&material)?;
+                if settings.is_set(MODEL) && !settings.is(MODEL, model) {
+                    let message = format!("material.model = {model} and {MODEL} are two laws");
+                    return Err(
+                        SettingError::new(Origin::Combination, message).hint("omit one of them")
+                    );
+                }
+                for (name, value) in values {
+                    if !settings.is_set(name) {
+                        let origin = Origin::CommandLine("the law of [material]".to_owned());
+                        settings.set(name, &value, origin)?;
                     }
-                    let origin = Origin::CommandLine("the law of [material]".to_owned());
-                    settings.set(name, value, origin)?;
                 }
                 of_material.clear();
             }
@@ -463,11 +466,13 @@ impl PlasticSettings {
         Ok(settings)
     }
 
-    /// Assignments to keys of `[plasticity]` that describe the law of a material.
+    /// Names and values of the parameters that describe the law of a material.
     ///
     /// # Errors
     /// [`SettingError`] if the law does not flow, or its hardening has no counterpart here.
-    pub fn assignments_of(material: &MaterialSettings) -> Result<Vec<String>, SettingError> {
+    pub fn values_of(
+        material: &MaterialSettings,
+    ) -> Result<Vec<(&'static str, String)>, SettingError> {
         let model = material.model.name();
         let entries = material.entries();
         let number = |wanted: &str| {
@@ -484,9 +489,14 @@ impl PlasticSettings {
                     .to_owned(),
             ));
         }
+        let no_flow = || {
+            refused(format!(
+                "expected a law that flows: {}",
+                WITH_ELASTICITY.join(", ")
+            ))
+        };
         let (Some(shear), Some(bulk)) = (number("mu"), number("kappa")) else {
-            let laws = WITH_ELASTICITY.join(", ");
-            return Err(refused(format!("expected a law that flows: {laws}")));
+            return Err(no_flow());
         };
         let elasticity = Elasticity { shear, bulk };
         let mut given = vec![
@@ -533,22 +543,20 @@ impl PlasticSettings {
             let mut all = PARAMETERS.iter();
             all.find(|own| own.name.strip_prefix("plasticity.") == Some(name))
         };
-        let is_known = |(name, _): &(&str, f64)| parameter(name).is_some();
-        if !WITH_ELASTICITY.contains(&model) || !given.iter().all(is_known) {
-            let laws = WITH_ELASTICITY.join(", ");
-            return Err(refused(format!("expected a law that flows: {laws}")));
-        }
-        let numbers = given.iter().map(|(name, value)| {
-            let unit = parameter(name).and_then(Parameter::si_unit);
-            let unit = unit.filter(|_| material.units().are_si()).unwrap_or("");
-            format!("plasticity.{name}={value}{unit}")
+        let known = given
+            .iter()
+            .map(|(name, value)| Some((parameter(name)?, value)));
+        let known: Option<Vec<_>> = known.collect();
+        let Some(known) = known.filter(|_| WITH_ELASTICITY.contains(&model)) else {
+            return Err(no_flow());
+        };
+        let numbers = known.into_iter().map(|(parameter, value)| {
+            let unit = parameter.si_unit().filter(|_| material.units().are_si());
+            (parameter.name, format!("{value}{}", unit.unwrap_or("")))
         });
-        let hardening = hardening.map(|word| format!("{HARDENING}={word}"));
-        Ok([format!("{MODEL}={model}")]
-            .into_iter()
-            .chain(hardening)
-            .chain(numbers)
-            .collect())
+        let words = [(MODEL, Some(model)), (HARDENING, hardening)];
+        let words = words.map(|(name, word)| Some((name, word?.to_owned())));
+        Ok(words.into_iter().flatten().chain(numbers).collect())
     }
 
     /// Reads the user material of `plasticity.model = umat` (or `library`) from keys of `[material]`.
@@ -726,6 +734,11 @@ impl PlasticSettings {
             .iter()
             .zip(&self.values)
             .filter(|(parameter, _)| self.has_effect(parameter))
+    }
+
+    fn is_set(&self, name: &str) -> bool {
+        let mut all = PARAMETERS.iter().zip(&self.origins);
+        all.any(|(known, origin)| known.name == name && origin.is_some())
     }
 
     fn value(&self, name: &str) -> &Value {

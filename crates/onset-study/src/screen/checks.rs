@@ -165,10 +165,8 @@ impl fmt::Display for ScreenChecks {
                 missing.part, missing.key, missing.default
             )?;
         }
-        let notes = own.notes.iter();
-        notes
-            .into_iter()
-            .try_for_each(|note| write!(formatter, "\n\nnote: {note}"))
+        let mut notes = own.notes.iter();
+        notes.try_for_each(|note| write!(formatter, "\n\nnote: {note}"))
     }
 }
 

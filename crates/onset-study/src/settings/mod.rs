@@ -664,6 +664,17 @@ impl std::fmt::Display for Value {
     }
 }
 
+/// Error for the unknown name of a key that must be of a kind. A name without its section is completed, also if it is the name of another kind.
+pub(crate) fn unknown_key_of(
+    name: &str,
+    is_of_kind: impl Fn(&Key) -> bool,
+    origin: Origin,
+) -> SettingError {
+    let is_meant = |key: &&Key| is_of_kind(key) || key.parts().1 == name;
+    let names = KEYS.iter().filter(is_meant).map(|key| key.name);
+    unknown_key(name, names.collect::<Vec<_>>().into_iter(), origin)
+}
+
 /// Error for an unknown key, with the most similar known key.
 pub(crate) fn unknown_key<'a>(
     name: &str,

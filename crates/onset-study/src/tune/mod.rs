@@ -10,7 +10,7 @@ pub use answer::{Dependence, Tried, TuneAnswer};
 
 use crate::compare::Thresholds;
 use crate::range::spread;
-use crate::settings::{KEYS, Key, STEP_OF_RATES, Settings, Value, unknown_key};
+use crate::settings::{Key, STEP_OF_RATES, Settings, Value, unknown_key_of};
 use crate::settings::{Origin, SettingError};
 
 /// Number of values on the grid.
@@ -44,14 +44,11 @@ impl TuneQuestion {
     /// [`SettingError`] when the key does not exist or is not a number.
     pub fn new(name: &str, range: (f64, f64), stretches: (f64, f64)) -> Result<Self, SettingError> {
         let origin = || Origin::CommandLine(name.to_owned());
-        let is_coefficient = |key: &&Key| key.parts().0 == "discretization" && key.unit().is_some();
+        let is_coefficient = |key: &Key| key.parts().0 == "discretization" && key.unit().is_some();
         let Some(key) = Key::named(name) else {
-            // A name without its section is completed, also if it is not a coefficient.
-            let is_meant = |key: &&Key| is_coefficient(key) || key.parts().1 == name;
-            let names = KEYS.iter().filter(is_meant).map(|key| key.name);
-            return Err(unknown_key(name, names, origin()));
+            return Err(unknown_key_of(name, is_coefficient, origin()));
         };
-        if !is_coefficient(&key) {
+        if !is_coefficient(key) {
             let message = match key.parts().0 {
                 "discretization" => {
                     format!("`{name}` is not a coefficient: it takes {}", key.expects())

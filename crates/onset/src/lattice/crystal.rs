@@ -299,16 +299,18 @@ impl<const D: usize> Crystal<D> {
         })
     }
 
-    /// Cuts a free block out of the lattice, with `counts` cells along each primitive vector: [`within`](Self::within) returns only its particles,
-    /// whose volumes remain as in the lattice.
+    /// Cuts a free block out of the lattice, with `counts` cells along each vector of the canonical basis, which begins at an origin as in
+    /// [`reduced`](Self::reduced). [`within`](Self::within) returns only its particles, whose volumes remain as in the lattice.
     ///
     /// # Errors
     /// [`LatticeError::NoSites`] if a count is zero.
-    pub(crate) fn block(&self, counts: [usize; D]) -> Result<Self, LatticeError> {
-        Ok(Self {
-            is_block: true,
-            ..self.supercell(counts)?
-        })
+    pub(crate) fn block(
+        &self,
+        counts: [usize; D],
+        origin: &Fractional<D>,
+    ) -> Result<Self, LatticeError> {
+        let block = self.reduced(origin)?.supercell(counts)?;
+        Ok(block.isolated())
     }
 
     /// Restricts the lattice to the particles of one cell: [`within`](Self::within) returns only these.
@@ -377,7 +379,7 @@ pub(crate) fn cells_between<const D: usize>(low: &[i32; D], high: &[i32; D]) -> 
 mod tests {
     use super::{Crystal, Particle};
     use crate::lattice::LatticeKind;
-    use nalgebra::SMatrix;
+    use nalgebra::{SMatrix, SVector};
 
     #[test]
     fn every_particle_of_the_honeycomb_has_three_nearest_and_six_second_neighbors() {
@@ -407,7 +409,7 @@ mod tests {
     fn particles_of_a_block_have_no_neighbors_beyond_its_faces() {
         let square = LatticeKind::Square.lattice::<2>(1.0).expect("a lattice");
         let block = Crystal::of_lattice(square)
-            .block([3, 3])
+            .block([3, 3], &SVector::zeros())
             .expect("a crystal");
         let seen = |place| block.within(place, 1.1, &SMatrix::identity()).len();
         let mut seen: Vec<usize> = block.sites().iter().map(seen).collect();

@@ -193,7 +193,7 @@ impl<const D: usize> Crystal<D> {
         Cell::new(self, Vec::new()).primitive()?.crystal()
     }
 
-    /// Describes the particles in the canonical basis of their lattice, in the cell at an origin; see [`Cell::reduced`].
+    /// Describes the particles in the canonical basis of their lattice, in the cell at an origin, as [`Cell::reduced`] does.
     pub(crate) fn reduced(&self, origin: &Fractional<D>) -> Result<Self, LatticeError> {
         let cell = Cell::new(self, Vec::new()).reduced(origin)?;
         let crystal = cell.crystal().ok_or(LatticeError::NoSites)?;

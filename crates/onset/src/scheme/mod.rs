@@ -257,7 +257,8 @@ pub trait Discretization<const D: usize>: Debug + Send + Sync {
     }
 
     /// Returns the method on the particles of a free block cut out of the crystal, with the given numbers of cells along the vectors of the canonical
-    /// basis. The block begins at an origin in lattice coordinates of this basis relative to the first particle. `None` if the method has no forces on such particles, or if it has [bodies](crate::motion::body).
+    /// basis. The block begins at an origin in lattice coordinates of this basis relative to the first particle. `None` if the method has no forces on such
+    /// particles, or if it has [bodies](crate::motion::body).
     ///
     /// # Errors
     /// [`MethodError`] if particles of the block have too few neighbors.

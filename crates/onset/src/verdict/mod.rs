@@ -16,7 +16,7 @@ mod weakest;
 pub use mechanism::Mechanism;
 pub use path::{Crossing, Onset, PathError, PathScan, scan_discretization, scan_material};
 pub use probe::{Phase, Probe, probe_material};
-pub use survey::{Ground, Judged, StateWaves, Survey, SurveyedState};
+pub use survey::{Ground, Judged, StateWaves, Survey, SurveyedState, ZERO_FREQUENCY_FRACTION};
 pub(crate) use unfolding::{Displacements, Slowest, Unfolding, continuum, is_first};
 pub(crate) use weakest::{Bottom, WeakestSearch};
 

@@ -29,7 +29,7 @@ use std::sync::{Arc, OnceLock};
 const ZERO_ENERGY_TEST_LIMIT: f64 = 0.05;
 
 /// Squared frequencies below this fraction of the largest squared frequency are zero to rounding.
-const ZERO_FREQUENCY_FRACTION: f64 = 1e-13;
+pub const ZERO_FREQUENCY_FRACTION: f64 = 1e-13;
 /// Difference of the components of two wave vectors, relative to the larger component, that is rounding of a search.
 const WAVE_VECTOR_TOLERANCE: f64 = 1e-9;
 

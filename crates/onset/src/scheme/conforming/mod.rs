@@ -217,7 +217,7 @@ impl<const D: usize> Discretization<D> for ConformingIntegration<D> {
         origin: &Fractional<D>,
     ) -> Result<Option<Box<dyn Discretization<D>>>, MethodError> {
         // Regions at the faces of a block equal those inside the lattice.
-        let block = self.crystal.reduced(origin)?.block(cells)?;
+        let block = self.crystal.block(cells, origin)?;
         let block = Self::over(self.regions.clone(), block, &self.choices)?;
         Ok(Some(Box::new(block)))
     }

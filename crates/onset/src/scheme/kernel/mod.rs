@@ -162,7 +162,8 @@ impl<const D: usize> KernelScheme<D> {
         Ok(scheme)
     }
 
-    /// Builds the method on a free block of a crystal, from the quadrature points of a cell; see [`Discretization::on_block`]. Points beyond the outermost particles are omitted.
+    /// Builds the method on a free block of a crystal, as [`Discretization::on_block`] does, from the quadrature points of a cell. Points beyond the
+    /// outermost particles are omitted.
     ///
     /// # Errors
     /// [`MethodError`] if a point has too few neighbors in the block.
@@ -173,7 +174,7 @@ impl<const D: usize> KernelScheme<D> {
         (cells, origin): ([usize; D], &Fractional<D>),
     ) -> Result<Self, MethodError> {
         let cell = Cell::new(crystal, points.collect()).reduced(origin)?;
-        let block = crystal.reduced(origin)?.block(cells)?;
+        let block = crystal.block(cells, origin)?;
         let end = |i: usize, worse: fn(f64, f64) -> f64| {
             let along = block.sites().iter().map(|site| site[i]);
             along.reduce(worse).unwrap_or(0.0)

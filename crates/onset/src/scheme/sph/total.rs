@@ -437,7 +437,7 @@ impl<const D: usize> Discretization<D> for TotalLagrangianSph<D> {
         cells: [usize; D],
         origin: &Fractional<D>,
     ) -> Result<Option<Box<dyn Discretization<D>>>, MethodError> {
-        let block = self.crystal.reduced(origin)?.block(cells)?;
+        let block = self.crystal.block(cells, origin)?;
         Ok(Some(Box::new(Self::new(block, self.choices.clone())?)))
     }
 
