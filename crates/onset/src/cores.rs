@@ -35,13 +35,14 @@ pub(crate) fn of_each_long<T: Send, R: Send>(
 /// intermediate code for each kind.
 fn on_all_cores(count: usize, work: &(dyn Fn(usize) + Sync)) {
     #[cfg(feature = "rayon")]
-    {
+    // A single item would only wait for another thread.
+    if count > 1 {
         use rayon::prelude::*;
         let scope = crate::cancel::Scope::current();
         (0..count)
             .into_par_iter()
             .for_each(|n| scope.run(|| work(n)));
+        return;
     }
-    #[cfg(not(feature = "rayon"))]
     (0..count).for_each(work);
 }

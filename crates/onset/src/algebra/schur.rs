@@ -1,7 +1,7 @@
 //! Schur form of complex matrices by the QR algorithm, in place: one matrix, or one in each lane.
 
 use super::Complex;
-use super::jacobi::{Pair, Selected};
+use super::jacobi::{Pair, Selected, diagonalize};
 
 /// Number of iterations for one eigenvalue after which the algorithm is considered not to converge.
 const ITERATIONS: usize = 60;
@@ -75,6 +75,25 @@ impl<R: Selected> Eigenvectors<R> {
             right,
             left,
         })
+    }
+
+    /// Decomposes a Hermitian matrix, given by its upper triangle, which is overwritten.
+    #[inline(always)]
+    pub(crate) fn of_hermitian(n: usize, matrix: &mut [Pair<R>]) -> Self {
+        let unit = |e: usize| R::constant(f64::from(u8::from(e / n == e % n)));
+        let mut right: Vec<Pair<R>> = (0..n * n).map(|e| [unit(e), R::constant(0.0)]).collect();
+        diagonalize(n, matrix, &mut right);
+        let adjoint = |e: usize| {
+            let [re, im] = right[e % n * n + e / n];
+            [re, -im]
+        };
+        Self {
+            values: (0..n)
+                .map(|i| [matrix[i * n + i][0], R::constant(0.0)])
+                .collect(),
+            left: (0..n * n).map(adjoint).collect(),
+            right,
+        }
     }
 
     /// Product of the norms of the matrices of left and right eigenvectors.

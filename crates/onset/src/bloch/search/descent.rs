@@ -284,13 +284,13 @@ impl<const D: usize> ZoneSearch<D> {
         (descent.place, descent.is_settled == Some(true))
     }
 
-    /// Like `newton`, for several functions, which are evaluated together; returns the ends.
+    /// Like `newton`, for several functions, which are evaluated together.
     pub(in crate::bloch) fn newton_together<N: Copy>(
         &self,
         expansions: &impl Fn(&[(N, SVector<f64, D>)]) -> Vec<Option<Taylor<f64, D>>>,
         starts: &[(N, Candidate<D>)],
         floor: f64,
-    ) -> Vec<Candidate<D>> {
+    ) -> Vec<(Candidate<D>, bool)> {
         let longest = self.longest();
         let begin = |(own, start): &(N, Candidate<D>)| (*own, Descent::new(*start, floor, longest));
         let mut all: Vec<(N, Descent<D>)> = starts.iter().map(begin).collect();
@@ -308,7 +308,8 @@ impl<const D: usize> ZoneSearch<D> {
                 own.1.take(there);
             }
         }
-        all.into_iter().map(|(_, descent)| descent.place).collect()
+        let end = |(_, descent): (N, Descent<D>)| (descent.place, descent.is_settled == Some(true));
+        all.into_iter().map(end).collect()
     }
 
     /// Objective with its derivatives.

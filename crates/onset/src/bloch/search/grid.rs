@@ -1,6 +1,6 @@
 //! Spectrum on a grid over the zone, and the wells of the grid.
 
-use super::well::neighbors;
+use super::well::{CROSSING_RATIO, is_near_crossing, neighbors};
 use super::{Candidate, Objective, Sample, ZoneSearch};
 use crate::algebra::{Complex, Zeros, sort_by_value};
 use crate::bloch::DynamicalMatrix;
@@ -14,11 +14,6 @@ use pulp::{Arch, NullaryFnOnce};
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
-/// Largest ratio of the discriminant at a point near a crossing to the largest value around it.
-///
-/// The discriminant is quadratic in the distance of two branches. If they cross within 0.6 grid steps along each axis, the ratio is `(0.6/1.6)^2 =
-/// 0.14`.
-const CROSSING_RATIO: f64 = 0.15;
 /// Maximum number of grid points along an axis that predict pockets in three dimensions without a discriminant.
 const POCKET_POINTS_PER_AXIS: usize = 24;
 
@@ -410,17 +405,14 @@ impl<const D: usize> Grid<D> {
                     .all(|c| c % stride == 0);
             }
             // Most points are too distant from a crossing for their neighbors to matter.
-            if known[*index].is_nan() || known[*index] > largest {
-                return false;
-            }
-            let around = || neighbors::<D>(*index, n, known.len()).chain([*index]);
-            if !around().any(|other| known[*index] <= CROSSING_RATIO * known[other]) {
+            if known[*index] > largest || !is_near_crossing::<D>(&known, *index, n) {
                 return false;
             }
             if !self.has_asymmetry() {
                 return true;
             }
-            let (least, most) = around().fold((f64::INFINITY, 0.0_f64), |(least, most), other| {
+            let around = neighbors::<D>(*index, n, known.len()).chain([*index]);
+            let (least, most) = around.fold((f64::INFINITY, 0.0_f64), |(least, most), other| {
                 (least.min(lowest[other]), most.max(asymmetry[other]))
             });
             can_beat(rival, least, most)

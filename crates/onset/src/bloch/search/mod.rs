@@ -17,7 +17,7 @@ mod mirrored;
 mod steps;
 mod well;
 
-pub(in crate::bloch) use well::neighbors;
+pub(in crate::bloch) use well::{is_near_crossing, neighbors};
 pub(crate) use well::{is_well, settled, settled_along};
 
 use super::bound::{self, Measure, Question};

@@ -20,6 +20,17 @@ pub(crate) fn has_neighbor<const D: usize>(
     around.any(|other| other.is_finite() && has_property(other))
 }
 
+/// Largest ratio of the squared difference of two branches at a point near their crossing to its largest value around the point.
+///
+/// If branches cross within 0.6 grid steps along each axis, the ratio is `(0.6/1.6)^2 = 0.14`.
+pub(super) const CROSSING_RATIO: f64 = 0.15;
+
+/// Returns true if two branches may cross near a point of the periodic grid, judging by the square of their difference, or are a complex pair there.
+pub(crate) fn is_near_crossing<const D: usize>(squares: &[f64], index: usize, n: usize) -> bool {
+    let own = squares[index];
+    own <= 0.0 || has_neighbor::<D>(squares, index, n, |other| own <= CROSSING_RATIO * other)
+}
+
 /// Neighbors of a point on the periodic grid. Only the first `known` points are returned, and the others are replaced by their opposites.
 pub(crate) fn neighbors<const D: usize>(
     index: usize,

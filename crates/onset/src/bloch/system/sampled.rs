@@ -4,7 +4,6 @@
 //! it evaluates a system. For small cells with lumped masses a [`FlatSum`] computes eight wave vectors at a time, without heap matrices for each of
 //! them. All other systems implement the interface themselves.
 
-use super::expansion::MatrixExpansion;
 use super::{BlochSum, Mass, WaveSystem};
 use crate::algebra::{
     Complex, Eigenvectors, Pair, ROTATED_ROWS, array_of, diagonalize, times, triangular,
@@ -32,13 +31,19 @@ pub(super) trait Sampled<const D: usize>: Send + Sync {
     /// `D(k)` with its derivatives at each wave vector.
     fn around(&self, wave_vectors: &[SVector<f64, D>]) -> Vec<Around<D>>;
 
-    /// Taylor expansions of the branches with the given numbers in the order of a value of `omega^2`.
+    /// Taylor expansion of a branch at each wave vector, given its number in the order of a value of `omega^2`; `None` where eigenvectors cannot be
+    /// computed.
     fn branches(
         &self,
-        k: &SVector<f64, D>,
+        wave_vectors: &[SVector<f64, D>],
         order: &dyn Fn(Complex) -> f64,
         numbers: &[usize],
-    ) -> Option<Vec<Taylor<Complex, D>>>;
+    ) -> Vec<Option<Taylor<Complex, D>>> {
+        let around = self.around(wave_vectors).into_iter().zip(numbers);
+        let branch =
+            |(around, number): (Around<D>, &usize)| around.branches(order, &[*number])?.pop();
+        around.map(branch).collect()
+    }
 }
 
 /// Values of `omega^2` at several wave vectors.
@@ -82,15 +87,17 @@ impl<const D: usize> Sampled<D> for &WaveSystem<D> {
 
     fn branches(
         &self,
-        k: &SVector<f64, D>,
+        wave_vectors: &[SVector<f64, D>],
         order: &dyn Fn(Complex) -> f64,
         numbers: &[usize],
-    ) -> Option<Vec<Taylor<Complex, D>>> {
-        let expansion = self.expansion_at(k);
-        let all = self.decomposed(&expansion)?;
-        of_numbered(&all.values, order, numbers, |own| {
-            expansion.branch(&all, own)
-        })
+    ) -> Vec<Option<Taylor<Complex, D>>> {
+        let branch = |(k, number): (&SVector<f64, D>, &usize)| {
+            let expansion = self.expansion_at(k);
+            let all = self.decomposed(&expansion)?;
+            let own = |own| expansion.branch(&all, own);
+            of_numbered(&all.values, order, &[*number], own)?.pop()
+        };
+        wave_vectors.iter().zip(numbers).map(branch).collect()
     }
 }
 
@@ -237,52 +244,56 @@ impl<'a, const D: usize> FlatSum<'a, D> {
 
     /// Eigenvalues at up to eight wave vectors, and the norms of the matrices; `None` if the iteration does not converge.
     fn eigenvalues(&self, wave_vectors: &[SVector<f64, D>]) -> Option<(Vec<Pair<Lanes>>, Lanes)> {
-        let drift = self
-            .drift
-            .as_ref()
-            .map(|drift| (&**drift, drift.phases(wave_vectors)));
         Lanes::vectorized(Eigenvalues {
             sum: self,
             phases: &self.phases(wave_vectors),
-            drift,
+            drift: self.drift_at(wave_vectors),
         })
     }
 
-    /// The sum with its derivatives with respect to the wave vector, in the lanes of up to two packs: value, first derivatives, second derivatives by
-    /// `a` and `b <= a`.
-    fn derivatives(&self, k: &SVector<f64, D>) -> [Vec<Pair<Lanes>>; 2] {
-        let mut factors = [0, 1].map(|_| Vec::with_capacity(self.cells.len()));
-        for (_, vector) in &self.cells {
-            let (sine, cosine) = k.dot(vector).sin_cos();
-            let mut parts = [[[0.0; LANES]; 2]; 2];
-            let mut set = |n: usize, re: f64, im: f64| {
-                parts[n / LANES][0][n % LANES] = re;
-                parts[n / LANES][1][n % LANES] = im;
-            };
-            set(0, cosine, sine);
-            for a in 0..D {
-                set(1 + a, -vector[a] * sine, vector[a] * cosine);
-                for b in 0..=a {
-                    let square = -vector[a] * vector[b];
-                    set(1 + D + a * (a + 1) / 2 + b, square * cosine, square * sine);
-                }
+    /// Sum of the smoothed velocities, with its phases at up to eight wave vectors.
+    fn drift_at(&self, wave_vectors: &[SVector<f64, D>]) -> Option<(&Self, Vec<Pair<Lanes>>)> {
+        let drift = self.drift.as_deref()?;
+        Some((drift, drift.phases(wave_vectors)))
+    }
+
+    /// The sum, and its derivatives with respect to the wave vector: first ones, then second ones by `a` and `b <= a`.
+    #[inline(always)]
+    fn derivatives(&self, phases: &[Pair<Lanes>]) -> Vec<Vec<Pair<Lanes>>> {
+        let n = self.size;
+        let mut parts = vec![vec![[Lanes::constant(0.0); 2]; n * n]; 1 + D + D * (D + 1) / 2];
+        let mut weighted = phases.to_vec();
+        for (number, part) in parts.iter_mut().enumerate() {
+            for (own, (phase, (_, vector))) in
+                weighted.iter_mut().zip(phases.iter().zip(&self.cells))
+            {
+                let [re, im] = *phase;
+                *own = match number {
+                    0 => *phase,
+                    _ if number <= D => [im * -vector[number - 1], re * vector[number - 1]],
+                    _ => {
+                        let (a, b) = pair_of(number - 1 - D);
+                        let square = -vector[a] * vector[b];
+                        [re * square, im * square]
+                    }
+                };
             }
-            for (own, [re, im]) in factors.iter_mut().zip(parts) {
-                own.push([Lanes(re), Lanes(im)]);
+            self.summed(&weighted, part);
+            if self.is_hermitian {
+                complete(n, part);
             }
         }
-        let is_needed = |pack: usize| pack * LANES < 1 + D + D * (D + 1) / 2;
-        [0, 1].map(|pack| match is_needed(pack) {
-            true => Lanes::vectorized(Sums(self, &factors[pack])),
-            false => Vec::new(),
-        })
+        parts
     }
 
     /// Eigenvectors at up to eight wave vectors, and the derivatives in their basis; `None` if the eigenvalue iteration does not converge.
     fn turned(&self, wave_vectors: &[SVector<f64, D>]) -> Option<Vec<Turned<D>>> {
         checkpoint();
-        let phases = self.phases(wave_vectors);
-        let (all, parts) = Lanes::vectorized(TurnedSums(self, &phases))?;
+        let (all, parts) = Lanes::vectorized(TurnedSums {
+            sum: self,
+            phases: &self.phases(wave_vectors),
+            drift: self.drift_at(wave_vectors),
+        })?;
         let n = self.size;
         let condition = all.condition();
         let lanes = 0..wave_vectors.len();
@@ -297,45 +308,6 @@ impl<'a, const D: usize> FlatSum<'a, D> {
             }
         };
         Some(lanes.map(of_lane).collect())
-    }
-
-    /// One of the matrices that [`Self::derivatives`] returns; the lower triangle of Hermitian ones follows from the upper one.
-    fn part(&self, packs: &[Vec<Pair<Lanes>>; 2], n: usize) -> impl Fn(usize, usize) -> Complex {
-        let (pack, lane, size) = (&packs[n / LANES], n % LANES, self.size);
-        let is_hermitian = self.is_hermitian;
-        move |i, j| {
-            let at = |i: usize, j: usize| {
-                let [re, im] = &pack[i * size + j];
-                Complex::new(re.0[lane], im.0[lane])
-            };
-            match is_hermitian {
-                true if i > j => at(j, i).conj(),
-                true if i == j => Complex::from(at(i, i).re),
-                _ => at(i, j),
-            }
-        }
-    }
-
-    /// The matrix with its derivatives.
-    fn expansion(&self, k: &SVector<f64, D>) -> MatrixExpansion<D> {
-        let own = self.expanded(k);
-        match &self.drift {
-            Some(drift) => own.times(&drift.expanded(k)),
-            None => own,
-        }
-    }
-
-    fn expanded(&self, k: &SVector<f64, D>) -> MatrixExpansion<D> {
-        let packs = self.derivatives(k);
-        MatrixExpansion::from_parts(|indices| {
-            let n = match *indices {
-                [] => 0,
-                [a] => 1 + a,
-                [a, b, ..] => 1 + D + a * (a + 1) / 2 + b,
-            };
-            let part = self.part(&packs, n);
-            DMatrix::from_fn(self.size, self.size, part)
-        })
     }
 }
 
@@ -374,54 +346,68 @@ impl<const D: usize> Work for Phases<'_, D> {
     }
 }
 
-struct Sums<'a, const D: usize>(&'a FlatSum<'a, D>, &'a [Pair<Lanes>]);
-
-impl<const D: usize> Work for Sums<'_, D> {
-    type Output = Vec<Pair<Lanes>>;
-
-    #[inline(always)]
-    fn done(self) -> Vec<Pair<Lanes>> {
-        let mut matrix = vec![[Lanes::constant(0.0); 2]; self.0.size * self.0.size];
-        self.0.summed(self.1, &mut matrix);
-        matrix
-    }
+/// Eigenvectors of a system in lanes, and the derivatives of its matrix in their basis: first derivatives, then second ones by `a` and `b <= a`.
+struct TurnedSums<'a, const D: usize> {
+    sum: &'a FlatSum<'a, D>,
+    phases: &'a [Pair<Lanes>],
+    drift: Option<(&'a FlatSum<'a, D>, Vec<Pair<Lanes>>)>,
 }
-
-/// Eigenvectors of sums in lanes, and the derivatives of the sums in their basis: first derivatives, then second ones by `a` and `b <= a`.
-struct TurnedSums<'a, const D: usize>(&'a FlatSum<'a, D>, &'a [Pair<Lanes>]);
 
 impl<const D: usize> Work for TurnedSums<'_, D> {
     type Output = Option<(Eigenvectors<Lanes>, Vec<Vec<Pair<Lanes>>>)>;
 
     #[inline(always)]
     fn done(self) -> Self::Output {
-        let Self(sum, phases) = self;
-        let n = sum.size;
-        let zero = [Lanes::constant(0.0); 2];
-        let mut matrix = vec![zero; n * n];
-        sum.summed(phases, &mut matrix);
-        let all = Eigenvectors::of(n, &matrix)?;
-        let mut half = vec![zero; n * n];
-        let count = D + D * (D + 1) / 2;
-        let mut parts = vec![vec![zero; n * n]; count];
-        let mut weighted = phases.to_vec();
-        for (number, part) in parts.iter_mut().enumerate() {
-            for (place, (_, vector)) in sum.cells.iter().enumerate() {
-                let [re, im] = phases[place];
-                weighted[place] = if number < D {
-                    [im * -vector[number], re * vector[number]]
-                } else {
-                    let (a, b) = pair_of(number - D);
-                    let square = -vector[a] * vector[b];
-                    [re * square, im * square]
-                };
-            }
-            sum.summed(&weighted, &mut matrix);
-            multiply(n, &all.left, &matrix, &mut half);
-            multiply(n, &half, &all.right, part);
+        let n = self.sum.size;
+        let mut parts = self.sum.derivatives(self.phases);
+        if let Some((drift, phases)) = &self.drift {
+            parts = products::<D>(n, &parts, &drift.derivatives(phases));
         }
-        Some((all, parts))
+        let mut parts = parts.into_iter();
+        let mut matrix = parts.next()?;
+        let all = match self.sum.is_hermitian {
+            true => Eigenvectors::of_hermitian(n, &mut matrix),
+            false => Eigenvectors::of(n, &matrix)?,
+        };
+        let mut half = matrix;
+        let turned = parts.map(|mut part| {
+            multiply(n, &all.left, &part, &mut half);
+            multiply(n, &half, &all.right, &mut part);
+            part
+        });
+        let turned = turned.collect();
+        Some((all, turned))
     }
+}
+
+/// Product of two matrices with their derivatives, by Leibniz' rule.
+#[inline(always)]
+fn products<const D: usize>(
+    n: usize,
+    x: &[Vec<Pair<Lanes>>],
+    y: &[Vec<Pair<Lanes>>],
+) -> Vec<Vec<Pair<Lanes>>> {
+    let zero = [Lanes::constant(0.0); 2];
+    let mut term = vec![zero; n * n];
+    let mut product = |factors: &[(usize, usize)]| {
+        let mut sum = vec![zero; n * n];
+        for (i, j) in factors {
+            multiply(n, &x[*i], &y[*j], &mut term);
+            for (sum, term) in sum.iter_mut().zip(&term) {
+                *sum = [sum[0] + term[0], sum[1] + term[1]];
+            }
+        }
+        sum
+    };
+    let order = |number: usize| match number {
+        0 => product(&[(0, 0)]),
+        _ if number <= D => product(&[(number, 0), (0, number)]),
+        _ => {
+            let (a, b) = pair_of(number - 1 - D);
+            product(&[(number, 0), (1 + a, 1 + b), (1 + b, 1 + a), (0, number)])
+        }
+    };
+    (0..x.len()).map(order).collect()
 }
 
 /// Axes `a` and `b <= a` of the second derivative with a number.
@@ -435,6 +421,18 @@ fn pair_of(number: usize) -> (usize, usize) {
         2
     };
     (a, number - a * (a + 1) / 2)
+}
+
+/// Sets the lower triangle of a Hermitian matrix from the upper one.
+#[inline(always)]
+fn complete(n: usize, matrix: &mut [Pair<Lanes>]) {
+    for i in 0..n {
+        for j in 0..i {
+            let [re, im] = matrix[j * n + i];
+            matrix[i * n + j] = [re, -im];
+        }
+        matrix[i * n + i][1] = Lanes::constant(0.0);
+    }
 }
 
 /// Product of two matrices by rows.
@@ -518,76 +516,11 @@ impl<const D: usize> Sampled<D> for FlatSum<'_, D> {
     }
 
     fn around(&self, wave_vectors: &[SVector<f64, D>]) -> Vec<Around<D>> {
-        let whole = |k: &SVector<f64, D>| Around::Complex(self.expansion(k));
-        if self.drift.is_some() || self.is_hermitian {
-            return wave_vectors.iter().map(whole).collect();
-        }
         let of_several = |several: &[SVector<f64, D>]| match self.turned(several) {
             Some(all) => all.into_iter().map(Around::Turned).collect(),
-            None => several.iter().map(whole).collect::<Vec<_>>(),
+            None => self.system.around(several),
         };
         wave_vectors.chunks(LANES).flat_map(of_several).collect()
-    }
-
-    fn branches(
-        &self,
-        k: &SVector<f64, D>,
-        order: &dyn Fn(Complex) -> f64,
-        numbers: &[usize],
-    ) -> Option<Vec<Taylor<Complex, D>>> {
-        let n = self.size;
-        if !self.is_hermitian {
-            return Around::Complex(self.expansion(k)).branches(order, numbers);
-        }
-        // Second-order perturbation theory, as in `MatrixExpansion::branch`, with left vectors that are the adjoints of the right ones.
-        let packs = self.derivatives(k);
-        let pair = |z: Complex| [z.re, z.im];
-        let value = self.part(&packs, 0);
-        let mut matrix: Vec<_> = (0..n * n).map(|e| pair(value(e / n, e % n))).collect();
-        let unit = |e: usize| [f64::from(u8::from(e / n == e % n)), 0.0];
-        let mut vectors: Vec<_> = (0..n * n).map(unit).collect();
-        diagonalize(n, &mut matrix, &mut vectors);
-        let values: Vec<f64> = (0..n).map(|m| matrix[m * n + m][0]).collect();
-        let vector =
-            |i: usize, m: usize| Complex::new(vectors[i * n + m][0], vectors[i * n + m][1]);
-        // A derivative of the matrix, applied to the vector of a branch.
-        let applied = |part: usize, own: usize| -> Vec<Complex> {
-            let entry = self.part(&packs, part);
-            let row = |i: usize| (0..n).map(|j| entry(i, j) * vector(j, own)).sum();
-            (0..n).map(row).collect()
-        };
-        let along = |m: usize, applied: &[Complex]| -> Complex {
-            let parts = applied.iter().enumerate();
-            parts.map(|(i, x)| vector(i, m).conj() * x).sum()
-        };
-        let taylor = |own: usize| {
-            let mut onto = vec![[Complex::default(); D]; n];
-            for a in 0..D {
-                let applied = applied(1 + a, own);
-                for (m, onto) in onto.iter_mut().enumerate() {
-                    onto[a] = along(m, &applied);
-                }
-            }
-            let mut hessian = [[Complex::default(); D]; D];
-            for a in 0..D {
-                for b in 0..=a {
-                    let applied = applied(1 + D + a * (a + 1) / 2 + b, own);
-                    let others = (0..n).filter(|m| *m != own).map(|m| {
-                        2.0 * (onto[m][a].conj() * onto[m][b]).re / (values[own] - values[m])
-                    });
-                    let bent = along(own, &applied).re + others.sum::<f64>();
-                    hessian[a][b] = Complex::from(bent);
-                    hessian[b][a] = hessian[a][b];
-                }
-            }
-            Taylor {
-                value: Complex::from(values[own]),
-                gradient: array_of(|a| Complex::from(onto[own][a].re)),
-                hessian,
-            }
-        };
-        let values: Vec<Complex> = values.iter().map(|value| (*value).into()).collect();
-        of_numbered(&values, order, numbers, taylor)
     }
 }
 
@@ -653,9 +586,10 @@ mod tests {
         for k in &waves[..3] {
             for number in [0, D * sites - 1] {
                 let order = |z: Complex| z.re;
-                let own = &sum.branches(k, &order, &[number]).expect("a branch")[0];
-                let known = (&system).branches(k, &order, &[number]);
-                let known = &known.expect("a branch")[0];
+                let branch =
+                    |of: &dyn Sampled<D>| of.branches(&[*k], &order, &[number]).pop().flatten();
+                let own = &branch(&sum).expect("a branch");
+                let known = &branch(&&system).expect("a branch");
                 let parts = |of: &Taylor<Complex, D>| {
                     let gradient = of.gradient.into_iter();
                     let hessian = of.hessian.as_flattened().to_vec();

@@ -21,7 +21,8 @@ use crate::bloch::bound::{BUDGET, Covered, GAP, Measure, Question, WIDEST_GAP, c
 use crate::bloch::branches::Taylor;
 use crate::bloch::pocket::{Around, HALVED_STEP_POINTS, Pockets};
 use crate::bloch::search::{
-    Flutter, LONG_WAVE_FRACTION, RELAXED_RAY_STEPS, is_well, neighbors, settled, settled_along,
+    Flutter, LONG_WAVE_FRACTION, RELAXED_RAY_STEPS, is_near_crossing, is_well, neighbors, settled,
+    settled_along,
 };
 use crate::bloch::short_range::ShortRange;
 use crate::bloch::{Judgment, Mode, SpectrumSummary, Stability, ZoneSearch, growth_rate};
@@ -63,6 +64,9 @@ const EQUAL_LENGTH_TOLERANCE: f64 = 1e-6;
 const KNOWN_BOTTOM_STEPS: f64 = 0.02;
 /// Number of times that boxes are halved.
 const BOX_DIVISIONS: usize = 2;
+/// Side of the smallest boxes, in grid steps.
+const LEAF_STEPS: f64 = 0.25;
+const _: () = assert!(LEAF_STEPS * (1 << BOX_DIVISIONS) as f64 == 1.0);
 /// Number of lowest branches that are checked for wells between the grid points.
 const TRACKED_BRANCHES: usize = 3;
 /// Minimum number of degrees of freedom of a huge cell. Its zone is so small that a few grid points resolve it.
@@ -91,6 +95,30 @@ const UNKNOWN: Branches = [f64::INFINITY; TRACKED_BRANCHES];
 
 /// Value of the objective, and its wave vector.
 type Candidate<const D: usize> = (f64, SVector<f64, D>);
+
+/// Start of a descent.
+#[derive(Clone, Copy)]
+struct Start<const D: usize> {
+    /// Number of the branch, and its value at a wave vector.
+    branch: usize,
+    place: Candidate<D>,
+    /// Lowest value that the descent may reach.
+    bound: f64,
+    /// True if the start represents a small box, which a known bottom inside settles.
+    is_in_box: bool,
+}
+
+impl<const D: usize> Start<D> {
+    /// Start on the lowest branch of a descent that may reach any value.
+    fn at(place: Candidate<D>) -> Self {
+        Self {
+            branch: 0,
+            place,
+            bound: f64::NEG_INFINITY,
+            is_in_box: false,
+        }
+    }
+}
 
 /// Objective of a search over the zone; always minimized.
 #[derive(Clone, Copy, PartialEq)]
@@ -333,6 +361,8 @@ struct Sweep<'a, const D: usize> {
     waves: Arc<WaveGrid<D>>,
     /// `omega^2` at half of the grid, computed when first needed. The wave vector `-k` has the complex conjugates.
     spectra: OnceLock<Spectra>,
+    /// See [`Self::squares`].
+    squares: OnceLock<Vec<Vec<f64>>>,
     /// `omega^2` at `k = 0`, without free translations.
     at_gamma: Vec<Complex>,
     /// Long-wave stiffness, with the two estimates of its rounding error below.
@@ -484,6 +514,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             function: None,
             effort: Effort::of(system),
             spectra: OnceLock::new(),
+            squares: OnceLock::new(),
             waves,
             at_gamma: system.omega_squared_at_gamma(),
             stiffness,
@@ -721,12 +752,13 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let branches = self.sampled_branches(Objective::Scaled, &wave_vectors);
         let zone = &self.search.equivalence().zone;
         let length = |own: &Candidate<D>| zone.folded(&own.1).norm();
-        let wells = self.wells(&branches).into_iter();
-        let ends = wells.map(|(value, _, index)| {
-            let start = (value, wave_vectors[index]);
-            self.followed(Objective::Scaled, 0, start, f64::INFINITY, &[])
-        });
-        let zeros = ends.filter(|end| end.0.abs() <= tolerance);
+        let wells = self.wells(&lowest_of(&branches)).into_iter();
+        let starts = wells.map(|(value, _, index)| Start::at((value, wave_vectors[index])));
+        let mut ends = Vec::new();
+        for several in starts.collect::<Vec<_>>().chunks(LANES) {
+            self.follow_together(Objective::Scaled, several, f64::INFINITY, &mut ends);
+        }
+        let zeros = ends.into_iter().filter(|end| end.0.abs() <= tolerance);
         zeros.fold(known, |best, own| {
             match length(&own) < length(&best) * (1.0 - EQUAL_LENGTH_TOLERANCE) {
                 true => own,
@@ -767,7 +799,36 @@ impl<'a, const D: usize> Sweep<'a, D> {
             most: self.effort.pockets,
             finer: self.effort.finer,
         };
-        pockets.around(half(&self.waves).into_iter())
+        let n = self.waves.resolution();
+        let is_near = |index: &usize| {
+            let mut squares = self.squares().iter();
+            squares.any(|own| is_near_crossing::<D>(own, *index, n))
+        };
+        let near = (1..self.waves.half()).filter(is_near);
+        pockets.around(near.map(|index| self.waves.wave_vector(index)))
+    }
+
+    /// Squares of the half differences of neighboring branches at half of the grid, for each branch but the lowest; infinite for long waves.
+    fn squares(&self) -> &[Vec<f64>] {
+        self.squares.get_or_init(|| {
+            let wave_vectors = half(&self.waves);
+            let of_branch = |upper: usize| {
+                let waves = wave_vectors.iter().zip(self.spectra().iter());
+                waves
+                    .map(|(k, spectrum)| self.square(upper, k, spectrum))
+                    .collect()
+            };
+            (1..self.system.size()).map(of_branch).collect()
+        })
+    }
+
+    /// Square of the half difference of a branch and the one below it, from a spectrum: negative for a complex pair, and infinite for long waves.
+    fn square(&self, upper: usize, k: &SVector<f64, D>, spectrum: &[Complex]) -> f64 {
+        if self.is_long(k) {
+            return f64::INFINITY;
+        }
+        let apart = (spectrum[upper] - spectrum[upper - 1]) * 0.5;
+        (apart * apart).re
     }
 
     /// Wave vectors at which two neighboring branches are a complex pair, found by descents of the square of their difference.
@@ -785,26 +846,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
             .map(|ring| self.sampled().spectra(ring))
             .collect();
         let mut starts: Vec<(f64, usize, Candidate<D>, Option<[f64; 2]>)> = Vec::new();
-        for upper in 1..self.system.size() {
-            let square = |k: &SVector<f64, D>, spectrum: &[Complex]| {
-                let apart = (spectrum[upper] - spectrum[upper - 1]) * 0.5;
-                if self.is_long(k) {
-                    f64::INFINITY
-                } else {
-                    (apart * apart).re
-                }
-            };
-            let of = |(k, spectrum): (&SVector<f64, D>, &[Complex])| {
-                let mut squares = UNKNOWN;
-                squares[0] = square(k, spectrum);
-                squares
-            };
-            let squares: Vec<Branches> = wave_vectors
-                .iter()
-                .zip(self.spectra().iter())
-                .map(of)
-                .collect();
-            let wells = self.wells(&squares).into_iter();
+        for (upper, squares) in (1..).zip(self.squares()) {
+            let wells = self.wells(squares).into_iter();
             starts.extend(wells.map(|(square, relief, index)| {
                 let start = (square, wave_vectors[index]);
                 (square / relief, upper, start, None)
@@ -814,7 +857,8 @@ impl<'a, const D: usize> Sweep<'a, D> {
                 .zip(&ring_spectra)
                 .map(|(ring, spectra)| {
                     let both = ring.iter().zip(spectra.iter());
-                    both.map(|(k, spectrum)| square(k, spectrum)).collect()
+                    both.map(|(k, spectrum)| self.square(upper, k, spectrum))
+                        .collect()
                 })
                 .collect();
             for (n, three) in along.windows(3).enumerate() {
@@ -843,7 +887,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let ends = self.search.newton_together(&squares, &starts, 0.0);
         // A start within a pocket counts too: the descent can end in another pocket.
         let both = starts.into_iter().zip(ends);
-        both.flat_map(|((_, start), end)| [start, end])
+        both.flat_map(|((_, start), (end, _))| [start, end])
             .filter(|(square, _)| *square < 0.0)
             .map(|(_, k)| k)
             .collect()
@@ -947,9 +991,10 @@ impl<'a, const D: usize> Sweep<'a, D> {
         };
         let at_gamma = self.at_gamma.iter().map(|value| value.re);
         let rest = (at_gamma.fold(f64::INFINITY, f64::min), SVector::zeros());
-        let follow = |start| self.followed(Objective::Lowest, 0, start, f64::INFINITY, &[rest]);
-        let ends = starts.into_iter().map(follow);
-        let lowest = ends.min_by(|a, b| a.0.total_cmp(&b.0));
+        let mut ends = vec![rest];
+        let starts = starts.into_iter().map(Start::at);
+        self.follow(Objective::Lowest, starts, f64::INFINITY, &mut ends);
+        let lowest = ends.into_iter().skip(1).min_by(|a, b| a.0.total_cmp(&b.0));
         lowest.unwrap_or((f64::INFINITY, k))
     }
 
@@ -995,7 +1040,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             widest: WIDEST_GAP * scale,
             budget,
             value: &|k| self.value(objective, k),
-            descended: &|start| self.followed(objective, 0, start, f64::INFINITY, &[]),
+            descended: &|start| self.followed(objective, start),
         };
         let mut covered = cover_system(self.system, measure, self.search.reference(), &question)?;
         let is_loose = covered.bound < covered.lowest - LOOSE_BOUND_RATIO * covered.lowest.abs();
@@ -1063,13 +1108,9 @@ impl<'a, const D: usize> Sweep<'a, D> {
             false => self.meetings(),
         };
         let pockets = self.pockets(fastest).into_iter().chain(meetings);
-        for k in pockets.chain(opening) {
-            let value = self.value(Objective::Growth, &k);
-            if value < 0.0 {
-                let deepest = deepest(&ends);
-                ends.push(self.followed(Objective::Growth, 0, (value, k), deepest, &ends));
-            }
-        }
+        let starts = self.starts(Objective::Growth, pockets.chain(opening));
+        let growing = starts.into_iter().filter(|start| start.place.0 < 0.0);
+        self.follow(Objective::Growth, growing, -rival, &mut ends);
         ends.push(sampled);
         let best = ends.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
         best.filter(|(value, _)| is_sampled || -value > threshold.max(rival))
@@ -1170,41 +1211,47 @@ impl<'a, const D: usize> Sweep<'a, D> {
         let wave_vectors = half(&self.waves);
         let branches = self.sampled_branches(objective, &wave_vectors);
         let mut ends: Vec<Candidate<D>> = Vec::new();
-        let margin = self.margin(objective);
-        let to_beat =
-            |ends: &[Candidate<D>]| ends.iter().map(|end| end.0).fold(floor, f64::min) - margin;
-        for (value, relief, index) in self.wells(&branches) {
-            if value - relief < to_beat(&ends) {
-                let start = (value, wave_vectors[index]);
-                ends.push(self.followed(objective, 0, start, to_beat(&ends), &ends));
-            }
-        }
+        let wells = self.wells(&lowest_of(&branches)).into_iter();
+        let wells = wells.map(|(value, relief, index)| Start {
+            bound: value - relief,
+            ..Start::at((value, wave_vectors[index]))
+        });
+        self.follow(objective, wells, floor, &mut ends);
         // Wells that open at `k = 0` are narrow in angle and can miss the grid: start along the direction of the softest long waves.
+        let mut others = Vec::new();
         if matches!(objective, Objective::Scaled | Objective::Lowest) {
             let along = self.search.long_wave_mode(&self.stiffness).wave_vector;
             let reciprocal = self.search.reference().reciprocal().column(0).norm();
             let step = reciprocal / self.waves.resolution() as f64;
-            for start in self.along_ray(objective, &(along * step)) {
-                ends.push(self.followed(objective, 0, start, to_beat(&ends), &ends));
-            }
+            let ray = self.along_ray(objective, &(along * step)).into_iter();
+            others.extend(ray.map(Start::at));
         }
         // At points of high symmetry slopes vanish, and the lowest point nearby need not belong to their well.
         for index in self.symmetric_points() {
             let k = wave_vectors[index];
             let beside = self.beside(&k).map(|k| (self.value(objective, &k), k));
-            for start in std::iter::once((branches[index][0], k)).chain(beside) {
-                if start.0 < to_beat(&ends) {
-                    ends.push(self.followed(objective, 0, start, to_beat(&ends), &ends));
-                }
-            }
+            let starts = std::iter::once((branches[index][0], k)).chain(beside);
+            others.extend(starts.map(|start| Start {
+                bound: start.0,
+                ..Start::at(start)
+            }));
         }
-        for region in self.regions(objective, branches, to_beat(&ends), &ends) {
-            if region.bound < to_beat(&ends) && !self.is_known(&region, &ends, 0.25) {
-                let start = (region.branches[region.branch], region.center);
-                ends.push(self.followed(objective, region.branch, start, to_beat(&ends), &ends));
-            }
-        }
+        self.follow(objective, others, floor, &mut ends);
+        let below = self.to_beat(objective, floor, &ends);
+        let regions = self.regions(objective, branches, below, &ends).into_iter();
+        let regions = regions.map(|region| Start {
+            branch: region.branch,
+            place: (region.branches[region.branch], region.center),
+            bound: region.bound,
+            is_in_box: region.branch == 0 && region.branches[0].is_finite(),
+        });
+        self.follow(objective, regions, floor, &mut ends);
         ends
+    }
+
+    /// Value below which a descent finds something new: the smallest of `floor` and the known ends, less rounding.
+    fn to_beat(&self, objective: Objective, floor: f64, ends: &[Candidate<D>]) -> f64 {
+        ends.iter().map(|end| end.0).fold(floor, f64::min) - self.margin(objective)
     }
 
     /// Minimum of the function: over the bottoms from the grid, from pockets of complex `omega^2`, and from long waves.
@@ -1223,7 +1270,7 @@ impl<'a, const D: usize> Sweep<'a, D> {
             for k in self.pockets(0.0).into_iter().chain(meetings) {
                 let start = (self.value(objective, &k), k);
                 if may_beat(start.0, deepest(&ends), FOLLOWED_GROWTH_RATIO) {
-                    ends.push(self.followed(objective, 0, start, f64::INFINITY, &[]));
+                    ends.push(self.followed(objective, start));
                 }
             }
         }
@@ -1345,16 +1392,15 @@ impl<'a, const D: usize> Sweep<'a, D> {
     }
 
     /// Distinct wells of the grid, deepest first: value, height of the highest neighbor above it, and index.
-    fn wells(&self, branches: &[Branches]) -> Vec<(f64, f64, usize)> {
+    fn wells(&self, values: &[f64]) -> Vec<(f64, f64, usize)> {
         let n = self.waves.resolution();
-        let values: Vec<f64> = branches.iter().map(|branches| branches[0]).collect();
         let relief = |index: usize| {
             let around = neighbors::<D>(index, n, values.len()).map(|other| values[other]);
             let around = around.filter(|value| value.is_finite());
             around.fold(values[index], f64::max) - values[index]
         };
         let mut wells: Vec<(f64, f64, usize)> = (0..values.len())
-            .filter(|index| is_well::<D>(&values, *index, n))
+            .filter(|index| is_well::<D>(values, *index, n))
             .map(|index| (values[index], relief(index), index))
             .collect();
         sort_by_value(&mut wells, |item| item.0);
@@ -1421,8 +1467,15 @@ impl<'a, const D: usize> Sweep<'a, D> {
 
     /// Returns true if a box, with the given side in grid steps, contains a known bottom of its lowest branch.
     fn is_known(&self, region: &Region<D>, known: &[Candidate<D>], side: f64) -> bool {
-        let is_near = |end: &Candidate<D>| self.steps_between(&region.center, &end.1) <= side;
-        region.branch == 0 && region.branches[0].is_finite() && known.iter().any(is_near)
+        let is_lowest = region.branch == 0 && region.branches[0].is_finite();
+        is_lowest && self.is_near_bottom(&region.center, known, side)
+    }
+
+    /// Returns true if a known bottom lies within a number of grid steps.
+    fn is_near_bottom(&self, k: &SVector<f64, D>, known: &[Candidate<D>], steps: f64) -> bool {
+        known
+            .iter()
+            .any(|end| self.steps_between(k, &end.1) <= steps)
     }
 
     /// Divides boxes with the given sides into halves along each axis.
@@ -1454,41 +1507,98 @@ impl<'a, const D: usize> Sweep<'a, D> {
         apart * self.waves.resolution() as f64
     }
 
-    /// Follows a branch from a start to its bottom.
-    ///
-    /// Newton's method is tried first; if it does not end in a smooth minimum, a search with finite differences follows. The descent ends early if it
-    /// cannot fall below `floor`, or at a known bottom.
-    fn followed(
+    /// Starts at wave vectors.
+    fn starts(
         &self,
         objective: Objective,
-        branch: usize,
-        start: Candidate<D>,
+        wave_vectors: impl Iterator<Item = SVector<f64, D>>,
+    ) -> Vec<Start<D>> {
+        let wave_vectors: Vec<_> = wave_vectors.collect();
+        let branches = self.branches_at(objective, &wave_vectors);
+        let both = branches.into_iter().zip(wave_vectors);
+        both.map(|(own, k)| Start::at((own[0], k))).collect()
+    }
+
+    /// Follows branches from their starts to their bottoms, as many at a time as are evaluated together, except those that cannot fall below `floor`
+    /// and all known ends.
+    fn follow(
+        &self,
+        objective: Objective,
+        starts: impl IntoIterator<Item = Start<D>>,
         floor: f64,
-        known: &[Candidate<D>],
-    ) -> Candidate<D> {
+        ends: &mut Vec<Candidate<D>>,
+    ) {
+        let together = match self.effort.is_large || objective == Objective::Function {
+            true => 1,
+            false => LANES,
+        };
+        let mut starts = starts.into_iter();
+        loop {
+            let to_beat = self.to_beat(objective, floor, ends);
+            let may_fall = |start: &Start<D>| {
+                let is_inside = || self.is_near_bottom(&start.place.1, ends, LEAF_STEPS);
+                start.bound < to_beat && !(start.is_in_box && is_inside())
+            };
+            let several: Vec<Start<D>> = starts.by_ref().filter(may_fall).take(together).collect();
+            if several.is_empty() {
+                return;
+            }
+            self.follow_together(objective, &several, to_beat, ends);
+        }
+    }
+
+    /// Follows branches to their bottoms.
+    ///
+    /// Newton's method is tried first; where it does not end in a smooth minimum, a search with finite differences follows. A descent ends early if it
+    /// cannot fall below `floor`, or at a known bottom.
+    fn follow_together(
+        &self,
+        objective: Objective,
+        starts: &[Start<D>],
+        floor: f64,
+        ends: &mut Vec<Candidate<D>>,
+    ) {
         let step = self.search.reference().reciprocal() / self.waves.resolution() as f64;
         if objective == Objective::Function {
-            return self.settled(objective, start, &step);
+            let settled = starts
+                .iter()
+                .map(|start| self.settled(objective, start.place, &step));
+            ends.extend(settled);
+            return;
         }
-        let taylor = |k: &SVector<f64, D>| self.taylor(objective, branch, k);
         // At the edge of a pocket the growth rate is a square root, so that no parabola predicts its minimum.
         let (to_beat, floor) = match objective {
             Objective::Growth => (f64::INFINITY, FOLLOWED_GROWTH_RATIO * floor),
             _ => (floor, floor),
         };
-        let (bottom, is_settled) = self.search.newton(&taylor, start, to_beat);
-        let end = (self.value(objective, &bottom.1), bottom.1);
+        let taylor = |places: &[(usize, SVector<f64, D>)]| self.taylor(objective, places);
+        let places: Vec<_> = starts.iter().map(|own| (own.branch, own.place)).collect();
+        let bottoms = self.search.newton_together(&taylor, &places, to_beat);
+        let wave_vectors: Vec<_> = bottoms.iter().map(|(bottom, _)| bottom.1).collect();
+        let values = self.branches_at(objective, &wave_vectors);
         let margin = self.margin(objective);
-        // In the zone of a small cell a grid step is long, so that a lower bottom can lie within one step of a known one.
-        let is_known = |known: &Candidate<D>| {
-            self.effort.is_large
-                && known.0 <= end.0 + margin
-                && self.steps_between(&known.1, &end.1) < KNOWN_BOTTOM_STEPS
-        };
-        if (is_settled && branch == 0) || end.0 >= floor || known.iter().any(is_known) {
-            return end;
+        for ((start, (bottom, is_settled)), value) in starts.iter().zip(bottoms).zip(values) {
+            let end = (value[0], bottom.1);
+            // In the zone of a small cell a grid step is long, so that a lower bottom can lie within one step of a known one.
+            let is_known = |known: &Candidate<D>| {
+                self.effort.is_large
+                    && known.0 <= end.0 + margin
+                    && self.steps_between(&known.1, &end.1) < KNOWN_BOTTOM_STEPS
+            };
+            let is_bottom = is_settled && start.branch == 0;
+            let is_end = is_bottom || end.0 >= floor || ends.iter().any(is_known);
+            ends.push(match is_end {
+                true => end,
+                false => self.settled(objective, end, &step),
+            });
         }
-        self.settled(objective, end, &step)
+    }
+
+    /// Bottom of the lowest branch below a start.
+    fn followed(&self, objective: Objective, start: Candidate<D>) -> Candidate<D> {
+        let mut ends = Vec::with_capacity(1);
+        self.follow_together(objective, &[Start::at(start)], f64::INFINITY, &mut ends);
+        ends[0]
     }
 
     /// Local minimum of the lowest branch, by finite differences with the given initial steps.
@@ -1505,29 +1615,35 @@ impl<'a, const D: usize> Sweep<'a, D> {
         settled(&lowest, start, steps)
     }
 
-    /// Taylor expansion of a branch of an objective; `None` for long waves.
+    /// Taylor expansions of branches of an objective; `None` for long waves.
     fn taylor(
         &self,
         objective: Objective,
-        branch: usize,
-        k: &SVector<f64, D>,
-    ) -> Option<Taylor<f64, D>> {
-        if self.is_long(k) {
-            return None;
-        }
+        places: &[(usize, SVector<f64, D>)],
+    ) -> Vec<Option<Taylor<f64, D>>> {
         let order = |omega_squared: Complex| match objective {
             Objective::Highest => -omega_squared.re,
             Objective::Growth => -growth_rate(omega_squared),
             _ => omega_squared.re,
         };
-        let value = self.sampled().branches(k, &order, &[branch])?.pop()?;
-        Some(match objective {
-            Objective::Scaled => self.search.scaled(&value.map(|z| z.re), k),
-            Objective::Highest => value.map(|z| -z.re),
-            Objective::Growth => value.growth().map(|x| -x),
-            Objective::Lowest => value.map(|z| z.re),
-            Objective::Function => return None,
-        })
+        let short = places.iter().filter(|(_, k)| !self.is_long(k));
+        let (numbers, wave_vectors): (Vec<usize>, Vec<_>) = short.copied().unzip();
+        let branches = self.sampled().branches(&wave_vectors, &order, &numbers);
+        let mut branches = branches.into_iter();
+        let own = |(_, k): &(usize, SVector<f64, D>)| {
+            let value = match self.is_long(k) {
+                true => None,
+                false => branches.next().flatten(),
+            }?;
+            match objective {
+                Objective::Scaled => Some(self.search.scaled(&value.map(|z| z.re), k)),
+                Objective::Highest => Some(value.map(|z| -z.re)),
+                Objective::Growth => Some(value.growth().map(|x| -x)),
+                Objective::Lowest => Some(value.map(|z| z.re)),
+                Objective::Function => None,
+            }
+        };
+        places.iter().map(own).collect()
     }
 
     /// Mode with the lowest `Re omega^2` at a wave vector.
@@ -1641,6 +1757,11 @@ fn resolution<const D: usize>(system: &WaveSystem<D>) -> usize {
     };
     let points = POINTS_PER_PERIOD * reach;
     points.clamp(least, most).next_multiple_of(6)
+}
+
+/// Values of the lowest branches.
+fn lowest_of(branches: &[Branches]) -> Vec<f64> {
+    branches.iter().map(|own| own[0]).collect()
 }
 
 /// Candidate with the smallest value; infinite if the list is empty.

@@ -4,12 +4,15 @@ use super::stability::largest_eigenvalue;
 use super::{BodyError, BodyMotion, BodyParticles, PlacedParticle, Shape, Start, with_body};
 use crate::algebra::array_of;
 use crate::bloch::BlochSum;
+use crate::cores::of_each;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{BravaisLattice, Crystal, Fractional, Particle, Reduced, cells_between};
 use crate::material::{Hyperelastic, Linearized};
 use crate::scheme::Discretization;
 use crate::time_step::Stepping;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+use std::cmp::Reverse;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Number of particles across the thinnest blocks. With two rows, gradients are far stiffer than with three, and such bodies are rarely intended.
 const THINNEST: usize = 3;
@@ -94,7 +97,7 @@ pub(crate) fn step_of_free_blocks<const D: usize>(
         .filter(|(_, map)| solid.turned(map).equals(&solid))
         .collect();
     let mut known: Vec<(bool, SMatrix<f64, D, D>)> = Vec::new();
-    let mut least: Option<f64> = None;
+    let mut cuts = Vec::new();
     for (is_of_rows, sides) in blocks {
         let sides = match is_of_rows {
             true => array_of(|i| sides[i].div_ceil(particles_along(crystal, i))),
@@ -115,32 +118,59 @@ pub(crate) fn step_of_free_blocks<const D: usize>(
             }
             known.push((is_of_rows, turned));
             // The turned block in this state is the block in the state turned back.
-            let solid = solid.turned(&in_space.transpose());
-            let state = solid.state();
-            // Blocks without a state are skipped: they have too few neighbors, or the law is not defined.
-            let step = |origin: &Fractional<D>| match (has_bodies, is_of_rows) {
-                (true, false) => {
-                    let block = turned_block(crystal, &axes, &sides, origin);
-                    step_of_body(discretization, &solid, state, &block)
-                }
-                (true, true) => {
-                    let block = block_of_rows(&crystal.reduced(origin).ok()?, &sides);
-                    step_of_body(discretization, &solid, state, &block)
-                }
-                (false, _) => {
-                    let block = discretization.on_block(sides, origin).ok().flatten();
-                    block.and_then(|block| step_of_cells(&*block, &solid, state))
-                }
-            };
+            let solid = Arc::new(solid.turned(&in_space.transpose()));
             let origins = match is_of_rows {
                 true => &of_rows,
                 false => crystal.sites(),
             };
-            let step = origins.iter().filter_map(step);
-            least = least.into_iter().chain(step).reduce(f64::min);
+            cuts.extend(origins.iter().map(|origin| Cut {
+                is_of_rows,
+                sides,
+                solid: Arc::clone(&solid),
+                origin: *origin,
+            }));
         }
     }
+    // A large block has corners, edges and faces, so that most smaller ones have no smaller step.
+    cuts.sort_by_key(|cut: &Cut<D>| Reverse(cut.sides.iter().product::<usize>()));
+    // Blocks without a state are skipped: they have too few neighbors, or the law is not defined.
+    let step = |cut: &Cut<D>, least: f64| {
+        let state = cut.solid.state();
+        match (has_bodies, cut.is_of_rows) {
+            (true, false) => {
+                let block = turned_block(crystal, &axes, &cut.sides, &cut.origin);
+                step_of_body(discretization, &*cut.solid, state, &block, least)
+            }
+            (true, true) => {
+                let block = block_of_rows(&crystal.reduced(&cut.origin).ok()?, &cut.sides);
+                step_of_body(discretization, &*cut.solid, state, &block, least)
+            }
+            (false, _) => {
+                let block = discretization.on_block(cut.sides, &cut.origin);
+                step_of_cells(&*block.ok().flatten()?, &*cut.solid, state, least)
+            }
+        }
+    };
+    let least = Mutex::new(f64::INFINITY);
+    let known = || *least.lock().unwrap_or_else(PoisonError::into_inner);
+    let steps = of_each(cuts, |cut| {
+        let step = step(&cut, known())?;
+        let mut least = least.lock().unwrap_or_else(PoisonError::into_inner);
+        *least = least.min(step);
+        Some(step)
+    });
+    let least = steps.into_iter().flatten().reduce(f64::min);
     least.map(|least| MARGIN * least)
+}
+
+/// Block that is cut out of a crystal.
+struct Cut<const D: usize> {
+    /// True for faces along the rows of the lattice, false for faces normal to its axes.
+    is_of_rows: bool,
+    sides: [usize; D],
+    /// Linearized law in the position of the block.
+    solid: Arc<Linearized>,
+    origin: Fractional<D>,
 }
 
 /// Orthogonal axes of a lattice, in columns: axes of rotation by half a turn that the most symmetries exchange, the shortest of equally symmetric ones;
@@ -292,12 +322,13 @@ fn is_diagonal<const D: usize>(vectors: &SMatrix<f64, D, D>) -> bool {
     rows.all(|row| row.iter().filter(is_entry).count() == 1)
 }
 
-/// Critical step of a body in motion.
+/// Critical step of a body in motion; an estimate if it exceeds `limit`.
 fn step_of_body<const D: usize>(
     discretization: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
     particles: &BodyParticles,
+    limit: f64,
 ) -> Option<f64> {
     let start = Start {
         f: *f,
@@ -307,24 +338,27 @@ fn step_of_body<const D: usize>(
     let mut found = None;
     let mut work = |body: &mut dyn BodyMotion| {
         let started = body.start(&start, 0.0);
-        found = started.and_then(|()| body.critical_time_step()).ok();
+        found = started
+            .and_then(|()| body.critical_time_step_below(limit))
+            .ok();
     };
     with_body(discretization, material, particles, &[], None, &mut work).ok()?;
     found
 }
 
-/// Critical step of a method on the particles of a block, which form a single cell.
+/// Critical step of a method on the particles of a block, which form a single cell; an estimate if it exceeds `limit`.
 fn step_of_cells<const D: usize>(
     block: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
+    limit: f64,
 ) -> Option<f64> {
     let system = block.waves(material, f).ok()?;
     if system.drift().is_some() {
         return None;
     }
     let masses = system.particle_masses();
-    let largest = |sum: &BlochSum<D>| {
+    let largest = |sum: &BlochSum<D>, is_irrelevant: &dyn Fn(f64) -> bool| {
         let matrix = sum.at(&SVector::zeros());
         let size = matrix.nrows();
         let over_mass = DMatrix::from_fn(size, size, |i, j| matrix[(i, j)].re / masses[i / D]);
@@ -332,10 +366,66 @@ fn step_of_cells<const D: usize>(
             let product = &over_mass * DVector::from_column_slice(own);
             Ok(product.as_slice().to_vec())
         };
-        largest_eigenvalue(size, &mut { image }).ok()
+        largest_eigenvalue(size, &mut { image }, is_irrelevant).ok()
     };
-    let squared = largest(system.stiffness())?;
-    let damping = system.damping().map_or(Some(0.0), largest)?;
-    let step = Stepping::VelocityVerlet.critical_step(squared, damping);
+    let step = |squared, damping| Stepping::VelocityVerlet.critical_step(squared, damping);
+    let damping = system
+        .damping()
+        .map_or(Some(0.0), |damping| largest(damping, &|_| false))?;
+    let squared = largest(system.stiffness(), &|bound| step(bound, damping) > limit)?;
+    let step = step(squared, damping);
     (step > 0.0 && step.is_finite()).then_some(step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Linearized, Start, turned_block, with_body};
+    use crate::kinematics::DeformationGradient;
+    use crate::lattice::{Crystal, LatticeKind};
+    use crate::material::ModifiedMooneyRivlin;
+    use crate::motion::BodyMotion;
+    use crate::scheme::sph::{MomentumForm, UpdatedSph, UpdatedSphChoices};
+    use nalgebra::SMatrix;
+
+    /// With the difference form of the momentum equation the stiffness is not symmetric.
+    #[test]
+    fn a_step_below_a_limit_is_exact_and_no_other_is_estimated_below_the_limit() {
+        let crystal = Crystal::<2>::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
+        let law = ModifiedMooneyRivlin::default();
+        let f = [[1.06, 0.02, 0.0], [-0.083, 1.109, 0.0], [0.0, 0.0, 1.0]];
+        let f = DeformationGradient::new(f).expect("a state");
+        let solid = Linearized::about(&law, &f).expect("a finite response");
+        for momentum in [MomentumForm::Difference, MomentumForm::Symmetric] {
+            let choices = UpdatedSphChoices {
+                radius: 2.2,
+                momentum,
+                ..UpdatedSphChoices::default()
+            };
+            let method = UpdatedSph::new(crystal.clone(), choices).expect("a method");
+            for side in [3, 5, 7] {
+                let axes = SMatrix::identity();
+                let block = turned_block(&crystal, &axes, &[side; 2], &crystal.sites()[0]);
+                let mut work = |body: &mut dyn BodyMotion| {
+                    let start = Start {
+                        f,
+                        noise: 0.0,
+                        seed: 1,
+                    };
+                    body.start(&start, 0.0).expect("a start");
+                    let whole = body.critical_time_step().expect("a step");
+                    for share in [0.5, 0.8, 0.95, 0.99, 0.9999] {
+                        let limit = share * whole;
+                        let step = body.critical_time_step_below(limit).expect("a step");
+                        assert!(
+                            step > limit && step <= whole,
+                            "{side} {share} {step} {whole}"
+                        );
+                    }
+                    let exact = body.critical_time_step_below(1.0001 * whole);
+                    assert_eq!(exact.expect("a step"), whole, "{side}");
+                };
+                with_body(&method, &solid, &block, &[], None, &mut work).expect("a body");
+            }
+        }
+    }
 }

@@ -297,17 +297,20 @@ impl<const D: usize> BodyMotion for LagrangianBody<'_, D> {
         (0..self.len()).map(|n| self.deformation(n)).collect()
     }
 
-    fn critical_time_step(&mut self) -> Result<f64, Box<Fault>> {
-        let largest = largest_eigenvalue(D * self.len(), &mut |own: &[f64], highest: f64| {
+    fn critical_time_step_below(&mut self, limit: f64) -> Result<f64, Box<Fault>> {
+        let unknowns = D * self.len();
+        let step = |squared: f64| Stepping::VelocityVerlet.critical_step(squared, 0.0);
+        let mut image = |own: &[f64], highest: f64| {
             let mut along = zeros(self.len());
             fill(&mut along, own);
             hold(&mut along, &self.held, self.grips);
             let mut image = self.changed(&along, DIFFERENCE_STEP * self.spacing / highest)?;
             hold(&mut image, &self.held, self.grips);
             Ok(negative(flat(&image, self.len())))
-        })?;
+        };
+        let largest = largest_eigenvalue(unknowns, &mut image, &|bound| step(bound) > limit)?;
         self.deform(0.0)?;
-        Ok(Stepping::VelocityVerlet.critical_step(largest + self.engine.stiffest_contact(), 0.0))
+        Ok(step(largest + self.engine.stiffest_contact()))
     }
 
     fn accelerations(&mut self) -> Result<Vec<f64>, Box<Fault>> {

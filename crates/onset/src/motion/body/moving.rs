@@ -61,7 +61,16 @@ pub trait BodyMotion {
     ///
     /// # Errors
     /// [`Fault`] if forces are undefined.
-    fn critical_time_step(&mut self) -> Result<f64, Box<Fault>>;
+    fn critical_time_step(&mut self) -> Result<f64, Box<Fault>> {
+        self.critical_time_step_below(f64::INFINITY)
+    }
+
+    /// Like [`BodyMotion::critical_time_step`] for a step below a limit. If an estimate of the step exceeds the limit, this estimate is returned, which
+    /// takes a fraction of the time.
+    ///
+    /// # Errors
+    /// [`Fault`] if forces are undefined.
+    fn critical_time_step_below(&mut self, limit: f64) -> Result<f64, Box<Fault>>;
 
     /// Returns the accelerations at the current displacements, vector by vector; length/time^2.
     ///

@@ -310,14 +310,18 @@ impl<const D: usize> Operator<D> {
             }
         };
         let weights = stepping.weights();
-        let found = largest_mode(self.unknowns, &mut |vector: &[f64], _| {
-            crate::cancel::checkpoint();
-            let mut vector = vector.to_vec();
-            hold(&mut vector);
-            let mut image = self.image(&vector, weights);
-            hold(&mut image);
-            Ok(image)
-        });
+        let found = largest_mode(
+            self.unknowns,
+            &mut |vector: &[f64], _| {
+                crate::cancel::checkpoint();
+                let mut vector = vector.to_vec();
+                hold(&mut vector);
+                let mut image = self.image(&vector, weights);
+                hold(&mut image);
+                Ok(image)
+            },
+            &|_| false,
+        );
         let (squared, mut mode) = found.ok().flatten()?;
         hold(&mut mode);
         let norm: f64 = mode.iter().map(|x| x * x).sum();

@@ -448,26 +448,33 @@ impl<const D: usize> BodyMotion for UpdatedBody<'_, D> {
             .collect()
     }
 
-    fn critical_time_step(&mut self) -> Result<f64, Box<Fault>> {
+    fn critical_time_step_below(&mut self, limit: f64) -> Result<f64, Box<Fault>> {
         let unknowns = D * self.len();
         let spacing = self.discretization.crystal().spacing();
-        let squared = largest_eigenvalue(unknowns, &mut |own: &[f64], highest: f64| {
+        let step = |squared, damping| Stepping::VelocityVerlet.critical_step(squared, damping);
+        let is_viscous = self.engine.law().is_ok_and(CurrentPairs::is_viscous);
+        let mut image = |own: &[f64], highest: f64| {
             let along = self.free(own);
             let change = self.changed_by_displacements(&along, DIFFERENCE_STEP * spacing / highest);
             let change = change.map_err(|none| self.fault(none, 0.0))?;
             Ok(negative(flat(&self.free(&change), self.len())))
+        };
+        let squared = largest_eigenvalue(unknowns, &mut image, &|bound| {
+            !is_viscous && step(bound, 0.0) > limit
         })?;
-        if !self.engine.law().is_ok_and(CurrentPairs::is_viscous) {
-            return Ok(Stepping::VelocityVerlet.critical_step(squared, 0.0));
+        if !is_viscous {
+            return Ok(step(squared, 0.0));
         }
         let speed = DIFFERENCE_STEP * spacing * squared.sqrt().max(f64::MIN_POSITIVE);
-        let damping = largest_eigenvalue(unknowns, &mut |own: &[f64], highest: f64| {
+        let mut image = |own: &[f64], highest: f64| {
             let along = self.free(own);
             let change = self.changed_by_velocities(&along, speed / highest);
             let change = change.map_err(|none| self.fault(none, 0.0))?;
             Ok(negative(flat(&self.free(&change), self.len())))
-        })?;
-        Ok(Stepping::VelocityVerlet.critical_step(squared, damping))
+        };
+        let damping =
+            largest_eigenvalue(unknowns, &mut image, &|bound| step(squared, bound) > limit)?;
+        Ok(step(squared, damping))
     }
 
     fn accelerations(&mut self) -> Result<Vec<f64>, Box<Fault>> {
