@@ -5,7 +5,7 @@
 //!
 //! 1. The long-wave limit comes before all waves that are as soft.
 //! 2. Halves of reciprocal vectors come before other wave vectors, and short wave vectors before long ones, also among all zero-energy modes, and on
-//!    lines and planes of equal waves.
+//!    lines and planes of equal waves. Relative motions of the particles of a cell, at `k = 0`, come last.
 //! 3. Among wave vectors of equal length, the first in the order of Cartesian components is taken, with the largest component first.
 //! 4. Among equal frequencies at this wave vector, the mode with the largest share along the wave is taken.
 
@@ -55,14 +55,15 @@ impl<const D: usize> ZoneSearch<D> {
         found: SpectrumSummary<D>,
     ) -> SpectrumSummary<D> {
         let fastest = found.maximum_omega.powi(2);
-        let finite = |mode: Mode<D>, measure| match mode.wave_vector.norm() > 0.0 {
-            true => self.representative(waves, mode, measure, fastest, found.tolerance),
-            false => mode,
+        let finite = |mode: Mode<D>, measure| {
+            self.representative(waves, mode, measure, fastest, found.tolerance)
         };
         let shown = |mode: Mode<D>| {
+            let is_at_rest = mode.wave_vector.norm() == 0.0;
             let over = self.speed_squared() * self.reference().laplacian(&mode.wave_vector);
-            let is_scaled = (mode.omega_squared.re / over - mode.scaled).abs()
-                <= SEARCH_ACCURACY * mode.scaled.abs() + found.tolerance;
+            let is_scaled = is_at_rest
+                || (mode.omega_squared.re / over - mode.scaled).abs()
+                    <= SEARCH_ACCURACY * mode.scaled.abs() + found.tolerance;
             match (mode.is_long_wave, is_scaled) {
                 (true, _) => self.representative_of_long(waves, mode),
                 (false, true) => finite(mode, Measure::Scaled),
@@ -127,7 +128,11 @@ impl<const D: usize> ZoneSearch<D> {
                 Measure::Growth => -all.iter().map(|own| growth_rate(*own)).fold(0.0, f64::max),
             }
         };
-        let own = value(&mode.wave_vector);
+        let is_at_rest = mode.wave_vector.norm() == 0.0;
+        let own = match is_at_rest {
+            true => mode.scaled,
+            false => value(&mode.wave_vector),
+        };
         let rounding = match measure {
             Measure::Scaled => MEASURE_ROUNDING * own.abs() + tolerance,
             Measure::Lowest => {
@@ -136,16 +141,24 @@ impl<const D: usize> ZoneSearch<D> {
             }
             Measure::Growth => (MEASURE_ROUNDING * fastest.sqrt()).min(SEARCH_ACCURACY * own.abs()),
         };
-        let zero_modes = || match measure != Measure::Growth && own.abs() <= rounding {
+        let is_zero = measure != Measure::Growth && own.abs() <= rounding;
+        // Other waves equal a motion with `k = 0` only if its frequency vanishes.
+        if is_at_rest && !(is_zero && measure == Measure::Scaled) {
+            return mode;
+        }
+        let zero_modes = || match is_zero {
             true => (waves.zero_modes)(&mode.wave_vector),
             false => Vec::new(),
         };
         let is_equal = |k: &SVector<f64, D>| value(k) <= own + rounding;
         let k = self.chosen(&mode.wave_vector, zero_modes, is_equal);
+        if k.norm() == 0.0 {
+            return mode;
+        }
         self.shown_at(waves, k, mode, measure, fastest)
     }
 
-    /// Wave vector that represents all wave vectors with an equal measure. `zero_modes` returns those of other zero-energy modes.
+    /// Wave vector that represents all wave vectors with an equal measure. `zero_modes` returns the wave vectors of other zero-energy modes.
     pub(super) fn chosen(
         &self,
         found: &SVector<f64, D>,
@@ -160,7 +173,7 @@ impl<const D: usize> ZoneSearch<D> {
         let mut equal: Vec<SVector<f64, D>> = halves.copied().collect();
         if equal.is_empty() {
             let mut alike: Vec<SVector<f64, D>> = zero_modes();
-            alike.retain(&is_equal);
+            alike.retain(|k| k.norm() > 0.0 && is_equal(k));
             if alike.is_empty() {
                 alike = equivalence.shorter(found, &is_equal);
                 alike.push(*found);

@@ -195,7 +195,7 @@ impl<const D: usize> WeakestSearch<'_, D> {
 
     /// Weakest wave: the lowest of the minima.
     ///
-    /// Zero-energy modes are equally weak. As among the waves of a state, those of alternating neighbors come first, then the others of the whole zone.
+    /// Zero-energy modes are equally weak. As among the waves of a state, alternating neighbors come first, then all other zero-energy modes.
     pub(super) fn weakest(&self, limit: f64) -> Option<WeakestMode<D>> {
         let mut bottoms = self.bottoms(limit);
         let known = &self.strains.alternating;

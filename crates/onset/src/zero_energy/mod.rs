@@ -143,7 +143,12 @@ impl<const D: usize> Strains<D> {
     ///
     /// If the search of the zone is incomplete, the wave itself is included.
     pub(crate) fn modes_if_unstrained(&self, k: &SVector<f64, D>) -> Vec<SVector<f64, D>> {
-        let Some(own) = self.rows.zero_mode_near(k) else {
+        let rows = &self.rows;
+        let own = match k.norm() > 0.0 {
+            true => rows.zero_mode_near(k),
+            false => rows.has_zero_mode_at(k).then_some(*k),
+        };
+        let Some(own) = own else {
             return Vec::new();
         };
         let ZeroModes { modes, is_complete } = self.modes();

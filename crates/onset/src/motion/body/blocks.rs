@@ -1,4 +1,4 @@
-//! Critical time steps of free blocks cut out of a lattice, which represent all finite bodies.
+//! Fastest oscillations of free blocks cut out of a lattice, which represent all finite bodies.
 
 use super::stability::largest_eigenvalue;
 use super::{BodyError, BodyMotion, BodyParticles, PlacedParticle, Shape, Start, with_body};
@@ -8,7 +8,7 @@ use crate::kinematics::DeformationGradient;
 use crate::lattice::{BravaisLattice, Crystal, Fractional, Particle, Reduced, cells_between};
 use crate::material::{Hyperelastic, Linearized};
 use crate::scheme::Discretization;
-use crate::time_step::Stepping;
+use crate::time_step::Oscillation;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 /// Number of particles across the thinnest blocks. With two rows, gradients are far stiffer than with three, and such bodies are rarely intended.
@@ -18,21 +18,21 @@ const MAXIMUM_SIDE: [usize; 3] = [16, 12, 8];
 /// Largest number of cells along the sides of a block, for methods without a moving body, whose stiffness matrix is assembled.
 const MAXIMUM_CELLS: [usize; 3] = [16, 12, 5];
 
-/// Safety factor of the smallest step: waves along faces whose lengths differ from these blocks are faster by up to half a percent.
+/// Safety factor of steps: waves along faces whose lengths differ from these blocks are faster by up to half a percent.
 const MARGIN: f64 = 0.98;
 
-/// Returns the smallest critical time step of free blocks in a homogeneous state, less two percent; time. `None` for methods whose forces are not
-/// defined for finite bodies.
+/// Returns the largest eigenvalues of stiffness and damping of free blocks in a homogeneous state, enlarged so that steps are two percent smaller. `None`
+/// for methods whose forces are not defined for finite bodies.
 ///
 /// The sizes of the blocks range from three particles to more than the range of the forces, and include corners, edges and faces. A block is also
 /// tried in every position in which a symmetry of the crystal puts it, so that mirror images of a state have the same step. Blocks of a crystal with
 /// several particles a cell begin at each of them: the step does not depend on the basis and the origin that describe the crystal. The step is
 /// computed, not proved: a particle that protrudes from a corner may need a smaller step.
-pub(crate) fn step_of_free_blocks<const D: usize>(
+pub(crate) fn oscillation_of_free_blocks<const D: usize>(
     discretization: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
-) -> Option<f64> {
+) -> Option<Oscillation> {
     let ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][D - 1];
     let reach = (discretization.neighbors() / ball).powf(1.0 / D as f64);
     // A rotation changes no frequency. Raw gradients are not exact at faces, where a rotation would strain the particles.
@@ -94,7 +94,7 @@ pub(crate) fn step_of_free_blocks<const D: usize>(
         .filter(|(_, map)| solid.turned(map).equals(&solid))
         .collect();
     let mut known: Vec<(bool, SMatrix<f64, D, D>)> = Vec::new();
-    let mut least: Option<f64> = None;
+    let mut fastest: Option<Oscillation> = None;
     for (is_of_rows, sides) in blocks {
         let sides = match is_of_rows {
             true => array_of(|i| sides[i].div_ceil(particles_along(crystal, i))),
@@ -118,29 +118,35 @@ pub(crate) fn step_of_free_blocks<const D: usize>(
             let solid = solid.turned(&in_space.transpose());
             let state = solid.state();
             // Blocks without a state are skipped: they have too few neighbors, or the law is not defined.
-            let step = |origin: &Fractional<D>| match (has_bodies, is_of_rows) {
+            let oscillation = |origin: &Fractional<D>| match (has_bodies, is_of_rows) {
                 (true, false) => {
                     let block = turned_block(crystal, &axes, &sides, origin);
-                    step_of_body(discretization, &solid, state, &block)
+                    of_body(discretization, &solid, state, &block)
                 }
                 (true, true) => {
                     let block = block_of_rows(&crystal.reduced(origin).ok()?, &sides);
-                    step_of_body(discretization, &solid, state, &block)
+                    of_body(discretization, &solid, state, &block)
                 }
                 (false, _) => {
                     let block = discretization.on_block(sides, origin).ok().flatten();
-                    block.and_then(|block| step_of_cells(&*block, &solid, state))
+                    block.and_then(|block| of_cells(&*block, &solid, state))
                 }
             };
             let origins = match is_of_rows {
                 true => &of_rows,
                 false => crystal.sites(),
             };
-            let step = origins.iter().filter_map(step);
-            least = least.into_iter().chain(step).reduce(f64::min);
+            let all = origins.iter().filter_map(oscillation);
+            fastest = fastest.into_iter().chain(all).reduce(|a, b| Oscillation {
+                squared: a.squared.max(b.squared),
+                damping: a.damping.max(b.damping),
+            });
         }
     }
-    least.map(|least| MARGIN * least)
+    fastest.map(|own| Oscillation {
+        squared: own.squared / MARGIN.powi(2),
+        damping: own.damping / MARGIN,
+    })
 }
 
 /// Orthogonal axes of a lattice, in columns: axes of rotation by half a turn that the most symmetries exchange, the shortest of equally symmetric ones;
@@ -292,13 +298,13 @@ fn is_diagonal<const D: usize>(vectors: &SMatrix<f64, D, D>) -> bool {
     rows.all(|row| row.iter().filter(is_entry).count() == 1)
 }
 
-/// Critical step of a body in motion.
-fn step_of_body<const D: usize>(
+/// Largest eigenvalues of a body in motion.
+fn of_body<const D: usize>(
     discretization: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
     particles: &BodyParticles,
-) -> Option<f64> {
+) -> Option<Oscillation> {
     let start = Start {
         f: *f,
         noise: 0.0,
@@ -307,18 +313,18 @@ fn step_of_body<const D: usize>(
     let mut found = None;
     let mut work = |body: &mut dyn BodyMotion| {
         let started = body.start(&start, 0.0);
-        found = started.and_then(|()| body.critical_time_step()).ok();
+        found = started.and_then(|()| body.fastest_oscillation()).ok();
     };
     with_body(discretization, material, particles, &[], None, &mut work).ok()?;
     found
 }
 
-/// Critical step of a method on the particles of a block, which form a single cell.
-fn step_of_cells<const D: usize>(
+/// Largest eigenvalues of a method on the particles of a block, which form a single cell.
+fn of_cells<const D: usize>(
     block: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
-) -> Option<f64> {
+) -> Option<Oscillation> {
     let system = block.waves(material, f).ok()?;
     if system.drift().is_some() {
         return None;
@@ -336,6 +342,6 @@ fn step_of_cells<const D: usize>(
     };
     let squared = largest(system.stiffness())?;
     let damping = system.damping().map_or(Some(0.0), largest)?;
-    let step = Stepping::VelocityVerlet.critical_step(squared, damping);
-    (step > 0.0 && step.is_finite()).then_some(step)
+    (squared > 0.0 && squared.is_finite() && damping.is_finite())
+        .then_some(Oscillation { squared, damping })
 }

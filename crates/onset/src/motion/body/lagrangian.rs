@@ -18,7 +18,7 @@ use crate::lattice::Crystal;
 use crate::material::Hyperelastic;
 use crate::motion::{Fault, Ground, PatchState};
 use crate::scheme::PairLaw;
-use crate::time_step::Stepping;
+use crate::time_step::Oscillation;
 
 /// Total-Lagrangian body in motion.
 struct LagrangianBody<'a, const D: usize> {
@@ -297,7 +297,7 @@ impl<const D: usize> BodyMotion for LagrangianBody<'_, D> {
         (0..self.len()).map(|n| self.deformation(n)).collect()
     }
 
-    fn critical_time_step(&mut self) -> Result<f64, Box<Fault>> {
+    fn fastest_oscillation(&mut self) -> Result<Oscillation, Box<Fault>> {
         let largest = largest_eigenvalue(D * self.len(), &mut |own: &[f64], highest: f64| {
             let mut along = zeros(self.len());
             fill(&mut along, own);
@@ -307,7 +307,10 @@ impl<const D: usize> BodyMotion for LagrangianBody<'_, D> {
             Ok(negative(flat(&image, self.len())))
         })?;
         self.deform(0.0)?;
-        Ok(Stepping::VelocityVerlet.critical_step(largest + self.engine.stiffest_contact(), 0.0))
+        Ok(Oscillation {
+            squared: largest + self.engine.stiffest_contact(),
+            damping: 0.0,
+        })
     }
 
     fn accelerations(&mut self) -> Result<Vec<f64>, Box<Fault>> {

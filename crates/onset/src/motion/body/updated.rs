@@ -33,7 +33,7 @@ use crate::material::Hyperelastic;
 use crate::motion::{Fault, Ground, PatchState};
 use crate::scheme::sph::CurrentPairs;
 use crate::scheme::{Discretization, NoForce};
-use crate::time_step::Stepping;
+use crate::time_step::Oscillation;
 use nalgebra::SMatrix;
 
 /// Distance, as a fraction of the support, within which two particles coincide.
@@ -448,7 +448,7 @@ impl<const D: usize> BodyMotion for UpdatedBody<'_, D> {
             .collect()
     }
 
-    fn critical_time_step(&mut self) -> Result<f64, Box<Fault>> {
+    fn fastest_oscillation(&mut self) -> Result<Oscillation, Box<Fault>> {
         let unknowns = D * self.len();
         let spacing = self.discretization.crystal().spacing();
         let squared = largest_eigenvalue(unknowns, &mut |own: &[f64], highest: f64| {
@@ -458,7 +458,10 @@ impl<const D: usize> BodyMotion for UpdatedBody<'_, D> {
             Ok(negative(flat(&self.free(&change), self.len())))
         })?;
         if !self.engine.law().is_ok_and(CurrentPairs::is_viscous) {
-            return Ok(Stepping::VelocityVerlet.critical_step(squared, 0.0));
+            return Ok(Oscillation {
+                squared,
+                damping: 0.0,
+            });
         }
         let speed = DIFFERENCE_STEP * spacing * squared.sqrt().max(f64::MIN_POSITIVE);
         let damping = largest_eigenvalue(unknowns, &mut |own: &[f64], highest: f64| {
@@ -467,7 +470,7 @@ impl<const D: usize> BodyMotion for UpdatedBody<'_, D> {
             let change = change.map_err(|none| self.fault(none, 0.0))?;
             Ok(negative(flat(&self.free(&change), self.len())))
         })?;
-        Ok(Stepping::VelocityVerlet.critical_step(squared, damping))
+        Ok(Oscillation { squared, damping })
     }
 
     fn accelerations(&mut self) -> Result<Vec<f64>, Box<Fault>> {
