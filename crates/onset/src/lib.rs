@@ -56,5 +56,6 @@ pub mod real;
 pub mod scheme;
 pub mod time_step;
 pub mod verdict;
+mod zero_energy;
 
 pub use lanes::lanes;

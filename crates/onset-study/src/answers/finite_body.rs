@@ -6,22 +6,15 @@ use crate::settings::Units;
 use onset::analysis::FiniteBodyGround;
 use onset::kinematics::DeformationGradient;
 use onset::motion::{BodyError, Start};
-use onset::time_step::Integrator;
+use onset::time_step::{Integrator, Oscillation};
 use serde::Serialize;
 
 /// Kind of body for which the critical time step of the waves holds.
 pub const LATTICE_NOTE: &str = "infinite lattice; free faces and distorted cells need less";
 
 /// Ratio of the largest undamped step of an integrator to the step of central differences.
-pub(crate) fn reach_of(integrator: Integrator) -> f64 {
+pub(super) fn reach_of(integrator: Integrator) -> f64 {
     integrator.undamped_reach() / Integrator::CentralDifferences.undamped_reach()
-}
-
-/// Ratio of the step of an integrator for a body to the step of central differences. With damping, which shifts the frequencies off the imaginary axis,
-/// the ratio is unknown for integrators with another reach.
-fn share_of(integrator: Integrator, is_damped: bool) -> Option<f64> {
-    let share = reach_of(integrator);
-    (share == 1.0 || !is_damped).then_some(share)
 }
 
 /// Time step for finite bodies of a lattice.
@@ -45,18 +38,20 @@ pub struct BodyStepAnswer {
 }
 
 impl FiniteBodyAnswer {
-    /// Returns the time step of central differences for finite bodies at a state with the given critical step of its waves; `None` if it is unknown. The
-    /// waves of stiffer increments limit the step, so their problem is passed if the state has any.
+    /// Returns the time step of an integrator for finite bodies at a state with the given critical step of its waves; `None` if no step is stable, or if it
+    /// is unknown, as for damped waves and some integrators. The waves of stiffer increments limit the step, so their problem is passed if the state has
+    /// any.
     ///
     /// # Errors
     /// [`ProblemError`] when material or method cannot be evaluated there.
     pub fn new(
         problem: &Problem,
         f: &DeformationGradient,
+        integrator: Integrator,
         lattice: Option<f64>,
     ) -> Result<Option<Self>, ProblemError> {
         let lattice = lattice.unwrap_or(f64::INFINITY);
-        let found = problem.analysis.finite_bodies(f, lattice)?;
+        let found = problem.analysis.finite_bodies(f, integrator, lattice)?;
         Ok(found.map(|found| {
             let (proved, ground) = match found.ground {
                 FiniteBodyGround::Parts => (
@@ -83,16 +78,6 @@ impl FiniteBodyAnswer {
         }))
     }
 
-    /// Returns the step for an integrator, in proportion to its reach on the imaginary axis; `None` if no step is stable, or if the step is unknown because
-    /// of damping.
-    pub(crate) fn with_integrator(self, integrator: Integrator, is_damped: bool) -> Option<Self> {
-        let share = share_of(integrator, is_damped).filter(|share| *share > 0.0)?;
-        Some(Self {
-            time_step: share * self.time_step,
-            ..self
-        })
-    }
-
     pub(crate) fn words(&self, units: Units) -> String {
         let how = if self.proved { "proved" } else { "computed" };
         format!(
@@ -104,21 +89,16 @@ impl FiniteBodyAnswer {
 }
 
 impl BodyStepAnswer {
-    /// Returns the step for an integrator, in proportion to its reach on the imaginary axis; `None` if the step is unknown because of damping.
-    pub(crate) fn with_integrator(self, integrator: Integrator, is_damped: bool) -> Option<Self> {
-        let share = share_of(integrator, is_damped)?;
-        Some(Self {
-            time_step: self.time_step.map(|step| step * share),
-            ..self
-        })
-    }
-
-    /// Returns the critical step of central differences for the body of the settings at a state; `None` without a body. As for
-    /// [`FiniteBodyAnswer::new`], the problem of stiffer increments is passed if the state has any.
+    /// Returns the critical step of an integrator for the body of the settings at a state; `None` without a body, and if damping changes the limit of the
+    /// integrator by an unknown factor. As for [`FiniteBodyAnswer::new`], the problem of stiffer increments is passed if the state has any.
     ///
     /// # Errors
     /// [`ProblemError`] when the method cannot run the body.
-    pub fn new(problem: &Problem, f: &DeformationGradient) -> Result<Option<Self>, ProblemError> {
+    pub fn new(
+        problem: &Problem,
+        f: &DeformationGradient,
+        integrator: Integrator,
+    ) -> Result<Option<Self>, ProblemError> {
         let Some(settings) = &problem.settings.body else {
             return Ok(None);
         };
@@ -137,14 +117,17 @@ impl BodyStepAnswer {
             .analysis
             .with_body(&particles, &grips, contact, &mut |body| {
                 let step = body.start(&start, 0.0);
-                let step = step.and_then(|()| body.critical_time_step());
-                found = Some(step.map(|step| Self {
-                    particles: body.positions().len(),
-                    time_step: Some(step).filter(|step| step.is_finite()),
+                let fastest = step.and_then(|()| body.fastest_oscillation(Oscillation::NONE));
+                found = Some(fastest.map(|fastest| {
+                    let step = fastest.critical_time_step(integrator)?;
+                    Some(Self {
+                        particles: body.positions().len(),
+                        time_step: Some(step).filter(|step| step.is_finite()),
+                    })
                 }));
             })?;
         match found {
-            Some(found) => Ok(Some(found?)),
+            Some(found) => Ok(found?),
             None => Err(BodyError::Empty.into()),
         }
     }

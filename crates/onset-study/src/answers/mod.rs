@@ -32,7 +32,6 @@ pub use discrete_time::DiscreteTimeAnswer;
 pub use dispersion::{DispersionAnswer, Waves};
 pub use evidence::Evidence;
 pub(crate) use finite_body::hint_on_body;
-pub(crate) use finite_body::reach_of;
 pub use finite_body::{BodyStepAnswer, FiniteBodyAnswer, LATTICE_NOTE};
 pub use implicit::ImplicitAnswer;
 pub use moving::{MovingMode, MovingParticle};

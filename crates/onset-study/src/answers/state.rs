@@ -591,23 +591,23 @@ fn discretization_answer(
         }
     };
     let named = mode_name::name(problem, mode, &spatial, spectrum.maximum_omega);
-    let (mut finite_bodies, mut body) = match implicit {
-        Some(_) => (None, None),
-        None => (
-            FiniteBodyAnswer::new(stiffer.unwrap_or(problem), f, critical_time_step)?,
-            BodyStepAnswer::new(stiffer.unwrap_or(problem), f)?,
-        ),
-    };
     let is_stepped = discrete_time.is_none() && implicit.is_none();
     let default = TimeIntegrator::default().explicit();
     let integrator = explicit.or(default).filter(|_| is_stepped);
-    let mut critical_time_step = critical_time_step.filter(|_| implicit.is_none());
-    if let Some(integrator) = integrator {
-        let is_damped = analysis.is_damped();
-        finite_bodies = finite_bodies.and_then(|own| own.with_integrator(integrator, is_damped));
-        body = body.and_then(|own| own.with_integrator(integrator, is_damped));
-        critical_time_step = critical_time_step.map(|step| step * reach_of(integrator));
-    }
+    let scheme = integrator.unwrap_or(Integrator::CentralDifferences);
+    let critical_time_step = critical_time_step
+        .filter(|_| implicit.is_none())
+        .map(|step| step * reach_of(scheme));
+    let (finite_bodies, body) = match implicit {
+        Some(_) => (None, None),
+        None => {
+            let limiting = stiffer.unwrap_or(problem);
+            (
+                FiniteBodyAnswer::new(limiting, f, scheme, critical_time_step)?,
+                BodyStepAnswer::new(limiting, f, scheme)?,
+            )
+        }
+    };
     Ok(DiscretizationAnswer {
         stable: spectrum.is_stable(),
         mode: named,

@@ -12,6 +12,7 @@ use nalgebra::{SVector, SymmetricEigen};
 use onset::kinematics::DeformationGradient;
 use onset::material::Viscoelastic;
 use onset::method::MethodError;
+use onset::time_step::Integrator;
 use onset::verdict::{Assessment, Mechanism, Verdict};
 use serde::Serialize;
 
@@ -184,7 +185,7 @@ impl StifferAnswer {
             growth_rate: spectrum.growth_rate(),
             maximum_omega: spectrum.maximum_omega,
             critical_time_step: step,
-            finite_bodies: FiniteBodyAnswer::new(problem, f, step)?,
+            finite_bodies: FiniteBodyAnswer::new(problem, f, Integrator::CentralDifferences, step)?,
         })
     }
 

@@ -8,6 +8,7 @@ use crate::number::{counted, told_below};
 use crate::settings::{Axis, Effective, MapSettings, Quantity, Study, Units, Value};
 use onset::kinematics::DeformationGradient;
 use onset::method::MethodError;
+use onset::time_step::Integrator;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -87,7 +88,8 @@ impl StudySummary {
                 let problem = Problem::new(study.settings.clone())?;
                 let rest = DeformationGradient::identity();
                 let stiffer = problem.stiffer_at(&rest)?;
-                BodyStepAnswer::new(stiffer.as_ref().unwrap_or(&problem), &rest)?
+                let limiting = stiffer.as_ref().unwrap_or(&problem);
+                BodyStepAnswer::new(limiting, &rest, Integrator::CentralDifferences)?
             }
             _ => None,
         };

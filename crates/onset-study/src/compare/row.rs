@@ -121,14 +121,11 @@ impl Measured {
         let integrator = settings.explicit_integrator()?;
         let step = fastest.analysis.critical_time_step(&rest, integrator)?;
         let passage = analysis.speed_squared()?.sqrt() / analysis.spacing();
-        let body = match BodyStepAnswer::new(fastest, &rest) {
+        let body = match BodyStepAnswer::new(fastest, &rest, integrator) {
             Err(ProblemError::Body {
                 source: BodyError::NoBodies,
             }) => None,
-            found => {
-                let is_damped = fastest.analysis.is_damped();
-                found?.and_then(|own| own.with_integrator(integrator, is_damped))
-            }
+            found => found?,
         };
         Ok(Self {
             zero_modes,

@@ -5,7 +5,6 @@ use super::varied::Varied;
 use super::{LimitQuestion, SHORT_ROWS, VALUES};
 use crate::answers::{
     BodyStepAnswer, Evidence, FiniteBodyAnswer, LATTICE_NOTE, Problem, ProblemError, Strain, notes,
-    reach_of,
 };
 use crate::brief::{Brief, Short, WIDTH, cut};
 use crate::caption;
@@ -230,11 +229,9 @@ impl Search<'_> {
         if self.settings.body.is_some() {
             return Ok(None);
         }
-        let lattice = Some(waves.step / reach_of(self.integrator)).filter(|step| step.is_finite());
+        let lattice = Some(waves.step).filter(|step| step.is_finite());
         let problem = waves.stiffer.as_ref().unwrap_or(&waves.problem);
-        let found = FiniteBodyAnswer::new(problem, &self.strain.0, lattice)?;
-        let is_damped = waves.problem.analysis.is_damped();
-        Ok(found.and_then(|own| own.with_integrator(self.integrator, is_damped)))
+        FiniteBodyAnswer::new(problem, &self.strain.0, self.integrator, lattice)
     }
 
     /// Ratio of the step of finite bodies to the step of the lattice, if both are positive and finite.
@@ -247,9 +244,7 @@ impl Search<'_> {
     fn measured(&self, value: f64) -> Result<Tried, ProblemError> {
         let waves = self.waves(value)?;
         let limiting = waves.stiffer.as_ref().unwrap_or(&waves.problem);
-        let body = BodyStepAnswer::new(limiting, &self.strain.0)?;
-        let is_damped = waves.problem.analysis.is_damped();
-        let body = body.and_then(|own| own.with_integrator(self.integrator, is_damped));
+        let body = BodyStepAnswer::new(limiting, &self.strain.0, self.integrator)?;
         let finite_body_time_step = match self.ratios {
             Some(_) => None,
             None => self.finite(&waves)?.map(|own| own.time_step),

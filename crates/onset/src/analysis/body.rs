@@ -17,11 +17,11 @@ use crate::measures::{
 };
 use crate::method::{Method, MethodError};
 use crate::motion::{
-    BodyError, BodyMotion, BodyParticles, Contact, Grip, PatchMotion, step_of_free_blocks,
+    BodyError, BodyMotion, BodyParticles, Contact, Grip, PatchMotion, oscillation_of_free_blocks,
     with_body, with_motion,
 };
 use crate::scheme::{Discretization, FiniteBodies, PeriodicPatch};
-use crate::time_step::{Integrator, Stepping, TransferredWaves, WaveParts};
+use crate::time_step::{Integrator, Oscillation, TransferredWaves, WaveParts};
 use crate::verdict::{
     Assessment, Ground, Judged, PathError, PathScan, Probe, StateWaves, Survey, SurveyedState,
     WeakestMode, scan_discretization,
@@ -422,23 +422,26 @@ impl<const D: usize> Analysis for Body<D> {
     fn finite_bodies(
         &self,
         f: &DeformationGradient,
+        integrator: Integrator,
         lattice: f64,
     ) -> Result<Option<FiniteBodyStep>, MethodError> {
         let (discretization, material) = (&*self.discretization, &*self.material);
+        let stable = |own: Oscillation| own.critical_time_step(integrator);
         let (time_step, ground) = match discretization.finite_bodies(material, f)? {
             Some(FiniteBodies::Parts { squared, damping }) => {
-                let step = Stepping::VelocityVerlet.critical_step(squared, damping);
+                let step = stable(Oscillation { squared, damping });
                 (step, FiniteBodyGround::Parts)
             }
-            Some(FiniteBodies::Lattice) => (lattice, FiniteBodyGround::Lattice),
-            None => match step_of_free_blocks(discretization, material, f) {
+            Some(FiniteBodies::Lattice) => (Some(lattice), FiniteBodyGround::Lattice),
+            None => {
+                let fastest = oscillation_of_free_blocks(discretization, material, f);
                 // The waves of the lattice travel inside a large body.
-                Some(step) => (step.min(lattice), FiniteBodyGround::Blocks),
-                None => return Ok(None),
-            },
+                let step = fastest.and_then(stable).map(|step| step.min(lattice));
+                (step, FiniteBodyGround::Blocks)
+            }
         };
-        let step = FiniteBodyStep { time_step, ground };
-        Ok(Some(step).filter(|step| step.time_step.is_finite()))
+        let time_step = time_step.filter(|step| *step > 0.0 && step.is_finite());
+        Ok(time_step.map(|time_step| FiniteBodyStep { time_step, ground }))
     }
 
     fn dispersion_errors(&self, wavelengths: &[f64]) -> Result<Vec<DispersionError>, MethodError> {

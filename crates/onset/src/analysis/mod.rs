@@ -264,15 +264,16 @@ pub trait Analysis: Send + Sync {
         work: &mut dyn FnMut(&mut dyn BodyMotion),
     ) -> Result<(), BodyError>;
 
-    /// Returns a stable time step of central differences for all finite bodies at a state, given the step of the infinite lattice.
+    /// Returns a stable time step of an integrator for all finite bodies at a state, given its step of the infinite lattice.
     ///
-    /// The result is `None` if no step is known.
+    /// The result is `None` if no step is known or stable.
     ///
     /// # Errors
     /// [`MethodError`] if material or method cannot be evaluated there.
     fn finite_bodies(
         &self,
         f: &DeformationGradient,
+        integrator: Integrator,
         lattice: f64,
     ) -> Result<Option<FiniteBodyStep>, MethodError>;
 
@@ -359,10 +360,10 @@ pub struct PatchParticle {
     pub position: SVector<f64, 3>,
 }
 
-/// Stable time step of central differences for finite bodies of a lattice.
+/// Stable time step of an integrator for finite bodies of a lattice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FiniteBodyStep {
-    /// Largest stable time step of central differences; time.
+    /// Largest time step that is known to be stable; time.
     pub time_step: f64,
     /// Reason why the step is known to be stable.
     pub ground: FiniteBodyGround,

@@ -4,15 +4,15 @@
 //! that does not depend on the search:
 //!
 //! 1. The long-wave limit comes before all waves that are as soft.
-//! 2. Halves of reciprocal vectors come before other wave vectors, and short wave vectors before long ones, also on a line or surface of zero-energy
-//!    modes.
+//! 2. Halves of reciprocal vectors come before other wave vectors, and short wave vectors before long ones, also among all zero-energy modes, and on
+//!    lines and planes of equal waves. Relative motions of the particles of a cell, at `k = 0`, come last.
 //! 3. Among wave vectors of equal length, the first in the order of Cartesian components is taken, with the largest component first.
 //! 4. Among equal frequencies at this wave vector, the mode with the largest share along the wave is taken.
 
 use super::{Mode, SpectrumSummary, ZoneSearch, growth_rate};
-use crate::algebra::{Complex, Each, MAXIMUM_ITERATIONS, eigenvalues, normalized};
+use crate::algebra::{Complex, MAXIMUM_ITERATIONS, eigenvalues, normalized};
 use crate::continuum::{ACOUSTIC_ROUNDING, Stiffness};
-use crate::lattice::Equivalence;
+use crate::lattice::{Equivalence, shorter_first};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 /// Relative rounding error of measures, and rounding error of squared frequencies relative to the largest.
@@ -35,8 +35,8 @@ pub(crate) struct StateWave<'a, const D: usize> {
     pub(crate) size: usize,
     /// Map from reference wave vectors to wave vectors of the deformed lattice.
     pub(crate) to_spatial: SMatrix<f64, D, D>,
-    /// Shortest wave on the line or surface of zero-energy modes through a wave vector.
-    pub(crate) shortest: &'a dyn Fn(&SVector<f64, D>) -> SVector<f64, D>,
+    /// Wave vectors that represent all zero-energy modes, if a wave is one of them; otherwise none.
+    pub(crate) zero_modes: &'a dyn Fn(&SVector<f64, D>) -> Vec<SVector<f64, D>>,
 }
 
 /// Measure that is equal for all candidates.
@@ -55,14 +55,15 @@ impl<const D: usize> ZoneSearch<D> {
         found: SpectrumSummary<D>,
     ) -> SpectrumSummary<D> {
         let fastest = found.maximum_omega.powi(2);
-        let finite = |mode: Mode<D>, measure| match mode.wave_vector.norm() > 0.0 {
-            true => self.representative(waves, mode, measure, fastest, found.tolerance),
-            false => mode,
+        let finite = |mode: Mode<D>, measure| {
+            self.representative(waves, mode, measure, fastest, found.tolerance)
         };
         let shown = |mode: Mode<D>| {
+            let is_at_rest = mode.wave_vector.norm() == 0.0;
             let over = self.speed_squared() * self.reference().laplacian(&mode.wave_vector);
-            let is_scaled = (mode.omega_squared.re / over - mode.scaled).abs()
-                <= SEARCH_ACCURACY * mode.scaled.abs() + found.tolerance;
+            let is_scaled = is_at_rest
+                || (mode.omega_squared.re / over - mode.scaled).abs()
+                    <= SEARCH_ACCURACY * mode.scaled.abs() + found.tolerance;
             match (mode.is_long_wave, is_scaled) {
                 (true, _) => self.representative_of_long(waves, mode),
                 (false, true) => finite(mode, Measure::Scaled),
@@ -127,7 +128,11 @@ impl<const D: usize> ZoneSearch<D> {
                 Measure::Growth => -all.iter().map(|own| growth_rate(*own)).fold(0.0, f64::max),
             }
         };
-        let own = value(&mode.wave_vector);
+        let is_at_rest = mode.wave_vector.norm() == 0.0;
+        let own = match is_at_rest {
+            true => mode.scaled,
+            false => value(&mode.wave_vector),
+        };
         let rounding = match measure {
             Measure::Scaled => MEASURE_ROUNDING * own.abs() + tolerance,
             Measure::Lowest => {
@@ -136,30 +141,49 @@ impl<const D: usize> ZoneSearch<D> {
             }
             Measure::Growth => (MEASURE_ROUNDING * fastest.sqrt()).min(SEARCH_ACCURACY * own.abs()),
         };
-        let k = match measure == Measure::Scaled && own.abs() <= tolerance {
-            true => (waves.shortest)(&mode.wave_vector),
-            false => mode.wave_vector,
+        let is_zero = measure != Measure::Growth && own.abs() <= rounding;
+        // Other waves equal a motion with `k = 0` only if its frequency vanishes.
+        if is_at_rest && !(is_zero && measure == Measure::Scaled) {
+            return mode;
+        }
+        let zero_modes = || match is_zero {
+            true => (waves.zero_modes)(&mode.wave_vector),
+            false => Vec::new(),
         };
-        let k = self.chosen(&k, |k| value(k) <= own + rounding);
+        let is_equal = |k: &SVector<f64, D>| value(k) <= own + rounding;
+        let k = self.chosen(&mode.wave_vector, zero_modes, is_equal);
+        if k.norm() == 0.0 {
+            return mode;
+        }
         self.shown_at(waves, k, mode, measure, fastest)
     }
 
-    /// Wave vector that represents all wave vectors with an equal measure.
+    /// Wave vector that represents all wave vectors with an equal measure. `zero_modes` returns the wave vectors of other zero-energy modes.
     pub(super) fn chosen(
         &self,
         found: &SVector<f64, D>,
+        zero_modes: impl FnOnce() -> Vec<SVector<f64, D>>,
         is_equal: impl Fn(&SVector<f64, D>) -> bool,
     ) -> SVector<f64, D> {
+        let equivalence = self.equivalence();
         let Equivalence {
             zone, halves, maps, ..
-        } = self.equivalence();
+        } = equivalence;
         let halves = halves.iter().filter(|k| is_equal(k));
         let mut equal: Vec<SVector<f64, D>> = halves.copied().collect();
         if equal.is_empty() {
-            // The wave itself and its images with the same measure.
-            let images = maps.iter().map(|map| zone.folded(&(map * found)));
-            equal.push(zone.folded(found));
-            equal.extend(images.filter(|k| is_equal(k)));
+            let mut alike: Vec<SVector<f64, D>> = zero_modes();
+            alike.retain(|k| k.norm() > 0.0 && is_equal(k));
+            if alike.is_empty() {
+                alike = equivalence.shorter(found, &is_equal);
+                alike.push(*found);
+            }
+            // The waves themselves and their images with the same measure.
+            for k in alike {
+                let images = maps.iter().map(|map| zone.folded(&(map * k)));
+                equal.push(zone.folded(&k));
+                equal.extend(images.filter(|k| is_equal(k)));
+            }
         }
         let size = self.reference().reciprocal().column(0).norm();
         let candidates = equal.iter().flat_map(|k| {
@@ -167,7 +191,7 @@ impl<const D: usize> ZoneSearch<D> {
             shortest.into_iter().flat_map(|k| [k, -k])
         });
         let first = candidates.reduce(|best, other| {
-            match is_before(&other, &best, SEARCH_ACCURACY * size) {
+            match shorter_first(&other, &best, SEARCH_ACCURACY * size).is_lt() {
                 true => other,
                 false => best,
             }
@@ -193,12 +217,12 @@ impl<const D: usize> ZoneSearch<D> {
             equal.extend(images.filter(|n| is_equal(n)));
         }
         let both = equal.into_iter().flat_map(|n| [n, -n]);
-        let first = both.reduce(
-            |best, other| match is_before(&other, &best, SEARCH_ACCURACY) {
+        let first = both.reduce(|best, other| {
+            match shorter_first(&other, &best, SEARCH_ACCURACY).is_lt() {
                 true => other,
                 false => best,
-            },
-        );
+            }
+        });
         let first = first.unwrap_or(*found);
         first.map(|x| if x.abs() > MEASURE_ROUNDING { x } else { 0.0 })
     }
@@ -270,16 +294,6 @@ impl<const D: usize> ZoneSearch<D> {
             ..mode
         }
     }
-}
-
-/// Returns true if `a` is a better representative than `b`.
-fn is_before<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>, rounding: f64) -> bool {
-    let [length, other] = [a, b].each(|k| k.norm());
-    if (length - other).abs() > rounding {
-        return length < other;
-    }
-    let mut apart = a.iter().zip(b).map(|(a, b)| a - b);
-    apart.find(|x| x.abs() > rounding).is_some_and(|x| x > 0.0)
 }
 
 /// Polarization of the mode with the given eigenvalue, of the particle with the largest amplitude.

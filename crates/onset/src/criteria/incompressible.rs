@@ -7,9 +7,10 @@
 
 use super::loading::{Loading, Mode};
 use crate::algebra::{Each, array_of};
-use crate::continuum::ACOUSTIC_ROUNDING;
 use crate::kinematics::DeformationGradient;
-use crate::material::{FourthOrder, Hyperelastic, Response, cofactor};
+use crate::material::{
+    FourthOrder, Hyperelastic, Response, cofactor, huge_bulk_modulus, with_pressure,
+};
 use nalgebra::{Matrix3, Vector3};
 
 impl Loading {
@@ -67,25 +68,8 @@ impl Loading {
     }
 }
 
-/// Smallest ratio of bulk to shear modulus that counts as infinite. Results differ by no more than the inverse ratio, while rounding of the volume
-/// change would cost the pressure of a compressible law more digits.
-const STIFF: f64 = 5e7;
-
-/// Bulk modulus of a law in the reference configuration, if it counts as infinite.
-pub(super) fn huge_bulk_modulus(material: &dyn Hyperelastic) -> Option<f64> {
-    bulk_modulus_above(material, STIFF)
-}
-
-/// Bulk modulus of a law in the reference configuration, if its ratio to the shear modulus exceeds a number.
-pub(super) fn bulk_modulus_above(material: &dyn Hyperelastic, ratio: f64) -> Option<f64> {
-    if material.dimension() < 3 || material.is_path_dependent() {
-        return None;
-    }
-    let response = material.undeformed().ok()?;
-    let shear = response.tangent[(0, 1, 0, 1)];
-    let bulk = response.tangent[(0, 0, 0, 0)] - shear * (4.0 / 3.0);
-    (shear > ACOUSTIC_ROUNDING * bulk && bulk > ratio * shear).then_some(bulk)
-}
+/// Largest relative difference of the deviatoric stresses of equal shapes; rounding of a bulk modulus of 1e12 shear moduli is smaller.
+const SHAPE_STRESS_TOLERANCE: f64 = 1e-3;
 
 /// Adds the volume change that corresponds to the pressure of a law with a finite bulk modulus, relative to the stress `other` of the same shape.
 /// The Kirchhoff stress and the stiffness per reference volume against rates of deformation are kept.
@@ -112,41 +96,56 @@ pub(super) fn swollen(
     }
 }
 
-/// Second derivative `d^2 J / dF_iJ dF_kL = e_ikm e_JLN F_mN` of the volume ratio.
-fn second_derivative_of_volume(f: &Matrix3<f64>) -> FourthOrder {
-    let sign = |a: usize, b: usize, c: usize| match (3 + b - a) % 3 {
-        _ if a == b || b == c || a == c => 0.0,
-        1 => 1.0,
-        _ => -1.0,
+/// Returns true if the shape stiffness of an isotropic law hides behind the rounding of a huge bulk modulus, and depends on `J^(-1/3) F` alone.
+pub(super) fn is_shape_separable(material: &dyn Hyperelastic) -> bool {
+    let deviator = |stretches: [f64; 3]| {
+        let f = DeformationGradient::from_stretches(stretches).ok()?;
+        let response = material.isochoric_response(&f).ok()?;
+        let tau = (response.first_piola * f.matrix().transpose()).diagonal();
+        Some(tau.add_scalar(-tau.mean()))
     };
-    FourthOrder::from_fn(|i, j, k, l| {
-        if i == k || j == l {
-            return 0.0;
-        }
-        let (m, n) = (3 - i - k, 3 - j - l);
-        sign(i, k, m) * sign(j, l, n) * f[(m, n)]
-    })
+    let stretches = [1.3, 0.8, 1.1];
+    let side = stretches.iter().product::<f64>().cbrt();
+    let both = deviator(stretches).zip(deviator(stretches.each(|own: f64| own / side)));
+    huge_bulk_modulus(material).is_some()
+        && both.is_some_and(|(own, of_shape)| {
+            (own - of_shape).amax() <= SHAPE_STRESS_TOLERANCE * own.amax()
+        })
+}
+
+/// Response of a law at `J^(-1/3) F`, without pressure and stiffness against changes of volume.
+///
+/// The law is the sum of an energy of this shape and an energy of the volume. Waves and increments of constant volume then have the stiffness of this
+/// response times `J^(-2/3)`. It lacks the rounding of the pressure, which is larger by orders of magnitude.
+pub(super) fn of_shape(material: &dyn Hyperelastic, f: &DeformationGradient) -> Option<Response> {
+    let side = f.jacobian().cbrt();
+    let shape = f.components().each(|row| row.map(|own| own / side));
+    let shape = DeformationGradient::new(shape).ok()?;
+    let response = material.isochoric_response(&shape).ok()?;
+    let tau = response.first_piola * shape.matrix().transpose();
+    let pressure = tau.trace() / (3.0 * shape.jacobian());
+    Some(preserving_volume(with_pressure(response, pressure)))
 }
 
 /// Response with the pressure that makes the normal traction on a face zero, without the stiffness against changes of volume.
 pub(super) fn pressurized(response: Response, free_face: usize) -> Response {
-    let f = response.deformation.matrix();
-    let cofactor = cofactor(&f);
-    let pressure = response.first_piola[(free_face, free_face)] / cofactor[(free_face, free_face)];
-    let second = second_derivative_of_volume(&f);
-    let with_pressure = FourthOrder::from_fn(|i, j, k, l| {
-        response.tangent[(i, j, k, l)] - pressure * second[(i, j, k, l)]
-    });
+    let face = (free_face, free_face);
+    let pressure = response.first_piola[face] / cofactor(&response.deformation.matrix())[face];
+    preserving_volume(with_pressure(response, pressure))
+}
+
+/// Response without stiffness against changes of volume.
+fn preserving_volume(response: Response) -> Response {
+    let cofactor = cofactor(&response.deformation.matrix());
     let mut dilation = 0.0;
     for (a, b) in (0..81).map(|n| (n / 9, n % 9)) {
         let (i, j, k, l) = (a / 3, a % 3, b / 3, b % 3);
-        dilation += cofactor[(i, j)] * with_pressure[(i, j, k, l)] * cofactor[(k, l)];
+        dilation += cofactor[(i, j)] * response.tangent[(i, j, k, l)] * cofactor[(k, l)];
     }
     dilation /= cofactor.norm_squared().powi(2);
     Response {
-        first_piola: response.first_piola - cofactor * pressure,
         tangent: FourthOrder::from_fn(|i, j, k, l| {
-            with_pressure[(i, j, k, l)] - dilation * cofactor[(i, j)] * cofactor[(k, l)]
+            response.tangent[(i, j, k, l)] - dilation * cofactor[(i, j)] * cofactor[(k, l)]
         }),
         ..response
     }

@@ -1,10 +1,11 @@
 //! Isotropic laws: a numerical test of isotropy, and the tangent in principal axes.
 
-use super::incompressible::bulk_modulus_above;
 use super::{Witness, oriented, wave};
 use crate::algebra::{Each, array_of};
 use crate::kinematics::DeformationGradient;
-use crate::material::{FourthOrder, Hyperelastic, MaterialError, Response, cofactor};
+use crate::material::{
+    FourthOrder, Hyperelastic, MaterialError, Response, bulk_modulus_above, cofactor,
+};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Largest difference, relative to their magnitude, of stresses that count as equal after a rotation of the reference configuration.

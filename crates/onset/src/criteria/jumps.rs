@@ -1,10 +1,9 @@
 //! Finite jumps of the deformation gradient that lower the energy.
 
-use super::incompressible::bulk_modulus_above;
 use super::{Witness, principal_axes};
 use crate::algebra::{Each, array_of, sort_by_value};
 use crate::kinematics::DeformationGradient;
-use crate::material::{Hyperelastic, Response, cofactor};
+use crate::material::{Hyperelastic, Response, bulk_modulus_above, cofactor};
 use crate::real::Interval;
 use nalgebra::{Matrix3, Matrix6, Rotation3, Vector3, Vector6};
 

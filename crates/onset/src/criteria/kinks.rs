@@ -311,7 +311,7 @@ fn between(low: &Response, high: &Response, rate: &Matrix3<f64>, sides: [f64; 2]
 }
 
 /// Bulk tangent `d^2 W / dJ^2 = (F : A : F - 2 P : F) / (9 J^2)` at constant isochoric deformation.
-fn bulk_tangent(response: &Response) -> f64 {
+pub(super) fn bulk_tangent(response: &Response) -> f64 {
     let f = response.deformation.matrix();
     let along = components().map(|at @ (i, j, k, l)| f[(i, j)] * response.tangent[at] * f[(k, l)]);
     let jacobian = response.deformation.jacobian();

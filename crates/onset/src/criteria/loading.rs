@@ -1,11 +1,11 @@
 //! Loadings: the imposed stretch, the traction-free faces and the states that result.
 
-use super::incompressible::{huge_bulk_modulus, pressurized, swollen};
+use super::incompressible::{is_shape_separable, of_shape, pressurized, swollen};
 use super::root::bracket_zero;
 use super::{Kink, State};
 use crate::algebra::array_of;
 use crate::kinematics::{DeformationGradient, DeformationPath, KinematicsError};
-use crate::material::{Hyperelastic, MaterialError, Response};
+use crate::material::{Hyperelastic, MaterialError, Response, huge_bulk_modulus};
 use nalgebra::{Matrix2x3, Matrix3, Vector2, Vector3};
 use std::sync::OnceLock;
 use thiserror::Error;
@@ -475,6 +475,8 @@ pub struct LoadingPath<'a> {
     pub tension_end: PathEnd,
     /// Reason why the path ends in compression.
     pub compression_end: PathEnd,
+    /// Whether criteria on increments of constant volume are evaluated for the shape alone.
+    separates_shape: bool,
     /// Kinks of the law along the loading, computed on first use.
     pub(super) kinks: OnceLock<Vec<Kink>>,
 }
@@ -538,7 +540,8 @@ impl<'a> LoadingPath<'a> {
     /// Follows a loading over a range.
     ///
     /// An isotropic law whose bulk modulus exceeds 5e7 shear moduli is replaced by its incompressible response if the loading can preserve the
-    /// volume. Otherwise rounding would hide the change of volume that carries the pressure.
+    /// volume. Otherwise rounding would hide the change of volume that carries the pressure. If the loading imposes all stretches, criteria on increments
+    /// of constant volume are evaluated for the shape alone, where the law is the sum of an energy of the shape and an energy of the volume.
     ///
     /// # Errors
     /// [`LoadingError`] if no state exists in the reference configuration, `lambda = 1`.
@@ -617,6 +620,10 @@ impl<'a> LoadingPath<'a> {
             compression,
             tension_end,
             compression_end,
+            separates_shape: isotropic
+                && volume == Volume::Changes
+                && problem.free().is_empty()
+                && is_shape_separable(material),
             kinks: OnceLock::new(),
         })
     }
@@ -767,7 +774,13 @@ impl<'a> LoadingPath<'a> {
             _ => asked,
         };
         match self.problem.volume {
-            Volume::Changes => asked,
+            Volume::Changes => {
+                let shape = self.separates_shape.then(|| &state.response.deformation);
+                match shape.and_then(|f| of_shape(self.material(), f)) {
+                    Some(shape) => asked.with_shape(shape),
+                    None => asked,
+                }
+            }
             _ => asked.incompressible(self.loading.free_faces()),
         }
     }

@@ -60,6 +60,7 @@ use crate::material::{Hyperelastic, MaterialError, Response, cofactor};
 use forms::QuadraticForm;
 use incompressible::{orthogonal_to, stretches_along};
 use isotropy::PrincipalTangent;
+use kinks::bulk_tangent;
 use nalgebra::{Matrix3, Vector3};
 
 /// Stability criterion of a homogeneous state.
@@ -369,6 +370,7 @@ impl Criterion {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn measure(self, state: &State) -> Option<Measure> {
+        let state = state.deciding_shape(self).unwrap_or(state);
         match self {
             Self::StrongEllipticity => Some(state.strong_ellipticity(f64::INFINITY)),
             Self::PlaneEllipticity => Some(state.plane_ellipticity()),
@@ -453,6 +455,8 @@ pub struct State {
     in_plane: bool,
     /// Coordinate axes whose faces are traction-free, if the response is incompressible.
     free_faces: Option<&'static [usize]>,
+    /// State of the same shape without change of volume, for a law whose pressure would hide the stiffness of the shape.
+    shape: Option<Box<Self>>,
 }
 
 impl State {
@@ -482,6 +486,7 @@ impl State {
             rate: None,
             in_plane: false,
             free_faces: None,
+            shape: None,
         }
     }
 
@@ -503,6 +508,29 @@ impl State {
     fn incompressible(mut self, free_faces: &'static [usize]) -> Self {
         self.free_faces = Some(free_faces);
         self
+    }
+
+    /// Adds the [response of the shape](incompressible::of_shape).
+    fn with_shape(mut self, response: Response) -> Self {
+        let shape = Self::of_response(response, true).incompressible(&[]);
+        self.shape = Some(Box::new(shape));
+        self
+    }
+
+    /// State of the shape, if it decides a criterion: increments that change the volume are stiffer by orders of magnitude.
+    fn deciding_shape(&self, criterion: Criterion) -> Option<&Self> {
+        let shape = self.shape.as_deref()?;
+        let dilation = || [Matrix3::identity() / 3.0_f64.sqrt()];
+        let is_stiff = match criterion {
+            Criterion::BakerEricksen => true,
+            Criterion::StrongEllipticity | Criterion::PlaneEllipticity => {
+                bulk_tangent(&self.response) > 0.0
+            }
+            Criterion::Drucker | Criterion::DruckerAbaqus => self.jaumann(&dilation()).value > 0.0,
+            Criterion::TrueStressMonotonicity => self.true_stress_along(&dilation()).value > 0.0,
+            _ => false,
+        };
+        is_stiff.then_some(shape)
     }
 
     /// Orthonormal rates that the response admits: all of them, or the volume-preserving subspace.
@@ -688,14 +716,17 @@ impl State {
 
     /// Smallest `(tau° : D - (tau : D) tr D) / J` over symmetric `D`.
     fn true_stress_monotonicity(&self) -> Measure {
+        self.true_stress_along(&self.strains(&forms::symmetric_rates()))
+    }
+
+    fn true_stress_along(&self, rates: &[Matrix3<f64>]) -> Measure {
         let jacobian = self.response.deformation.jacobian();
         let of_volume = |tau: &Matrix3<f64>, a: &Matrix3<f64>, b: &Matrix3<f64>| {
             -0.5 * (tau.dot(a) * b.trace() + tau.dot(b) * a.trace())
         };
-        let rates = self.strains(&forms::symmetric_rates());
         let measure = match self.free_faces {
-            None => self.jaumann_with(&rates, of_volume),
-            Some(_) => self.jaumann(&rates),
+            None => self.jaumann_with(rates, of_volume),
+            Some(_) => self.jaumann(rates),
         };
         Measure {
             value: measure.value / jacobian,

@@ -25,7 +25,7 @@ pub(crate) use mirror::{FILL, Group, HARMONICS, Mirror, MirrorWaves};
 pub(crate) use numbering::{coordinates as grid_coordinates, opposite};
 pub(crate) use primitive::Cell;
 pub(crate) use reduction::{Ball, Reduced, inverse_of};
-pub(crate) use symmetry::{Equivalence, Symmetry, Wedge};
+pub(crate) use symmetry::{Equivalence, Symmetry, WAVE_VECTOR_ERROR, Wedge, shorter_first};
 pub use voronoi::voronoi_volumes;
 pub use wave_vectors::{WaveGrid, WaveGrids};
 pub use zone::BrillouinZone;

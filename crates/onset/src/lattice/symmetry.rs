@@ -5,10 +5,14 @@ use super::reduction::combinations;
 use super::{BravaisLattice, BrillouinZone, Cell, Crystal, Fractional, Reduced, inverse_of};
 use crate::algebra::{Each, array_of, sort_by_value};
 use nalgebra::{SMatrix, SVector};
+use std::cmp::Ordering;
 use std::ops::Range;
 
 /// Difference of lengths and angles that counts as rounding, relative to the longest vector squared.
 const LENGTH_TOLERANCE: f64 = 1e-9;
+
+/// Relative error of the components of a wave vector at the end of a descent.
+pub(crate) const WAVE_VECTOR_ERROR: f64 = 1e-5;
 
 /// Orthogonal map of a lattice onto itself.
 #[derive(Clone, Copy, Debug)]
@@ -180,6 +184,8 @@ pub(crate) struct Equivalence<const D: usize> {
     pub(crate) maps: Vec<SMatrix<f64, D, D>>,
     /// Images of the short primitive vectors under these maps, as unit vectors.
     pub(crate) directions: Vec<SVector<f64, D>>,
+    /// Projections onto the lines along short lattice vectors, and onto the planes across short reciprocal vectors.
+    projections: Vec<SMatrix<f64, D, D>>,
 }
 
 impl<const D: usize> Equivalence<D> {
@@ -203,10 +209,71 @@ impl<const D: usize> Equivalence<D> {
                 .column_iter()
                 .flat_map(|a| images(a.into_owned()))
                 .collect(),
+            projections: projections(&short, &zone),
             zone,
             maps,
         }
     }
+
+    /// Shorter wave vectors with the same measure as a wave vector, if neighbors along one direction or in one plane alone determine the measure.
+    ///
+    /// The measure is then constant on lines or planes of wave vectors.
+    pub(crate) fn shorter(
+        &self,
+        k: &SVector<f64, D>,
+        is_equal: impl Fn(&SVector<f64, D>) -> bool,
+    ) -> Vec<SVector<f64, D>> {
+        let mut shorter = Vec::new();
+        for projection in &self.projections {
+            let way = projection * k - k;
+            // The measure must be constant along the way.
+            let is_short = way.norm() <= WAVE_VECTOR_ERROR * k.norm();
+            if is_short
+                || ![0.1, 0.37]
+                    .iter()
+                    .all(|share| is_equal(&(k + way * *share)))
+            {
+                continue;
+            }
+            let images = self.zone.bounding_vectors().iter().map(|g| k - g);
+            let all = images.chain([*k]).map(|image| projection * image);
+            shorter.extend(all.filter(|k| is_equal(k)));
+        }
+        shorter
+    }
+}
+
+/// Projections onto the lines along the short vectors of a lattice, and in three dimensions onto the planes across short reciprocal vectors.
+fn projections<const D: usize>(
+    short: &SMatrix<f64, D, D>,
+    zone: &BrillouinZone<D>,
+) -> Vec<SMatrix<f64, D, D>> {
+    let onto = |v: SVector<f64, D>| v * v.transpose() / v.norm_squared();
+    let forward = |v: &SVector<f64, D>| v.iter().find(|x| **x != 0.0).is_some_and(|x| *x > 0.0);
+    let lines = combinations::<D>().filter(forward).map(|n| onto(short * n));
+    let planes = zone
+        .bounding_vectors()
+        .iter()
+        .filter(|g| D == 3 && forward(g));
+    let planes = planes.map(|g| SMatrix::identity() - onto(*g));
+    lines.filter(|_| D > 1).chain(planes).collect()
+}
+
+/// Order of the wave vectors that can represent equal waves: shorter ones come first, then larger first components. Differences up to `rounding` are
+/// ignored.
+pub(crate) fn shorter_first<const D: usize>(
+    a: &SVector<f64, D>,
+    b: &SVector<f64, D>,
+    rounding: f64,
+) -> Ordering {
+    let [length, other] = [a, b].each(|k| k.norm());
+    if (length - other).abs() > rounding {
+        return length.total_cmp(&other);
+    }
+    let mut apart = a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > rounding);
+    apart
+        .next()
+        .map_or(Ordering::Equal, |(a, b)| b.total_cmp(a))
 }
 
 /// Bases of short vectors with the lengths and angles `metric_ij = a_i . a_j`, for a lattice given by its reduced vectors.

@@ -3,6 +3,7 @@
 //! A law implements [`StrainEnergy`], one generic function. Stress and tangent are computed from it with second-order jets, so the stress of a law is
 //! always consistent with its energy. The rest of the program uses only the object-safe [`Hyperelastic`]. A material does not depend on particles.
 
+mod incompressible;
 mod invariants;
 mod law;
 mod laws;
@@ -15,6 +16,7 @@ mod state_error;
 mod tensors;
 mod viscoelastic;
 
+pub(crate) use incompressible::{bulk_modulus_above, huge_bulk_modulus, with_pressure};
 pub(crate) use invariants::{InvariantEnergy, given_by_invariants, jet_of_invariants};
 pub use law::{Admitted, Law, Parameter, SmallStrainStiffness, Symmetry, library};
 pub(crate) use law::{Made, hooke};

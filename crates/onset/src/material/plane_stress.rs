@@ -1,6 +1,9 @@
 //! Plane stress: a three-dimensional law for a thin sheet or bar with traction-free faces.
 
-use super::{FourthOrder, Hyperelastic, MaterialError, Response, ResponseEnclosure};
+use super::{
+    FourthOrder, Hyperelastic, MaterialError, Response, ResponseEnclosure, cofactor,
+    huge_bulk_modulus, with_pressure,
+};
 use crate::algebra::{Each, array_of};
 use crate::kinematics::DeformationGradient;
 use crate::real::{Interval, Real};
@@ -27,6 +30,8 @@ const CONTRACTION_FLOOR: f64 = 1e-7;
 const SMALLEST_STRIDE: f64 = 1.0 / (1u32 << 26) as f64;
 /// Stiffness across the sheet, relative to the largest stiffness, that is a rounding error.
 const STIFFNESS_ROUNDING: f64 = 1e-12;
+/// Shear traction of faces, relative to the stiffness, that is a rounding error.
+const SHEAR_ROUNDING: f64 = 1e-9;
 /// Cosine of the largest angle between the branch at a state and the chord to the next state.
 const BRANCH_ALIGNMENT_COSINE: f64 = 0.98;
 /// Cosine of this angle for a metal, whose branch turns where flow begins.
@@ -62,6 +67,9 @@ const WIDENINGS: usize = 8;
 /// continued flow is condensed, since continued flow keeps the faces free. Source: H. Le Dret and A. Raoult, J. Math. Pures Appl. 74 (1995) 549
 /// (membranes).
 ///
+/// A sheet whose bulk modulus exceeds 5e7 shear moduli keeps its volume. The thickness follows from it, and the pressure from the free faces, so that
+/// rounding of the stiffness against changes of volume does not enter.
+///
 /// ```
 /// use onset::kinematics::DeformationGradient;
 /// use onset::material::{Hyperelastic, Law, PlaneStress};
@@ -81,6 +89,8 @@ pub struct PlaneStress {
     across: &'static [usize],
     /// Reference state with the computed components across the sheet.
     reference: [[f64; 3]; 3],
+    /// Whether the sheet keeps its volume to rounding.
+    keeps_volume: bool,
 }
 
 impl PlaneStress {
@@ -109,7 +119,9 @@ impl PlaneStress {
             dimension,
             across,
             reference: *DeformationGradient::identity().components(),
+            keeps_volume: false,
         };
+        sheet.keeps_volume = dimension == 2 && huge_bulk_modulus(&*sheet.law).is_some();
         match sheet.at_rest()? {
             Some(reference) => sheet.reference = reference,
             None => {
@@ -124,6 +136,13 @@ impl PlaneStress {
     /// Reference state within the dimensions, with traction-free faces.
     fn at_rest(&self) -> Result<Option<[[f64; 3]; 3]>, MaterialError> {
         // A stress-free state F = 1 is the reference state itself, even for a law with only a one-sided tangent at F = 1.
+        if self.keeps_volume
+            && self
+                .of_constant_volume(&DeformationGradient::identity())
+                .is_some()
+        {
+            return Ok(Some(self.reference));
+        }
         let undeformed = self.law.undeformed()?;
         let Some(condensed) = self.condensed(&undeformed) else {
             return Ok(None);
@@ -223,8 +242,60 @@ impl PlaneStress {
         Err(Unsettled::Lost)
     }
 
+    /// State of a sheet of constant volume, whose thickness follows from the deformation in its plane; `None` if its faces would have shear tractions or
+    /// no stiffness.
+    ///
+    /// The pressure makes the normal traction vanish, and increments change the thickness at the rate that preserves the volume.
+    fn of_constant_volume(&self, f: &DeformationGradient) -> Option<Settled> {
+        let [[a, b, _], [c, d, _], _] = *f.components();
+        let thickness = (a * d - b * c).recip();
+        let f = DeformationGradient::new([[a, b, 0.0], [c, d, 0.0], [0.0, 0.0, thickness]]);
+        let f = f.ok()?;
+        let response = self.law.isochoric_response(&f).ok()?;
+        let cofactor = cofactor(&f.matrix());
+        let pressure = response.first_piola[(2, 2)] / cofactor[(2, 2)];
+        let response = with_pressure(response, pressure);
+        let shear = response.first_piola[(0, 2)].hypot(response.first_piola[(1, 2)]);
+        if shear > SHEAR_ROUNDING * response.first_piola.amax().max(response.tangent.largest()) {
+            return None;
+        }
+        let across = &self.across[..2];
+        let least = STIFFNESS_ROUNDING * response.tangent.largest();
+        let mut condensed = Condensed::new(
+            across,
+            |i, j| response.first_piola[(i, j)],
+            |i, j, k, l| response.tangent[(i, j, k, l)],
+            |pivot| pivot > least,
+        )?;
+        let thinning: [f64; 9] = array_of(|n| match n == 8 {
+            true => 0.0,
+            false => cofactor[(n / 3, n % 3)] / cofactor[(2, 2)],
+        });
+        let (row, slope) = (condensed.stiffness[8], condensed.slope[8]);
+        let column: [f64; 9] = array_of(|n| condensed.stiffness[n][8]);
+        for (i, j) in (0..81)
+            .map(|n| (n / 9, n % 9))
+            .filter(|(i, j)| *i != 8 && *j != 8)
+        {
+            condensed.stiffness[i][j] +=
+                thinning[i] * thinning[j] * row[8] - thinning[i] * row[j] - column[i] * thinning[j];
+        }
+        for (own, thinning) in condensed.slope.iter_mut().zip(thinning) {
+            *own -= thinning * slope;
+        }
+        Some(Settled {
+            response,
+            condensed,
+        })
+    }
+
     /// Plane-stress state that continues from the reference configuration.
     fn found(&self, f: &DeformationGradient) -> Result<Settled, MaterialError> {
+        if self.keeps_volume
+            && let Some(settled) = self.of_constant_volume(f)
+        {
+            return Ok(settled);
+        }
         let way = Way::to(f, self.dimension);
         let mut state = way.turned(&self.reference);
         // A law with a kink at the reference configuration has no slope there.
@@ -288,9 +359,11 @@ impl PlaneStress {
         let center = *found.response.deformation.components();
         let all = self.across.len();
         let place = |n: usize| (self.across[n] / 3, self.across[n] % 3);
+        // The tangent of a sheet of constant volume lacks the stiffness against changes of volume.
+        let tangent = self.law.response(&found.response.deformation).ok()?.tangent;
         let stiffness = DMatrix::from_fn(all, all, |n, m| {
             let ((i, j), (k, l)) = (place(n), place(m));
-            found.response.tangent[(i, j, k, l)]
+            tangent[(i, j, k, l)]
         });
         let inverse = stiffness.try_inverse()?;
         // Entries within the dimensions are the given intervals; entries across them lie in an interval about the center.

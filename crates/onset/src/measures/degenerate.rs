@@ -1,7 +1,7 @@
 //! Choice of the most symmetric mode among degenerate modes.
 
 use crate::algebra::Complex;
-use crate::verdict::Displacements;
+use crate::zero_energy::Displacements;
 use nalgebra::SVector;
 
 /// Returns the most symmetric mode in the space spanned by degenerate modes. An eigenvalue solver returns an arbitrary basis of this space.

@@ -13,10 +13,9 @@ mod dispersion;
 mod fidelity;
 mod onset;
 mod spurious;
-mod zero_energy;
 
+pub use crate::zero_energy::Extent;
 pub use dispersion::{DispersionError, dispersion_errors, long_wave_error};
 pub use fidelity::{Fidelity, StateWindow, fidelity};
 pub use onset::{Load, OnsetPair, StretchOnset, onset};
 pub use spurious::{SpuriousMode, SpuriousModes, spurious_modes};
-pub use zero_energy::Extent;

@@ -1,10 +1,10 @@
 //! Spurious modes of a discretization: zero-energy modes and weakly controlled modes.
 
 use super::degenerate::most_symmetric;
-use super::zero_energy::{Extent, ZeroMode, ZeroModes};
 use crate::algebra::{Complex, Each};
 use crate::method::MethodError;
 use crate::verdict::{Bottom, Slowest, Survey, WeakestSearch};
+use crate::zero_energy::{Extent, ZeroMode, ZeroModes};
 use nalgebra::SVector;
 
 /// Largest distance between wave vectors that count as equal, in units of the reciprocal vectors.
@@ -67,24 +67,21 @@ pub fn spurious_modes<const D: usize>(
     survey: &Survey<'_, D>,
     threshold: f64,
 ) -> Result<SpuriousModes<D>, MethodError> {
-    let crystal = survey.discretization().crystal();
     let search = survey.weakest_search()?;
-    let zero = ZeroModes::new(crystal, search.rows, |k| search.zone.folded(k));
+    let zero = search.strains.modes();
     let shown = |mode| shown(mode, &search);
     let mut modes: Vec<SpuriousMode<D>> = zero.modes.iter().map(shown).collect();
     let weakest = match modes.is_empty() {
         true => survey.weakest().map(|mode| mode.relative_frequency()),
         false => Some(0.0),
     };
-    let weak = Weak {
-        search,
-        zero: &zero,
-    };
-    modes.extend(weak.modes(threshold));
+    let ZeroModes { is_complete, .. } = *zero;
+    let zero_extent = zero.extent();
+    modes.extend(Weak { search }.modes(threshold));
     Ok(SpuriousModes {
         modes,
-        zero_extent: zero.extent(),
-        is_complete: zero.is_complete,
+        zero_extent,
+        is_complete,
         weakest,
     })
 }
@@ -105,7 +102,6 @@ fn shown<const D: usize>(mode: &ZeroMode<D>, search: &WeakestSearch<'_, D>) -> S
 /// Weakly controlled modes from the search for the weakest waves.
 struct Weak<'a, const D: usize> {
     search: WeakestSearch<'a, D>,
-    zero: &'a ZeroModes<'a, D>,
 }
 
 impl<const D: usize> Weak<'_, D> {
@@ -149,7 +145,7 @@ impl<const D: usize> Weak<'_, D> {
 
     /// Returns true if a wave vector has a zero-energy mode.
     fn is_zero(&self, k: &SVector<f64, D>) -> bool {
-        self.zero.has(k, |other| {
+        self.search.strains.has_mode_at(k, |other| {
             let either = [k - other, k + other];
             let distances = either.each(|way| self.distance_to_zero(&way));
             distances[0].min(distances[1])

@@ -34,5 +34,5 @@ pub use patch::{MovingPatch, PatchMotion, PatchState, Quantities};
 pub use stepper::Stepper;
 pub use waves::{PatchWave, SteppedWave};
 
-pub(crate) use body::{fastest_mode, lowest_modes, step_of_free_blocks, with_body};
+pub(crate) use body::{fastest_mode, lowest_modes, oscillation_of_free_blocks, with_body};
 pub(crate) use patch::with_motion;

@@ -14,12 +14,6 @@ const ROUGH_ROOT_SINGULAR_VALUE: f64 = 1e-7;
 const ROOT_STRAIN_RATIO: f64 = 1e-3;
 /// Distance within which the root is then computed, relative to the wave number.
 const ROOT_DISTANCE_RATIO: f64 = 1e-2;
-/// First and smallest step toward `k = 0` from a wave of a line of zero-energy modes to a shorter wave vector, relative to the wave number.
-const INWARD_STEPS: [f64; 2] = [0.2, 1e-6];
-/// Largest number of these steps.
-const MAXIMUM_INWARD_STEPS: usize = 400;
-/// Smallest relative difference of wave numbers that is not a rounding error.
-const WAVE_NUMBER_TOLERANCE: f64 = 1e-13;
 /// Largest number of Newton steps. Double roots converge slowest: each step halves the distance.
 const MAXIMUM_NEWTON_STEPS: usize = 60;
 
@@ -103,35 +97,6 @@ impl<const D: usize> StrainRows<D> {
     pub(crate) fn zero_mode_near(&self, k: &SVector<f64, D>) -> Option<SVector<f64, D>> {
         let is_small = self.smallest(k) <= ROOT_STRAIN_RATIO * self.slope * k.norm();
         is_small.then(|| self.polished(k, ROOT_DISTANCE_RATIO * k.norm()))?
-    }
-
-    /// Returns the locally shortest wave vector on the line or surface of zero-energy modes through a wave vector; the wave vector itself if it has no
-    /// such mode, or an isolated one.
-    pub(crate) fn shortest_zero_mode(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
-        let Some(mut shortest) = self.zero_mode_near(k) else {
-            return *k;
-        };
-        let mut step = INWARD_STEPS[0];
-        for _ in 0..MAXIMUM_INWARD_STEPS {
-            let length = shortest.norm();
-            if length == 0.0 || step < INWARD_STEPS[1] {
-                break;
-            }
-            // From a shorter wave vector Newton's method leads back to the line, near the start. Where the wave number is largest it leads to the
-            // start, and only steps to the sides lead to shorter waves.
-            let axes = (0..2 * D).map(|n| {
-                let sign = if n % 2 == 0 { step } else { -step };
-                let axis = SVector::<f64, D>::from_fn(|i, _| f64::from(u8::from(i == n / 2)));
-                (axis - shortest * (shortest[n / 2] / length.powi(2))) * (sign * length)
-            });
-            let steps = std::iter::once(shortest * -step).chain(axes);
-            let mut tried = steps.filter_map(|way| self.polished(&(shortest + way), step * length));
-            match tried.find(|next| next.norm() < length * (1.0 - WAVE_NUMBER_TOLERANCE)) {
-                Some(next) => shortest = next,
-                None => step *= 0.5,
-            }
-        }
-        shortest
     }
 
     /// Computes a wave vector at which `R` has a kernel, by Newton's method within the distance `reach` of the start.

@@ -8,6 +8,7 @@
 
 mod amplification;
 mod implicit;
+mod oscillation;
 mod runge_kutta;
 mod stepping;
 
@@ -15,6 +16,7 @@ pub use amplification::{
     Amplification, critical_time_step, critical_time_step_at, undamped_time_step,
 };
 pub use implicit::ImplicitIntegrator;
+pub use oscillation::Oscillation;
 pub use stepping::{Stepping, WaveParts};
 
 pub use crate::bloch::{TransferredWaves, VelocityFilter};

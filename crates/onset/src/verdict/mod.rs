@@ -17,7 +17,7 @@ pub use mechanism::Mechanism;
 pub use path::{Crossing, Onset, PathError, PathScan, scan_discretization, scan_material};
 pub use probe::{Phase, Probe, probe_material};
 pub use survey::{Ground, Judged, StateWaves, Survey, SurveyedState, ZERO_FREQUENCY_FRACTION};
-pub(crate) use unfolding::{Displacements, Slowest, Unfolding, continuum, is_first};
+pub(crate) use unfolding::{Slowest, Unfolding, continuum};
 pub(crate) use weakest::{Bottom, WeakestSearch};
 
 use crate::bloch::{SpectrumSummary, Stability};

@@ -2,7 +2,6 @@
 //!
 //! Results that do not depend on the state (wave speed, Brillouin zone, reference waves, zero-energy modes) are computed once and shared.
 
-use super::unfolding::slower;
 use super::weakest::{WeakestSearch, Well};
 use super::{
     Assessment, MaterialAssessment, Phase, Probe, Unfolding, Verdict, WEAK_WAVE_RATIO, WeakestMode,
@@ -20,8 +19,9 @@ use crate::lattice::BrillouinZone;
 use crate::lattice::inverse_of;
 use crate::material::{Hyperelastic, PlaneTangent, has_major_symmetry};
 use crate::method::MethodError;
-use crate::scheme::{DirectWaves, Discretization, StrainRows};
+use crate::scheme::{DirectWaves, Discretization};
 use crate::time_step::{Integrator, TransferredWaves, critical_time_step};
+use crate::zero_energy::Strains;
 use nalgebra::{DMatrix, SMatrix, SVector};
 use std::sync::{Arc, OnceLock};
 
@@ -30,8 +30,6 @@ const ZERO_ENERGY_TEST_LIMIT: f64 = 0.05;
 
 /// Squared frequencies below this fraction of the largest squared frequency are zero to rounding.
 pub const ZERO_FREQUENCY_FRACTION: f64 = 1e-13;
-/// Difference of the components of two wave vectors, relative to the larger component, that is rounding of a search.
-const WAVE_VECTOR_TOLERANCE: f64 = 1e-9;
 
 /// Verdict on a state with the measures that are drawn in maps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -119,37 +117,6 @@ pub struct Ground<const D: usize> {
 
 /// Wave vector, with the ratio of the discrete to the exact gradient norm.
 type GradientNorm<const D: usize> = (SVector<f64, D>, f64);
-
-/// Strains of plane waves at the quadrature points in the reference configuration.
-#[derive(Clone, Debug)]
-struct Strains<const D: usize> {
-    rows: StrainRows<D>,
-    /// Wave vectors of strain-free modes in which neighbors alternate, within a cell or between cells.
-    alternating: Vec<SVector<f64, D>>,
-    /// Shortest waves without strain that are connected with these.
-    shortest: OnceLock<Vec<SVector<f64, D>>>,
-}
-
-impl<const D: usize> Strains<D> {
-    /// Returns true if a strain-free mode exists at or near the wave vector of this mode.
-    fn misses(&self, mode: &Mode<D>) -> bool {
-        !mode.is_long_wave && self.rows.zero_mode_near(&mode.wave_vector).is_some()
-    }
-
-    /// Shortest wave without strain that is connected with a wave; the wave itself if it has a strain.
-    ///
-    /// No state changes the result. The waves of most states alternate between neighbors, and for these it is computed once.
-    fn shortest(&self, k: &SVector<f64, D>) -> SVector<f64, D> {
-        let mut known = self.alternating.iter();
-        match known.position(|own| (own - k).amax() <= WAVE_VECTOR_TOLERANCE * own.amax()) {
-            Some(number) => self.shortest.get_or_init(|| {
-                let known = self.alternating.iter();
-                known.map(|k| self.rows.shortest_zero_mode(k)).collect()
-            })[number],
-            None => self.rows.shortest_zero_mode(k),
-        }
-    }
-}
 
 /// Equations of plane waves at a state, with the search over their Brillouin zone.
 #[derive(Clone, Debug)]
@@ -270,13 +237,12 @@ impl<const D: usize> StateWaves<D> {
 
     /// Replaces the extreme waves by the representatives of all waves with equal measures.
     ///
-    /// `to_spatial` maps reference wave vectors to the deformed lattice. `shortest` returns the shortest wave of the line or surface of zero-energy
-    /// modes through a wave vector.
+    /// `to_spatial` maps reference wave vectors to the deformed lattice. `zero_modes` returns all zero-energy modes if a wave is one of them.
     fn represented(
         &self,
         found: SpectrumSummary<D>,
         to_spatial: SMatrix<f64, D, D>,
-        shortest: &dyn Fn(&SVector<f64, D>) -> SVector<f64, D>,
+        zero_modes: &dyn Fn(&SVector<f64, D>) -> Vec<SVector<f64, D>>,
     ) -> SpectrumSummary<D> {
         let long_waves = || match self {
             Self::Direct(waves) => waves.matrix.long_wave_stiffness(),
@@ -291,7 +257,7 @@ impl<const D: usize> StateWaves<D> {
                 Self::System(waves) => waves.0.size(),
             },
             to_spatial,
-            shortest,
+            zero_modes,
         };
         self.search().represented(&waves, found)
     }
@@ -464,11 +430,11 @@ impl<'a, const D: usize> Survey<'a, D> {
         found: SpectrumSummary<D>,
         f: &DeformationGradient,
     ) -> SpectrumSummary<D> {
-        let shortest = |k: &SVector<f64, D>| match (waves, self.strains()) {
-            (StateWaves::System(_), Ok(strains)) => strains.shortest(k),
-            _ => *k,
+        let zero_modes = |k: &SVector<f64, D>| {
+            let strains = self.strains();
+            strains.map_or_else(|_| Vec::new(), |own| own.modes_if_unstrained(k))
         };
-        waves.represented(found, self.to_spatial(f), &shortest)
+        waves.represented(found, self.to_spatial(f), &zero_modes)
     }
 
     /// Map from reference wave vectors to the deformed lattice, `F^-T`; the identity if the wave vectors already belong to the deformed lattice.
@@ -739,7 +705,7 @@ impl<'a, const D: usize> Survey<'a, D> {
             return Ok(norms.into_iter().any(|(_, norm)| norm <= ZERO_ENERGY));
         }
         let strains = self.strains()?;
-        let is_softest = || softest.is_some_and(|mode| strains.misses(mode));
+        let is_softest = || softest.is_some_and(|mode| misses(strains, mode));
         Ok(!strains.alternating.is_empty() || is_softest())
     }
 
@@ -760,7 +726,7 @@ impl<'a, const D: usize> Survey<'a, D> {
             }
             None => {
                 let strains = self.strains()?;
-                let is_softest = strains.misses(&spectrum.softest);
+                let is_softest = misses(strains, &spectrum.softest);
                 (is_softest, strains.alternating.clone())
             }
         };
@@ -808,14 +774,8 @@ impl<'a, const D: usize> Survey<'a, D> {
 
     fn strains(&self) -> Result<&Strains<D>, MethodError> {
         let evaluated = || {
-            let crystal = self.discretization.crystal();
-            let rows = StrainRows::new(crystal, &self.discretization.strain()?);
-            let alternating = self.alternating().filter(|k| rows.has_zero_mode_at(k));
-            Ok(Strains {
-                alternating: alternating.collect(),
-                shortest: OnceLock::new(),
-                rows,
-            })
+            let strain = self.discretization.strain()?;
+            Ok(Strains::new(self.discretization.crystal(), &strain))
         };
         let strains = self.ground.strains.get_or_init(evaluated);
         strains.as_ref().map_err(Clone::clone)
@@ -829,9 +789,7 @@ impl<'a, const D: usize> Survey<'a, D> {
     pub fn weakest(&self) -> Option<WeakestMode<D>> {
         let searched = || {
             let search = self.weakest_search().ok()?;
-            let bottoms = search.bottoms(WEAK_WAVE_RATIO * WEAK_WAVE_RATIO);
-            let modes = bottoms.iter().map(|bottom| search.mode(bottom));
-            modes.reduce(slower)
+            search.weakest(WEAK_WAVE_RATIO * WEAK_WAVE_RATIO)
         };
         *self.ground.weakest.get_or_init(searched)
     }
@@ -844,17 +802,15 @@ impl<'a, const D: usize> Survey<'a, D> {
         Ok(WeakestSearch {
             unfolding: Unfolding::new(self.discretization, self.material, self.reference()?)?,
             zone: BrillouinZone::new(*self.discretization.crystal().lattice()),
-            rows: &self.strains()?.rows,
-            alternating: &self.strains()?.alternating,
+            strains: self.strains()?,
             wells: &self.ground.wells,
         })
     }
+}
 
-    /// Wave vectors at which neighbors can alternate, within a cell (`k = 0`) or between cells.
-    fn alternating(&self) -> impl Iterator<Item = SVector<f64, D>> {
-        let lattice = self.discretization.crystal().lattice();
-        lattice.alternating().chain([SVector::zeros()])
-    }
+/// Returns true if a strain-free mode exists at or near the wave vector of a mode.
+fn misses<const D: usize>(strains: &Strains<D>, mode: &Mode<D>) -> bool {
+    !mode.is_long_wave && strains.rows.zero_mode_near(&mode.wave_vector).is_some()
 }
 
 impl<const D: usize> SurveyedState<D> {

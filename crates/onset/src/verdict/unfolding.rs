@@ -8,12 +8,12 @@ use crate::algebra::{Complex, Each, array_of};
 use crate::bloch::WaveSystem;
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
-use crate::lattice::{BrillouinZone, Particle};
+use crate::lattice::{BrillouinZone, Particle, WAVE_VECTOR_ERROR, shorter_first};
 use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use crate::scheme::Discretization;
+use crate::zero_energy::Displacements;
 use nalgebra::{DMatrix, DVector, SVector};
-use std::cmp::Ordering;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
@@ -25,8 +25,6 @@ const AMPLITUDE_FRACTION: f64 = 0.5;
 const FACE_TOLERANCE: f64 = 1e-9;
 /// Rounding of wave numbers before sorting, relative to the largest.
 const SORT_ROUNDING: f64 = 1e-7;
-/// Relative error of the components of a wave vector at the end of a descent.
-const TIE_TOLERANCE: f64 = 1e-5;
 /// Largest difference of degenerate squared frequencies, relative to the largest: for symmetric, then for nonsymmetric forces. Eigenvectors of
 /// nonsymmetric matrices do not separate closer eigenvalues.
 const DEGENERACY_TOLERANCES: [f64; 2] = [1e-12, 1e-9];
@@ -97,27 +95,12 @@ pub(super) fn slower<const D: usize>(a: WeakestMode<D>, b: WeakestMode<D>) -> We
     let apart = relative * ratio.abs().max(other_ratio.abs()) + absolute;
     let is_slower = match other_ratio - ratio {
         difference if difference.abs() > apart => difference > 0.0,
-        _ => is_first(&a.wave_vector, &b.wave_vector).is_ge(),
+        _ => {
+            let rounding = WAVE_VECTOR_ERROR * a.wave_vector.norm();
+            shorter_first(&a.wave_vector, &b.wave_vector, rounding).is_le()
+        }
     };
     if is_slower { a } else { b }
-}
-
-/// Order of wave vectors: shorter wave vectors come first, then larger first components.
-pub(crate) fn is_first<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> Ordering {
-    let [long, other] = [a, b].each(|k| k.norm());
-    match (long - other).abs() > TIE_TOLERANCE * long.max(other) {
-        true => other.total_cmp(&long),
-        false => is_ahead(a, b),
-    }
-}
-
-/// Order of wave vectors by the first component that differs.
-fn is_ahead<const D: usize>(a: &SVector<f64, D>, b: &SVector<f64, D>) -> Ordering {
-    let rounding = TIE_TOLERANCE * a.amax().max(b.amax());
-    let mut apart = a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > rounding);
-    apart
-        .next()
-        .map_or(Ordering::Equal, |(a, b)| a.total_cmp(b))
 }
 
 impl<'a, const D: usize> Unfolding<'a, D> {
@@ -202,7 +185,9 @@ impl<'a, const D: usize> Unfolding<'a, D> {
             |other: &SVector<f64, D>| other.norm() <= k.norm() * (1.0 + FACE_TOLERANCE);
         let images = images.filter(is_as_long).chain([*k]);
         let both = images.flat_map(|image| [image, -image]);
-        both.max_by(is_ahead).unwrap_or(*k)
+        let rounding = WAVE_VECTOR_ERROR * k.norm();
+        both.min_by(|a, b| shorter_first(a, b, rounding))
+            .unwrap_or(*k)
     }
 
     /// Slowest mode of a cell with several particles.
@@ -380,9 +365,6 @@ pub(crate) fn continuum<const D: usize>(
     values.sort_by(f64::total_cmp);
     values
 }
-
-/// Displacements of the particles of a cell in a mode.
-pub(crate) type Displacements<const D: usize> = Vec<SVector<Complex, D>>;
 
 /// Splits a mode into the displacements of the particles.
 fn per_particle<const D: usize>(displacements: &DVector<Complex>) -> Displacements<D> {

@@ -3,12 +3,14 @@
 //! The relative frequency is the frequency of a mode divided by the frequency of the material's slowest wave with the same wave vector. It depends
 //! only on method and law, not on the state.
 
+use super::unfolding::slower;
 use super::{Slowest, Unfolding, WeakestMode};
 use crate::algebra::sort_by_value;
 use crate::bloch::{is_well, settled, settled_along};
 use crate::lattice::BrillouinZone;
-use crate::scheme::StrainRows;
+use crate::zero_energy::Strains;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+use std::collections::VecDeque;
 use std::sync::OnceLock;
 
 /// Number of grid points along a reciprocal vector; except for the largest cells they include halves, thirds, quarters and finer fractions.
@@ -45,9 +47,7 @@ pub(super) type Well<const D: usize> = (f64, SVector<f64, D>);
 pub(crate) struct WeakestSearch<'a, const D: usize> {
     pub(crate) unfolding: Unfolding<'a, D>,
     pub(crate) zone: BrillouinZone<D>,
-    pub(crate) rows: &'a StrainRows<D>,
-    /// Wave vectors of alternating neighbors that have zero-energy modes; 1/length.
-    pub(super) alternating: &'a [SVector<f64, D>],
+    pub(crate) strains: &'a Strains<D>,
     /// Minima on the grid, from [`wells`](Self::wells), which takes most of the time.
     pub(super) wells: &'a OnceLock<Vec<Well<D>>>,
 }
@@ -99,7 +99,7 @@ impl<const D: usize> WeakestSearch<'_, D> {
     /// Minima of the relative frequency, the lowest first: the deepest minima, and all minima whose squared ratio may be below `limit`.
     pub(crate) fn bottoms(&self, limit: f64) -> Vec<Bottom<D>> {
         let steps = self.zone.lattice().reciprocal() / self.points() as f64;
-        let alternating = self.alternating.iter().map(|k| Bottom {
+        let alternating = self.strains.alternating.iter().map(|k| Bottom {
             ratio: 0.0,
             wave_vector: self.zone.folded(k),
         });
@@ -138,11 +138,12 @@ impl<const D: usize> WeakestSearch<'_, D> {
             ratio: 0.0,
             wave_vector,
         };
-        if wave_vector.norm() * self.rows.spacing < SMALL_RATIO {
+        let rows = &self.strains.rows;
+        if wave_vector.norm() * rows.spacing < SMALL_RATIO {
             let rest = SVector::zeros();
-            return self.rows.has_zero_mode_at(&rest).then(|| known(rest));
+            return rows.has_zero_mode_at(&rest).then(|| known(rest));
         }
-        let root = self.rows.zero_mode_near(&wave_vector)?;
+        let root = rows.zero_mode_near(&wave_vector)?;
         Some(known(self.zone.folded(&root)))
     }
 
@@ -161,8 +162,11 @@ impl<const D: usize> WeakestSearch<'_, D> {
         let mut best = inside;
         // Cells with several particles have many kinks: the search covers only the kinks at the end of the descent.
         let skipped = usize::from(self.unfolding.sites() > 1);
-        let ends = [start, inside].into_iter().zip(KINK_DISTANCES);
-        for ((_, k), near) in ends.skip(skipped) {
+        let [far, close] = KINK_DISTANCES;
+        let ends = [(start.1, far), (inside.1, close)];
+        let mut ends: VecDeque<_> = ends.into_iter().skip(skipped).collect();
+        while let Some((k, near)) = ends.pop_front() {
+            let before = best.0;
             let Slowest {
                 wave, from_others, ..
             } = self.unfolding.slowest(&k);
@@ -181,12 +185,43 @@ impl<const D: usize> WeakestSearch<'_, D> {
                     best = found;
                 }
             }
+            // A descent along some kinks can end at others.
+            if best.0 < before - EQUAL_VALUES * before.abs() {
+                ends.push_back((best.1, close));
+            }
         }
         best
     }
 
+    /// Weakest wave: the lowest of the minima.
+    ///
+    /// Zero-energy modes are equally weak. As among the waves of a state, alternating neighbors come first, then all other zero-energy modes.
+    pub(super) fn weakest(&self, limit: f64) -> Option<WeakestMode<D>> {
+        let mut bottoms = self.bottoms(limit);
+        let known = &self.strains.alternating;
+        let zero: Vec<SVector<f64, D>> = match bottoms.first().is_some_and(|own| own.ratio == 0.0) {
+            true if known.is_empty() => {
+                let modes = self.strains.modes().modes.iter();
+                modes.map(|mode| mode.wave_vector).collect()
+            }
+            true => known.clone(),
+            false => Vec::new(),
+        };
+        if !zero.is_empty() {
+            let bottom = |k: SVector<f64, D>| Bottom {
+                ratio: 0.0,
+                wave_vector: self.zone.folded(&k),
+            };
+            bottoms = zero.into_iter().map(bottom).collect();
+        }
+        bottoms
+            .iter()
+            .map(|bottom| self.mode(bottom))
+            .reduce(slower)
+    }
+
     /// Material wave of a bottom, with its squared ratio.
-    pub(super) fn mode(&self, bottom: &Bottom<D>) -> WeakestMode<D> {
+    fn mode(&self, bottom: &Bottom<D>) -> WeakestMode<D> {
         let wave = match self.unfolding.sites() {
             1 => self.unfolding.first_image(&bottom.wave_vector),
             _ => self.unfolding.slowest(&bottom.wave_vector).forward(),

@@ -3,6 +3,7 @@
 mod bands;
 mod contact;
 mod modes;
+mod oscillations;
 #[path = "../shared/random.rs"]
 #[allow(dead_code, reason = "shared with tests that turn things")]
 mod random;

@@ -469,3 +469,40 @@ fn rounding_of_volume_changes_does_not_affect_isochoric_increments() {
         );
     }
 }
+
+/// With `J^(-2/3) I1` and `J^(-4/3) I2`, the shear stiffness between two axes vanishes at `c10 + c01 lambda_k^2 J^(-2/3) = 0` for the stretch `lambda_k` of
+/// the third axis, at any bulk modulus. The pressure of imposed volumes grows with the bulk modulus.
+#[test]
+fn losses_at_imposed_volumes_do_not_depend_on_the_bulk_modulus() {
+    let stretched = |title: &str| {
+        let mut all = Loading::ALL.into_iter();
+        all.find(|loading| loading.title() == title)
+            .expect("a loading")
+    };
+    for (title, c01, power) in [
+        ("uniaxial strain", -0.1, 0.75),
+        ("uniaxial strain", -0.2, 0.75),
+        ("equibiaxial, plane strain", -0.2, 1.5),
+    ] {
+        let expected = (-0.5 / c01).powf(power);
+        for decade in 3..=12 {
+            let kappa = 10.0_f64.powi(decade);
+            let law = law(
+                "mooney-rivlin-isochoric",
+                &[("c10", 0.5), ("c01", c01), ("kappa", kappa)],
+            );
+            let loading = stretched(title);
+            let path = LoadingPath::new(&*law, true, loading, &Range::default()).expect("a path");
+            let found = |criterion| limit(&path, criterion, true).expect("lost");
+            assert_close(found(Criterion::BakerEricksen), expected, 1e-9);
+            let elliptic = found(Criterion::StrongEllipticity);
+            assert!(
+                elliptic <= expected * (1.0 + 1e-9),
+                "{title} {kappa} {elliptic}"
+            );
+            if decade >= 6 {
+                assert_close(elliptic, expected, 2e-6);
+            }
+        }
+    }
+}

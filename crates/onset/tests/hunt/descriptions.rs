@@ -26,8 +26,11 @@ const APART: f64 = 1e-4;
 /// Laws without material directions.
 const ISOTROPIC: &[&str] = &["modified-mooney-rivlin", "blatz-ko", "neo-hooke", "hencky"];
 
-/// Seeds with pockets of complex `omega^2` so small that a search can miss them in one of two descriptions, and with separate zero-energy waves.
-const MENDED: &[u64] = &[127, 20_606, 21_595, 22_189, 23_394];
+/// Seeds with pockets of complex `omega^2` so small that a search can miss them in one of two descriptions, with separate zero-energy waves, with weakest
+/// waves on edges of the zone, and with waves that grow alike on a line.
+const MENDED: &[u64] = &[
+    127, 20_606, 21_595, 22_189, 23_394, 20_261_256, 20_262_112, 40_000_150, 41_000_823,
+];
 
 /// Particles given by primitive vectors (columns) and lattice coordinates, the first at the origin; lengths in spacings.
 #[derive(Clone, Debug)]

@@ -497,3 +497,49 @@ fn long_waves_of_particles_have_the_moduli_of_the_sheet() {
         }
     }
 }
+
+/// The sheet of an isochoric neo-Hookean law: `P_ij = mu (F_ij - F^-T_ij / J^2)` with the area ratio `J` of the plane, at any bulk modulus.
+#[test]
+fn a_sheet_of_an_isochoric_law_has_the_same_response_at_every_bulk_modulus() {
+    let states = [
+        [[1.3, 0.0], [0.0, 0.8]],
+        [[2.5, 0.4], [-0.1, 1.4]],
+        [[0.4, 0.1], [0.0, 0.7]],
+    ];
+    for decade in 6..=12 {
+        let kappa = 10.0_f64.powi(decade);
+        let sheet = sheet("neo-hooke-isochoric", &[("mu", 1.5), ("kappa", kappa)]);
+        for [[a, b], [c, d]] in states {
+            let stress = |[[a, b], [c, d]]: [[f64; 2]; 2]| {
+                let area = a * d - b * c;
+                let inverse = [[d / area, -c / area], [-b / area, a / area]];
+                let own = [[a, b], [c, d]];
+                let at = |i: usize, j: usize| 1.5 * (own[i][j] - inverse[i][j] / (area * area));
+                [[at(0, 0), at(0, 1)], [at(1, 0), at(1, 1)]]
+            };
+            let response = sheet.response(&planar([[a, b], [c, d]]));
+            let response = response.expect("a response");
+            let tolerance = 30.0 / kappa.min(1e10);
+            let expected = stress([[a, b], [c, d]]);
+            for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                let apart = response.first_piola[(i, j)] - expected[i][j];
+                assert!(apart.abs() < tolerance, "{kappa} {i}{j} {apart}");
+                // Central differences of the closed form.
+                let step = 1e-5;
+                for (k, l) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                    let moved = |way: f64| {
+                        let mut own = [[a, b], [c, d]];
+                        own[k][l] += way;
+                        stress(own)[i][j]
+                    };
+                    let slope = (moved(step) - moved(-step)) / (2.0 * step);
+                    let apart = response.tangent[(i, j, k, l)] - slope;
+                    assert!(
+                        apart.abs() < 1e-7 + 100.0 * tolerance,
+                        "{kappa} {i}{j}{k}{l} {apart}"
+                    );
+                }
+            }
+        }
+    }
+}

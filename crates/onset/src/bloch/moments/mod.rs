@@ -329,7 +329,7 @@ impl<const D: usize> GradientMoments<D> {
         }
         let equal = value + MEASURE_ROUNDING * value.abs() + tolerance;
         let is_equal = |k: &SVector<f64, D>| self.exact(row, Objective::Scaled, k) <= equal;
-        (value, search.chosen(&k, is_equal), false)
+        (value, search.chosen(&k, Vec::new, is_equal), false)
     }
 
     /// Size of the moments of long waves.

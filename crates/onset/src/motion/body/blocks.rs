@@ -1,4 +1,4 @@
-//! Critical time steps of free blocks cut out of a lattice, which represent all finite bodies.
+//! Fastest oscillations of free blocks cut out of a lattice, which represent all finite bodies.
 
 use super::stability::largest_eigenvalue;
 use super::{BodyError, BodyMotion, BodyParticles, PlacedParticle, Shape, Start, with_body};
@@ -9,7 +9,7 @@ use crate::kinematics::DeformationGradient;
 use crate::lattice::{BravaisLattice, Crystal, Fractional, Particle, Reduced, cells_between};
 use crate::material::{Hyperelastic, Linearized};
 use crate::scheme::Discretization;
-use crate::time_step::Stepping;
+use crate::time_step::Oscillation;
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use std::cmp::Reverse;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -21,21 +21,21 @@ const MAXIMUM_SIDE: [usize; 3] = [16, 12, 8];
 /// Largest number of cells along the sides of a block, for methods without a moving body, whose stiffness matrix is assembled.
 const MAXIMUM_CELLS: [usize; 3] = [16, 12, 5];
 
-/// Safety factor of the smallest step: waves along faces whose lengths differ from these blocks are faster by up to half a percent.
+/// Safety factor of steps: waves along faces whose lengths differ from these blocks are faster by up to half a percent.
 const MARGIN: f64 = 0.98;
 
-/// Returns the smallest critical time step of free blocks in a homogeneous state, less two percent; time. `None` for methods whose forces are not
-/// defined for finite bodies.
+/// Returns the largest eigenvalues of stiffness and damping of free blocks in a homogeneous state, enlarged so that steps are two percent smaller. `None`
+/// for methods whose forces are not defined for finite bodies.
 ///
 /// The sizes of the blocks range from three particles to more than the range of the forces, and include corners, edges and faces. A block is also
 /// tried in every position in which a symmetry of the crystal puts it, so that mirror images of a state have the same step. Blocks of a crystal with
 /// several particles a cell begin at each of them: the step does not depend on the basis and the origin that describe the crystal. The step is
 /// computed, not proved: a particle that protrudes from a corner may need a smaller step.
-pub(crate) fn step_of_free_blocks<const D: usize>(
+pub(crate) fn oscillation_of_free_blocks<const D: usize>(
     discretization: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
-) -> Option<f64> {
+) -> Option<Oscillation> {
     let ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][D - 1];
     let reach = (discretization.neighbors() / ball).powf(1.0 / D as f64);
     // A rotation changes no frequency. Raw gradients are not exact at faces, where a rotation would strain the particles.
@@ -134,33 +134,36 @@ pub(crate) fn step_of_free_blocks<const D: usize>(
     // A large block has corners, edges and faces, so that most smaller ones have no smaller step.
     cuts.sort_by_key(|cut: &Cut<D>| Reverse(cut.sides.iter().product::<usize>()));
     // Blocks without a state are skipped: they have too few neighbors, or the law is not defined.
-    let step = |cut: &Cut<D>, least: f64| {
+    let oscillation = |cut: &Cut<D>, known: Oscillation| {
         let state = cut.solid.state();
         match (has_bodies, cut.is_of_rows) {
             (true, false) => {
                 let block = turned_block(crystal, &axes, &cut.sides, &cut.origin);
-                step_of_body(discretization, &*cut.solid, state, &block, least)
+                of_body(discretization, &*cut.solid, state, &block, known)
             }
             (true, true) => {
                 let block = block_of_rows(&crystal.reduced(&cut.origin).ok()?, &cut.sides);
-                step_of_body(discretization, &*cut.solid, state, &block, least)
+                of_body(discretization, &*cut.solid, state, &block, known)
             }
             (false, _) => {
                 let block = discretization.on_block(cut.sides, &cut.origin);
-                step_of_cells(&*block.ok().flatten()?, &*cut.solid, state, least)
+                of_cells(&*block.ok().flatten()?, &*cut.solid, state, known)
             }
         }
     };
-    let least = Mutex::new(f64::INFINITY);
-    let known = || *least.lock().unwrap_or_else(PoisonError::into_inner);
-    let steps = of_each(cuts, |cut| {
-        let step = step(&cut, known())?;
-        let mut least = least.lock().unwrap_or_else(PoisonError::into_inner);
-        *least = least.min(step);
-        Some(step)
+    let fastest = Mutex::new(Oscillation::NONE);
+    let known = || *fastest.lock().unwrap_or_else(PoisonError::into_inner);
+    let oscillations = of_each(cuts, |cut| {
+        let own = oscillation(&cut, known())?;
+        let mut fastest = fastest.lock().unwrap_or_else(PoisonError::into_inner);
+        *fastest = fastest.or(own);
+        Some(own)
     });
-    let least = steps.into_iter().flatten().reduce(f64::min);
-    least.map(|least| MARGIN * least)
+    let fastest = oscillations.into_iter().flatten().reduce(Oscillation::or);
+    fastest.map(|own| Oscillation {
+        squared: own.squared / MARGIN.powi(2),
+        damping: own.damping / MARGIN,
+    })
 }
 
 /// Block that is cut out of a crystal.
@@ -322,14 +325,14 @@ fn is_diagonal<const D: usize>(vectors: &SMatrix<f64, D, D>) -> bool {
     rows.all(|row| row.iter().filter(is_entry).count() == 1)
 }
 
-/// Critical step of a body in motion; an estimate if it exceeds `limit`.
-fn step_of_body<const D: usize>(
+/// Largest eigenvalues of a body in motion; estimates where they lie below `known`.
+fn of_body<const D: usize>(
     discretization: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
     particles: &BodyParticles,
-    limit: f64,
-) -> Option<f64> {
+    known: Oscillation,
+) -> Option<Oscillation> {
     let start = Start {
         f: *f,
         noise: 0.0,
@@ -338,27 +341,25 @@ fn step_of_body<const D: usize>(
     let mut found = None;
     let mut work = |body: &mut dyn BodyMotion| {
         let started = body.start(&start, 0.0);
-        found = started
-            .and_then(|()| body.critical_time_step_below(limit))
-            .ok();
+        found = started.and_then(|()| body.fastest_oscillation(known)).ok();
     };
     with_body(discretization, material, particles, &[], None, &mut work).ok()?;
     found
 }
 
-/// Critical step of a method on the particles of a block, which form a single cell; an estimate if it exceeds `limit`.
-fn step_of_cells<const D: usize>(
+/// Largest eigenvalues of a method on the particles of a block, which form a single cell; estimates where they lie below `known`.
+fn of_cells<const D: usize>(
     block: &dyn Discretization<D>,
     material: &dyn Hyperelastic,
     f: &DeformationGradient,
-    limit: f64,
-) -> Option<f64> {
+    known: Oscillation,
+) -> Option<Oscillation> {
     let system = block.waves(material, f).ok()?;
     if system.drift().is_some() {
         return None;
     }
     let masses = system.particle_masses();
-    let largest = |sum: &BlochSum<D>, is_irrelevant: &dyn Fn(f64) -> bool| {
+    let largest = |sum: &BlochSum<D>, known: f64| {
         let matrix = sum.at(&SVector::zeros());
         let size = matrix.nrows();
         let over_mass = DMatrix::from_fn(size, size, |i, j| matrix[(i, j)].re / masses[i / D]);
@@ -366,20 +367,18 @@ fn step_of_cells<const D: usize>(
             let product = &over_mass * DVector::from_column_slice(own);
             Ok(product.as_slice().to_vec())
         };
-        largest_eigenvalue(size, &mut { image }, is_irrelevant).ok()
+        largest_eigenvalue(size, &mut { image }, known).ok()
     };
-    let step = |squared, damping| Stepping::VelocityVerlet.critical_step(squared, damping);
-    let damping = system
-        .damping()
-        .map_or(Some(0.0), |damping| largest(damping, &|_| false))?;
-    let squared = largest(system.stiffness(), &|bound| step(bound, damping) > limit)?;
-    let step = step(squared, damping);
-    (step > 0.0 && step.is_finite()).then_some(step)
+    let squared = largest(system.stiffness(), known.squared)?;
+    let damping = system.damping();
+    let damping = damping.map_or(Some(0.0), |sum| largest(sum, known.damping))?;
+    (squared > 0.0 && squared.is_finite() && damping.is_finite())
+        .then_some(Oscillation { squared, damping })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Linearized, Start, turned_block, with_body};
+    use super::{Linearized, Oscillation, Start, turned_block, with_body};
     use crate::kinematics::DeformationGradient;
     use crate::lattice::{Crystal, LatticeKind};
     use crate::material::ModifiedMooneyRivlin;
@@ -389,7 +388,7 @@ mod tests {
 
     /// With the difference form of the momentum equation the stiffness is not symmetric.
     #[test]
-    fn a_step_below_a_limit_is_exact_and_no_other_is_estimated_below_the_limit() {
+    fn eigenvalues_above_a_known_one_are_exact_and_no_other_is_estimated_above_it() {
         let crystal = Crystal::<2>::of(LatticeKind::Honeycomb, 1.0).expect("a crystal");
         let law = ModifiedMooneyRivlin::default();
         let f = [[1.06, 0.02, 0.0], [-0.083, 1.109, 0.0], [0.0, 0.0, 1.0]];
@@ -412,17 +411,24 @@ mod tests {
                         seed: 1,
                     };
                     body.start(&start, 0.0).expect("a start");
-                    let whole = body.critical_time_step().expect("a step");
-                    for share in [0.5, 0.8, 0.95, 0.99, 0.9999] {
-                        let limit = share * whole;
-                        let step = body.critical_time_step_below(limit).expect("a step");
-                        assert!(
-                            step > limit && step <= whole,
-                            "{side} {share} {step} {whole}"
-                        );
+                    let whole = body.fastest_oscillation(Oscillation::NONE);
+                    let whole = whole.expect("an eigenvalue").squared;
+                    let mut below = |known: f64| {
+                        let known = Oscillation {
+                            squared: known,
+                            ..Oscillation::NONE
+                        };
+                        body.fastest_oscillation(known)
+                            .expect("an eigenvalue")
+                            .squared
+                    };
+                    for factor in [1.0002, 1.01, 1.1, 1.5, 4.0] {
+                        let known = factor * whole;
+                        let squared = below(known);
+                        let is_estimated = (0.994 * whole..known).contains(&squared);
+                        assert!(is_estimated, "{side} {factor} {squared} {whole}");
                     }
-                    let exact = body.critical_time_step_below(1.0001 * whole);
-                    assert_eq!(exact.expect("a step"), whole, "{side}");
+                    assert_eq!(below(0.9999 * whole), whole, "{side}");
                 };
                 with_body(&method, &solid, &block, &[], None, &mut work).expect("a body");
             }

@@ -18,7 +18,7 @@ use crate::lattice::Crystal;
 use crate::material::Hyperelastic;
 use crate::motion::{Fault, Ground, PatchState};
 use crate::scheme::PairLaw;
-use crate::time_step::Stepping;
+use crate::time_step::Oscillation;
 
 /// Total-Lagrangian body in motion.
 struct LagrangianBody<'a, const D: usize> {
@@ -297,9 +297,8 @@ impl<const D: usize> BodyMotion for LagrangianBody<'_, D> {
         (0..self.len()).map(|n| self.deformation(n)).collect()
     }
 
-    fn critical_time_step_below(&mut self, limit: f64) -> Result<f64, Box<Fault>> {
+    fn fastest_oscillation(&mut self, known: Oscillation) -> Result<Oscillation, Box<Fault>> {
         let unknowns = D * self.len();
-        let step = |squared: f64| Stepping::VelocityVerlet.critical_step(squared, 0.0);
         let mut image = |own: &[f64], highest: f64| {
             let mut along = zeros(self.len());
             fill(&mut along, own);
@@ -308,9 +307,12 @@ impl<const D: usize> BodyMotion for LagrangianBody<'_, D> {
             hold(&mut image, &self.held, self.grips);
             Ok(negative(flat(&image, self.len())))
         };
-        let largest = largest_eigenvalue(unknowns, &mut image, &|bound| step(bound) > limit)?;
+        let largest = largest_eigenvalue(unknowns, &mut image, known.squared)?;
         self.deform(0.0)?;
-        Ok(step(largest + self.engine.stiffest_contact()))
+        Ok(Oscillation {
+            squared: largest + self.engine.stiffest_contact(),
+            damping: 0.0,
+        })
     }
 
     fn accelerations(&mut self) -> Result<Vec<f64>, Box<Fault>> {

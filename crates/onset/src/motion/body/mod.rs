@@ -49,7 +49,7 @@ mod vectors;
 
 pub(crate) use actual::lowest_modes;
 pub use actual::{ActualBody, ActualMode, ActualModes};
-pub(crate) use blocks::step_of_free_blocks;
+pub(crate) use blocks::oscillation_of_free_blocks;
 pub use contact::Contact;
 pub use error::BodyError;
 pub use grip::Grip;

@@ -3,6 +3,7 @@
 use super::BodyQuantities;
 use crate::kinematics::DeformationGradient;
 use crate::motion::{Fault, PatchState};
+use crate::time_step::{Oscillation, Stepping};
 
 /// Initial state of a body.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,7 +51,7 @@ pub trait BodyMotion {
     /// Deformation gradients `F_I` of all particles, from the last evaluation of the forces.
     fn deformations(&self) -> Vec<[[f64; 3]; 3]>;
 
-    /// Returns the largest stable step at the current displacements; time. Without viscosity it is `2 / omega`.
+    /// Returns the largest stable step of central differences at the current displacements; time. Without viscosity it is `2 / omega`.
     ///
     /// With viscosity it is the root of `omega^2 dt^2 + 2 c dt = 4`, with the largest eigenvalues of stiffness and damping over mass. The result is
     /// below the exact step by a fraction of at most 3e-7, or by a few percent for large bodies. Particles of permanent grips are fixed, all others
@@ -62,15 +63,17 @@ pub trait BodyMotion {
     /// # Errors
     /// [`Fault`] if forces are undefined.
     fn critical_time_step(&mut self) -> Result<f64, Box<Fault>> {
-        self.critical_time_step_below(f64::INFINITY)
+        let Oscillation { squared, damping } = self.fastest_oscillation(Oscillation::NONE)?;
+        Ok(Stepping::VelocityVerlet.critical_step(squared, damping))
     }
 
-    /// Like [`BodyMotion::critical_time_step`] for a step below a limit. If an estimate of the step exceeds the limit, this estimate is returned, which
-    /// takes a fraction of the time.
+    /// Returns the largest eigenvalues of stiffness and damping, as for [`Self::critical_time_step`].
+    ///
+    /// If an estimate of an eigenvalue lies below the one of `known`, this estimate is returned, which takes a fraction of the time.
     ///
     /// # Errors
     /// [`Fault`] if forces are undefined.
-    fn critical_time_step_below(&mut self, limit: f64) -> Result<f64, Box<Fault>>;
+    fn fastest_oscillation(&mut self, known: Oscillation) -> Result<Oscillation, Box<Fault>>;
 
     /// Returns the accelerations at the current displacements, vector by vector; length/time^2.
     ///

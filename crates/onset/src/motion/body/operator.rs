@@ -320,7 +320,7 @@ impl<const D: usize> Operator<D> {
                 hold(&mut image);
                 Ok(image)
             },
-            &|_| false,
+            f64::NEG_INFINITY,
         );
         let (squared, mut mode) = found.ok().flatten()?;
         hold(&mut mode);

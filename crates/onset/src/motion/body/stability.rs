@@ -33,17 +33,17 @@ type Image = Result<Vec<f64>, Box<Fault>>;
 /// It exceeds the eigenvalue by at most [`RESIDUAL`] if the iteration converges. For long vectors the iteration is truncated, and the mean error of a
 /// Krylov space with a random start is added, `0.103 (ln(n (k-1)^2) / (k-1))^2`.
 ///
-/// The arguments of the map are a vector and the size of its largest component. The iteration ends as soon as `is_irrelevant` is true of an estimate of
-/// the bound, which is then returned.
+/// The arguments of the map are a vector and the size of its largest component. The iteration ends as soon as an estimate of the bound lies below
+/// `known`, and this estimate is then returned.
 ///
 /// Source: Stathopoulos, Saad and Wu, SIAM J. Sci. Comput. 19 (1998) 227 (restarts); Kuczynski and Wozniakowski, SIAM J. Matrix Anal. Appl. 13 (1992)
 /// 1094 (mean error).
 pub(super) fn largest_eigenvalue(
     unknowns: usize,
     map: &mut dyn FnMut(&[f64], f64) -> Image,
-    is_irrelevant: &dyn Fn(f64) -> bool,
+    known: f64,
 ) -> Result<f64, Box<Fault>> {
-    let mode = largest_mode(unknowns, map, is_irrelevant)?;
+    let mode = largest_mode(unknowns, map, known)?;
     Ok(mode.map_or(0.0, |(bound, _)| bound.max(0.0)))
 }
 
@@ -51,7 +51,7 @@ pub(super) fn largest_eigenvalue(
 pub(super) fn largest_mode(
     unknowns: usize,
     map: &mut dyn FnMut(&[f64], f64) -> Image,
-    is_irrelevant: &dyn Fn(f64) -> bool,
+    known: f64,
 ) -> Result<Option<(f64, Vec<f64>)>, Box<Fault>> {
     let most = (NUMBERS / (2 * unknowns.max(1)))
         .clamp(MINIMUM_VECTORS, MAXIMUM_VECTORS)
@@ -83,7 +83,7 @@ pub(super) fn largest_mode(
                 let value = symmetric.eigenvalues.max().max(ritz.size());
                 let missed = missed(&space.residuals(&ritz));
                 let bound = value + missed + ESTIMATE_FACTOR * mean_error(images) * value;
-                if is_irrelevant(bound) {
+                if bound < known {
                     return Ok(Some((bound, space.mode(&ritz))));
                 }
             }
@@ -323,7 +323,7 @@ mod tests {
                 .as_slice()
                 .to_vec())
         };
-        let bound = largest_eigenvalue(n, &mut image, &|_| false).expect("a bound");
+        let bound = largest_eigenvalue(n, &mut image, f64::NEG_INFINITY).expect("a bound");
         let exact = (f64::from(n as u32 - 1).powi(2) + 16.0).sqrt();
         assert!(
             (0.0..1e-6 * exact).contains(&(bound - exact)),

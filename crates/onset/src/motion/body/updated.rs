@@ -33,7 +33,7 @@ use crate::material::Hyperelastic;
 use crate::motion::{Fault, Ground, PatchState};
 use crate::scheme::sph::CurrentPairs;
 use crate::scheme::{Discretization, NoForce};
-use crate::time_step::Stepping;
+use crate::time_step::Oscillation;
 use nalgebra::SMatrix;
 
 /// Distance, as a fraction of the support, within which two particles coincide.
@@ -448,22 +448,21 @@ impl<const D: usize> BodyMotion for UpdatedBody<'_, D> {
             .collect()
     }
 
-    fn critical_time_step_below(&mut self, limit: f64) -> Result<f64, Box<Fault>> {
+    fn fastest_oscillation(&mut self, known: Oscillation) -> Result<Oscillation, Box<Fault>> {
         let unknowns = D * self.len();
         let spacing = self.discretization.crystal().spacing();
-        let step = |squared, damping| Stepping::VelocityVerlet.critical_step(squared, damping);
-        let is_viscous = self.engine.law().is_ok_and(CurrentPairs::is_viscous);
         let mut image = |own: &[f64], highest: f64| {
             let along = self.free(own);
             let change = self.changed_by_displacements(&along, DIFFERENCE_STEP * spacing / highest);
             let change = change.map_err(|none| self.fault(none, 0.0))?;
             Ok(negative(flat(&self.free(&change), self.len())))
         };
-        let squared = largest_eigenvalue(unknowns, &mut image, &|bound| {
-            !is_viscous && step(bound, 0.0) > limit
-        })?;
-        if !is_viscous {
-            return Ok(step(squared, 0.0));
+        let squared = largest_eigenvalue(unknowns, &mut image, known.squared)?;
+        if !self.engine.law().is_ok_and(CurrentPairs::is_viscous) {
+            return Ok(Oscillation {
+                squared,
+                damping: 0.0,
+            });
         }
         let speed = DIFFERENCE_STEP * spacing * squared.sqrt().max(f64::MIN_POSITIVE);
         let mut image = |own: &[f64], highest: f64| {
@@ -472,9 +471,8 @@ impl<const D: usize> BodyMotion for UpdatedBody<'_, D> {
             let change = change.map_err(|none| self.fault(none, 0.0))?;
             Ok(negative(flat(&self.free(&change), self.len())))
         };
-        let damping =
-            largest_eigenvalue(unknowns, &mut image, &|bound| step(squared, bound) > limit)?;
-        Ok(step(squared, damping))
+        let damping = largest_eigenvalue(unknowns, &mut image, known.damping)?;
+        Ok(Oscillation { squared, damping })
     }
 
     fn accelerations(&mut self) -> Result<Vec<f64>, Box<Fault>> {

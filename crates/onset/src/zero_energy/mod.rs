@@ -1,4 +1,4 @@
-//! Search for all zero-energy modes: the wave vectors at which the strain operator has a kernel.
+//! Zero-energy modes of a method: the wave vectors at which the strain operator has a kernel. They depend neither on the material nor on the state.
 //!
 //! The zone is divided into parts. A part needs no further division if bounds on the strain operator exclude such a wave vector, or if it lies in the
 //! neighborhood of a root of Newton's method that is provably the only one there. Lines of zero-energy modes are traced from one of their wave
@@ -8,14 +8,14 @@ mod places;
 mod root;
 
 use crate::algebra::{Complex, Each, array_of, sort_by_value};
-use crate::lattice::Crystal;
-use crate::scheme::{Singular, StrainRows};
-use crate::verdict::{Displacements, is_first};
+use crate::lattice::{BrillouinZone, Crystal, WAVE_VECTOR_ERROR, shorter_first};
+use crate::scheme::{Singular, StrainOperator, StrainRows};
 use nalgebra::{DMatrix, SVector};
 use places::Places;
 use root::Root;
 use std::collections::VecDeque;
 use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 /// Sizes of parts of the zone, in units of the reciprocal vectors: of the first parts, of parts in which Newton's method starts, of parts in which
 /// lines and surfaces need no further search, and of the smallest parts.
@@ -91,49 +91,69 @@ impl Extent {
     }
 }
 
+/// Displacements of the particles of a cell in a mode.
+pub(crate) type Displacements<const D: usize> = Vec<SVector<Complex, D>>;
+
 /// Wave vector with zero-energy modes.
 #[derive(Clone, Debug)]
-pub(super) struct ZeroMode<const D: usize> {
-    pub(super) wave_vector: SVector<f64, D>,
-    pub(super) extent: Extent,
-    pub(super) nullity: usize,
+pub(crate) struct ZeroMode<const D: usize> {
+    pub(crate) wave_vector: SVector<f64, D>,
+    pub(crate) extent: Extent,
+    pub(crate) nullity: usize,
     /// Displacements of the particles of a cell in a basis of the zero-energy modes of this wave vector.
-    pub(super) span: Vec<Displacements<D>>,
+    pub(crate) span: Vec<Displacements<D>>,
 }
 
-/// All zero-energy modes, one of each pair `k` and `-k`.
-pub(super) struct ZeroModes<'a, const D: usize> {
-    rows: &'a StrainRows<D>,
-    pub(super) modes: Vec<ZeroMode<D>>,
-    pub(super) is_complete: bool,
+/// All zero-energy modes, one of each pair `k` and `-k`: single wave vectors, and the shortest one of each line or surface.
+#[derive(Clone, Debug)]
+pub(crate) struct ZeroModes<const D: usize> {
+    pub(crate) modes: Vec<ZeroMode<D>>,
+    pub(crate) is_complete: bool,
 }
 
-impl<'a, const D: usize> ZeroModes<'a, D> {
-    /// Finds the modes; `folded` maps a wave vector to the first zone.
-    pub(super) fn new(
-        crystal: &Crystal<D>,
-        rows: &'a StrainRows<D>,
-        folded: impl Fn(&SVector<f64, D>) -> SVector<f64, D>,
-    ) -> Self {
-        let mut search = Search::new(crystal, rows);
-        let (mut modes, mut is_complete) = (Vec::new(), true);
-        match search.everywhere() {
-            Some(mode) => modes.push(mode),
-            None => {
-                is_complete = search.divide();
-                modes.extend(search.modes(&folded));
-            }
-        }
+/// Strains of plane waves at the quadrature points in the reference configuration.
+#[derive(Clone, Debug)]
+pub(crate) struct Strains<const D: usize> {
+    crystal: Crystal<D>,
+    pub(crate) rows: StrainRows<D>,
+    /// Wave vectors of strain-free modes in which neighbors alternate, within a cell or between cells; 1/length.
+    pub(crate) alternating: Vec<SVector<f64, D>>,
+    modes: OnceLock<ZeroModes<D>>,
+}
+
+impl<const D: usize> Strains<D> {
+    pub(crate) fn new(crystal: &Crystal<D>, strain: &StrainOperator<D>) -> Self {
+        let rows = StrainRows::new(crystal, strain);
+        let alternating = crystal.lattice().alternating().chain([SVector::zeros()]);
         Self {
+            alternating: alternating.filter(|k| rows.has_zero_mode_at(k)).collect(),
+            crystal: crystal.clone(),
             rows,
-            modes,
-            is_complete,
+            modes: OnceLock::new(),
         }
     }
 
-    /// Largest extent of the zero-energy modes; `None` if there are no such modes.
-    pub(super) fn extent(&self) -> Option<Extent> {
-        self.modes.iter().map(|mode| mode.extent).max()
+    /// All zero-energy modes. The first call searches the zone, which takes seconds for large cells.
+    pub(crate) fn modes(&self) -> &ZeroModes<D> {
+        self.modes
+            .get_or_init(|| ZeroModes::new(&self.crystal, &self.rows))
+    }
+
+    /// Wave vectors that represent the zero-energy modes, if a wave is one of them; otherwise none.
+    ///
+    /// If the search of the zone is incomplete, the wave itself is included.
+    pub(crate) fn modes_if_unstrained(&self, k: &SVector<f64, D>) -> Vec<SVector<f64, D>> {
+        let rows = &self.rows;
+        let own = match k.norm() > 0.0 {
+            true => rows.zero_mode_near(k),
+            false => rows.has_zero_mode_at(k).then_some(*k),
+        };
+        let Some(own) = own else {
+            return Vec::new();
+        };
+        let ZeroModes { modes, is_complete } = self.modes();
+        let known = modes.iter().map(|mode| mode.wave_vector);
+        known.chain((!is_complete).then_some(own)).collect()
     }
 
     fn misses(&self, k: &SVector<f64, D>) -> bool {
@@ -147,7 +167,7 @@ impl<'a, const D: usize> ZeroModes<'a, D> {
     ///
     /// The wave vector is then near a single wave vector with zero-energy modes, or its strain is small and lines, surfaces or an incomplete search
     /// allow a zero-energy mode. Other waves with small strain are weakly controlled.
-    pub(super) fn has(
+    pub(crate) fn has_mode_at(
         &self,
         k: &SVector<f64, D>,
         distance: impl Fn(&SVector<f64, D>) -> f64,
@@ -156,7 +176,30 @@ impl<'a, const D: usize> ZeroModes<'a, D> {
             Extent::Point => distance(&mode.wave_vector) <= POINT_DISTANCE,
             _ => self.misses(k),
         };
-        self.modes.iter().any(is_near) || !self.is_complete && self.misses(k)
+        let ZeroModes { modes, is_complete } = self.modes();
+        modes.iter().any(is_near) || !is_complete && self.misses(k)
+    }
+}
+
+impl<const D: usize> ZeroModes<D> {
+    fn new(crystal: &Crystal<D>, rows: &StrainRows<D>) -> Self {
+        let zone = BrillouinZone::new(*crystal.lattice());
+        let folded = |k: &SVector<f64, D>| zone.folded(k);
+        let mut search = Search::new(crystal, rows);
+        let (mut modes, mut is_complete) = (Vec::new(), true);
+        match search.everywhere() {
+            Some(mode) => modes.push(mode),
+            None => {
+                is_complete = search.divide();
+                modes.extend(search.modes(&folded));
+            }
+        }
+        Self { modes, is_complete }
+    }
+
+    /// Largest extent of the zero-energy modes; `None` if there are no such modes.
+    pub(crate) fn extent(&self) -> Option<Extent> {
+        self.modes.iter().map(|mode| mode.extent).max()
     }
 }
 
@@ -544,7 +587,8 @@ impl<'a, const D: usize> Search<'a, D> {
             let bottom = self.descended(root, folded);
             Some((folded(&bottom.wave_vector), self.mode(&bottom, extent)?))
         });
-        let first = found.max_by(|a, b| is_first(&a.0, &b.0));
+        let rounding = |k: &SVector<f64, D>| WAVE_VECTOR_ERROR * k.norm();
+        let first = found.min_by(|a, b| shorter_first(&a.0, &b.0, rounding(&a.0)));
         first.map(|(_, mode)| mode)
     }
 
