@@ -69,7 +69,8 @@ pub trait BodyMotion {
 
     /// Returns the largest eigenvalues of stiffness and damping, as for [`Self::critical_time_step`].
     ///
-    /// If an estimate of an eigenvalue lies below the one of `known`, this estimate is returned, which takes a fraction of the time.
+    /// An eigenvalue that is estimated to lie below the known eigenvalue is not computed further: the estimate is returned, which takes a fraction of the
+    /// time.
     ///
     /// # Errors
     /// [`Fault`] if forces are undefined.

@@ -26,8 +26,8 @@ pub(super) const DIFFERENCE_STEP: f64 = 1e-5;
 /// Image of a vector under a linear map.
 type Image = Result<Vec<f64>, Box<Fault>>;
 
-/// Returns an upper bound of the eigenvalue with the largest real part of a linear map, or zero if this part is not positive. Of a complex pair the
-/// magnitude is taken.
+/// Returns an upper bound of the eigenvalue with the largest real part of a linear map, or zero if this part is not positive. A complex pair is
+/// represented by its magnitude.
 ///
 /// The map must be symmetric in some norm, at least nearly. The bound is the Ritz value of a restarted Krylov method plus its residual.
 /// It exceeds the eigenvalue by at most [`RESIDUAL`] if the iteration converges. For long vectors the iteration is truncated, and the mean error of a
@@ -78,7 +78,7 @@ pub(super) fn largest_mode(
             if images.is_multiple_of(ESTIMATED_IMAGES)
                 && let Some(ritz) = space.rightmost()
             {
-                // The numerical range of the map contains its eigenvalues, also those that the space does not know yet.
+                // The numerical range of the map contains its eigenvalues, also eigenvalues that the space has not reached.
                 let symmetric = SymmetricEigen::new(space.symmetric());
                 let value = symmetric.eigenvalues.max().max(ritz.size());
                 let missed = missed(&space.residuals(&ritz));
@@ -301,7 +301,7 @@ mod tests {
     use crate::algebra::uniform;
     use nalgebra::{DMatrix, DVector};
 
-    /// Diagonal blocks `(a, b; -b, a)` have the eigenvalues `a +- i b`. A random orthogonal transformation changes none of them.
+    /// Diagonal blocks `(a, b; -b, a)` have the eigenvalues `a +- i b`. They do not change under a random orthogonal transformation.
     #[test]
     fn of_a_complex_pair_the_magnitude_is_the_bound() {
         let (n, mut state) = (60, 3);
