@@ -108,7 +108,9 @@ pub(super) fn is_shape_separable(material: &dyn Hyperelastic) -> bool {
     let side = stretches.iter().product::<f64>().cbrt();
     let both = deviator(stretches).zip(deviator(stretches.each(|own: f64| own / side)));
     huge_bulk_modulus(material).is_some()
-        && both.is_some_and(|(own, of_shape)| (own - of_shape).amax() <= SHAPE_STRESS_TOLERANCE * own.amax())
+        && both.is_some_and(|(own, of_shape)| {
+            (own - of_shape).amax() <= SHAPE_STRESS_TOLERANCE * own.amax()
+        })
 }
 
 /// Response of a law at `J^(-1/3) F`, without pressure and stiffness against changes of volume.

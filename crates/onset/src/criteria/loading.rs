@@ -775,7 +775,7 @@ impl<'a> LoadingPath<'a> {
         };
         match self.problem.volume {
             Volume::Changes => {
-                let shape = self.separates_shape.then(|| &state.response.deformation);
+                let shape = self.separates_shape.then_some(&state.response.deformation);
                 match shape.and_then(|f| of_shape(self.material(), f)) {
                     Some(shape) => asked.with_shape(shape),
                     None => asked,
