@@ -484,7 +484,7 @@ fn losses_at_imposed_volumes_do_not_depend_on_the_bulk_modulus() {
         ("uniaxial strain", -0.2, 0.75),
         ("equibiaxial, plane strain", -0.2, 1.5),
     ] {
-        let expected = (-0.5_f64 / c01).powf(power);
+        let expected = f64::powf(-0.5 / c01, power);
         for decade in 3..=12 {
             let kappa = 10.0_f64.powi(decade);
             let law = law(
