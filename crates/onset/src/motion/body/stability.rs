@@ -14,6 +14,9 @@ const MINIMUM_VECTORS: usize = 6;
 const IMAGES: (usize, usize, usize) = (60, 2000, 200_000_000);
 /// Ratio of residual to eigenvalue at which the iteration stops.
 const RESIDUAL: f64 = 5e-7;
+/// Number of restarts without half the residual, and largest ratio of residual to eigenvalue, at which an iteration that stalls is ended. Maps that are not
+/// symmetric can stall.
+const STALLED: (usize, f64) = (8, 1e-3);
 /// Number of matrix-vector products between two estimates of a bound.
 const ESTIMATED_IMAGES: usize = 4;
 /// Factor of the mean error of a Krylov space in these estimates: few starts have twice the mean error.
@@ -30,8 +33,9 @@ type Image = Result<Vec<f64>, Box<Fault>>;
 /// represented by its magnitude.
 ///
 /// The map must be symmetric in some norm, at least nearly. The bound is the Ritz value of a restarted Krylov method plus its residual.
-/// It exceeds the eigenvalue by at most [`RESIDUAL`] if the iteration converges. For long vectors the iteration is truncated, and the mean error of a
-/// Krylov space with a random start is added, `0.103 (ln(n (k-1)^2) / (k-1))^2`.
+/// It exceeds the eigenvalue by at most [`RESIDUAL`] if the iteration converges. For long vectors the iteration is truncated, and it also ends if it
+/// stalls. The result is then the Ritz value with the smallest residual, and at least the mean error of a Krylov space with a random start is added,
+/// `0.103 (ln(n (k-1)^2) / (k-1))^2`.
 ///
 /// The arguments of the map are a vector and the size of its largest component. The iteration ends as soon as an estimate of the bound lies below
 /// `known`, and this estimate is then returned.
@@ -63,6 +67,9 @@ pub(super) fn largest_mode(
     let mut space = Space::default();
     let mut next = unit(start.collect());
     let mut images: usize = 0;
+    // Smallest residual, with its Ritz value and vector, and the number of restarts since it was halved.
+    let mut best: Option<(f64, f64, Vec<f64>)> = None;
+    let mut stalled = 0;
     let mean_error = |images: usize| {
         let steps = (images - 1) as f64;
         0.103 * ((unknowns as f64 * steps * steps).ln() / steps).powi(2)
@@ -92,14 +99,26 @@ pub(super) fn largest_mode(
             return Ok(None);
         };
         let value = ritz.size();
-        let found = |bound: f64| Ok(Some((bound, space.mode(&ritz))));
         let residuals = space.residuals(&ritz);
         let missed = missed(&residuals);
         if missed <= RESIDUAL * value.abs() || space.vectors.len() == unknowns {
-            return found(value + missed);
+            return Ok(Some((value + missed, space.mode(&ritz))));
         }
-        if images >= allowed {
-            return found(value + missed.max(mean_error(images) * value));
+        stalled = match &best {
+            Some((smallest, ..)) if missed > 0.5 * smallest => stalled + 1,
+            _ => 0,
+        };
+        if best
+            .as_ref()
+            .is_none_or(|(smallest, ..)| missed < *smallest)
+        {
+            best = Some((missed, value, space.mode(&ritz)));
+        }
+        if let Some((missed, value, mode)) = &best
+            && (images >= allowed || stalled >= STALLED.0 && *missed <= STALLED.1 * value.abs())
+        {
+            let bound = value + missed.max(mean_error(images) * value);
+            return Ok(Some((bound, mode.clone())));
         }
         let mode = space.mode(&ritz);
         space.restart(&ritz, most / 3);
