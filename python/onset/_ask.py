@@ -446,10 +446,15 @@ def verdicts(
     F: ArrayLike | None = None,
     *,
     stretch: ArrayLike | None = None,
+    waves: int | None = None,
 ) -> Verdicts:
     """Verdicts on many states, computed as in a map, on all cores and without the interpreter's lock.
 
     A state at which the law or the method is not defined has the verdict ``undefined``.
+
+    With `waves` the verdicts are sampled, not searched: an instability between the wave vectors of the grid is missed, so that ``growth_rate`` is a
+    lower bound, and ``critical_time_step`` an upper bound unless forces are damped. The law is assessed in full, and long waves are tested wherever
+    the law or a wave of the grid is unstable.
 
     Parameters
     ----------
@@ -459,6 +464,9 @@ def verdicts(
         Deformation gradients, shape (..., 3, 3) or (..., D, D).
     stretch
         Principal stretches instead of `F`, shape (..., D) to (..., 3).
+    waves
+        Number of wave vectors along each reciprocal vector, from 2 to 48, for a coarse zone; by default the zone is searched. A multiple of 6 includes
+        the points of high symmetry.
 
     Returns
     -------
@@ -475,10 +483,11 @@ def verdicts(
     >>> onset.verdicts("neo-hooke", "updated-sph", stretch=[(1, 1), (1.1, 1)]).verdict.tolist()
     ['zero-energy', 'numerical']
     """
+    count = None if waves is None else whole(waves, "waves", 2, 48)
     problem = problem_of(material, method)
     states, shape = deformations(F, stretch, problem.dimension)
     steps = partial(problem.critical_time_steps, states) if problem.is_damped else None
-    return Verdicts(problem.verdicts(states), shape, problem.dimension, steps)
+    return Verdicts(problem.verdicts(states, count), shape, problem.dimension, steps)
 
 
 @asks

@@ -169,9 +169,10 @@ def _laid_out(figure: Mapping[str, Any], fig: FigureBase | None) -> list[Axes]:
     grid = fig.add_gridspec(rows, columns, width_ratios=widths)
     placed = [fig.add_subplot(grid[divmod(number, columns)]) for number in range(len(panels))]
     for number, panel in enumerate(panels):
-        # Neighbors with the same named rows have the names once.
-        if number % columns and panel["y"]["ticks"] is not None and panel["y"] == panels[number - 1]["y"]:
+        # Neighbors with the same vertical axis have its words once.
+        if number % columns and panel["y"] == panels[number - 1]["y"]:
             placed[number].tick_params(labelleft=False)
+            placed[number].yaxis.label.set_visible(False)
     return placed
 
 

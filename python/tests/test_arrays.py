@@ -35,6 +35,25 @@ def test_array_verdicts_agree_with_single_states(method: onset.Method) -> None:
             np.testing.assert_allclose(many.critical_time_step[place], one.critical_time_step, rtol=1e-9)
 
 
+@pytest.mark.parametrize("method", [SPH, EULERIAN, onset.Method("total-lagrangian-sph", lattice="square")])
+def test_sampled_verdicts_are_those_of_the_wave_vectors_of_the_grid(method: onset.Method) -> None:
+    waves = 6
+    stretches = np.random.default_rng(8).uniform(0.7, 1.5, (12, 2))
+    sampled = onset.verdicts(RUBBER, method, stretch=stretches, waves=waves)
+    reciprocal = 2 * np.pi * np.array([[1, 0], [0, 1]]) if "square" in repr(method) else 2 * np.pi * np.array([[1, -1 / np.sqrt(3)], [0, 2 / np.sqrt(3)]])
+    shares = np.stack(np.meshgrid(np.arange(waves), np.arange(waves)), axis=-1) / waves
+    for n, stretch in enumerate(stretches):
+        squares = onset.dispersion(RUBBER, method, k=shares @ reciprocal, stretch=tuple(stretch)).omega_squared
+        np.testing.assert_allclose(sampled.lowest_omega_squared[n], min(squares.real.min(), 0.0), rtol=1e-9, atol=1e-9 * abs(squares).max())
+        np.testing.assert_allclose(sampled.critical_time_step[n], 2 / np.sqrt(squares.real.max()), rtol=1e-9)
+    searched = onset.verdicts(RUBBER, method, stretch=stretches)
+    assert np.all(sampled.growth_rate <= searched.growth_rate * (1 + 1e-9) + 1e-9)
+    assert np.mean(sampled.codes == searched.codes) > 0.8
+    for wrong in (1, 49, 2.5):
+        with pytest.raises(onset.InputError, match="waves"):
+            onset.verdicts(RUBBER, method, stretch=stretches, waves=wrong)
+
+
 def test_damping_costs_verdicts_nothing_and_time_steps_are_searched_for_when_needed() -> None:
     viscous = onset.Method("updated-sph", lattice="square", kernel="cubic-spline", support=2.6, viscosity=0.1)
     stretches = [(1.0, 1.0), (1.1, 0.95)]

@@ -142,6 +142,53 @@ const FIGURES: &[Step] = &[
     ),
 ];
 
+/// Runs of bodies whose last pictures are in the book: name of the picture, study, and options.
+const BODIES: &[(&str, &str, &str)] = &[
+    (
+        "notched-plate-without-penalty",
+        "notched-plate",
+        "--time 60 --amplitude 0.01 --set discretization.penalty=0",
+    ),
+    (
+        "notched-plate",
+        "notched-plate",
+        "--time 60 --amplitude 0.01",
+    ),
+    (
+        "shear-bands",
+        "shear-band",
+        "--stretch 0.25,1 --time 2.5 --amplitude 1e-3",
+    ),
+    ("pulled-bar", "pulled-bar", "--time 60 --amplitude 1e-3"),
+    (
+        "pulled-bar-total-lagrangian",
+        "pulled-bar",
+        "--time 60 --amplitude 1e-3 --set discretization.method=total-lagrangian-sph --set discretization.penalty=0.5",
+    ),
+    ("rings", "rings", "--time 150 --fraction 0.2"),
+    (
+        "rings-artificial-stress",
+        "rings",
+        "--time 150 --fraction 0.2 --set discretization.artificial-stress=0.3",
+    ),
+    (
+        "rings-parted",
+        "rings",
+        "--time 400 --fraction 0.2 --set discretization.artificial-stress=0.3",
+    ),
+    (
+        "rings-total-lagrangian",
+        "rings-total-lagrangian",
+        "--time 150",
+    ),
+    (
+        "rings-total-lagrangian-parted",
+        "rings-total-lagrangian",
+        "--time 400",
+    ),
+    ("rubber-strip", "rubber-strip", "--time 400"),
+];
+
 fn main() -> ExitCode {
     let task = std::env::args().nth(1);
     let done = match task.as_deref() {
@@ -169,7 +216,7 @@ fn main() -> ExitCode {
         }
         Some("schema") => write_schema(),
         Some("readme") => reported(readme::run()),
-        Some("figures") => run(FIGURES, &[]) && copy_figures(),
+        Some("figures") => run(FIGURES, &[]) && copy_figures() && reported(draw_bodies()),
         Some("bench") => reported(bench::run(
             std::env::args().nth(2).as_deref() == Some("--quick"),
         )),
@@ -346,6 +393,29 @@ fn write_schema() -> bool {
         output.status.success()
             && std::fs::write("studies/study.schema.json", &output.stdout).is_ok()
     })
+}
+
+/// Simulates the bodies of the book, and copies their last pictures into it.
+///
+/// # Errors
+/// Description of the failure.
+fn draw_bodies() -> Result<(), String> {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+    for (name, study, options) in BODIES {
+        eprintln!("== {name}");
+        let out = format!("target/bodies/{name}");
+        python::succeed(
+            Command::new(&cargo)
+                .args(["run", "--release", "--", "simulate"])
+                .arg(format!("studies/bodies/{study}.toml"))
+                .args(options.split(' '))
+                .args(["--overwrite", "--out", &out]),
+        )?;
+        let to = format!("book/src/figures/{name}.svg");
+        std::fs::copy(format!("{out}/body.svg"), &to)
+            .map_err(|error| format!("{to}: cannot be copied: {error}"))?;
+    }
+    Ok(())
 }
 
 /// Copies the figures of README and book from the reproduction and the comparison.

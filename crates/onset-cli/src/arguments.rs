@@ -8,7 +8,7 @@ use clap_complete::Shell;
 use onset_study::audit::Convention;
 use onset_study::brief::Brief;
 use onset_study::compare::Thresholds;
-use onset_study::criteria::{Criterion, Lateral, Mode, Range as Stretches};
+use onset_study::criteria::{Criterion, Lateral, Mode, Range as Stretches, criterion_named};
 use onset_study::figure::ColorMap;
 use onset_study::localization::PARAMETERS;
 use onset_study::map::Part;
@@ -1482,11 +1482,8 @@ fn mode(text: &str) -> Result<Mode, String> {
 }
 
 fn criterion(text: &str) -> Result<Criterion, String> {
-    let mut named = Criterion::ALL.into_iter();
     let names = Criterion::ALL.map(Criterion::name);
-    named
-        .find(|own| own.name() == text)
-        .ok_or_else(|| expected(text, "expected one of", &names))
+    criterion_named(text).ok_or_else(|| expected(text, "expected one of", &names))
 }
 
 /// Command-line arguments of `onset audit`.

@@ -307,16 +307,24 @@ impl Problem {
         interrupt::answer(py, move || along(problem, course))
     }
 
-    /// Verdicts on states of nine components each, computed as in a map: one column of bytes for each quantity. The time steps of damped waves are NaN.
+    /// Verdicts on states of nine components each, computed as in a map or from `waves` wave vectors along each reciprocal vector: one column of bytes
+    /// for each quantity. The time steps of damped waves are NaN.
     fn verdicts<'py>(
         &self,
         py: Python<'py>,
         components: PyBuffer<f64>,
+        waves: Option<usize>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let components = numbers(py, &components)?;
         let problem = Arc::clone(&self.0);
         let records = interrupt::answer(py, move || {
-            records(&problem, &components, Evaluator::for_verdicts)
+            records(&problem, &components, |evaluator| {
+                let evaluator = evaluator.for_verdicts();
+                match waves {
+                    Some(count) => evaluator.sampled(count),
+                    None => evaluator,
+                }
+            })
         })?;
         let columns = PyDict::new(py);
         let number = |take: fn(&Record) -> f64| -> Vec<f64> { records.iter().map(take).collect() };
@@ -633,7 +641,7 @@ fn code<T: PartialEq>(all: &[T], value: Option<T>) -> f64 {
 fn records(
     problem: &answers::Problem,
     components: &[f64],
-    prepared: fn(Evaluator) -> Evaluator,
+    prepared: impl FnOnce(Evaluator) -> Evaluator,
 ) -> Result<Vec<Record>, Failure> {
     let states = states(problem, components)?;
     let map = MapSettings::default();

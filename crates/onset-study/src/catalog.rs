@@ -1,5 +1,6 @@
 //! The available options: every word of every choice, with its formula, its parameters and its source.
 
+use crate::criteria::OTHER_NAMES;
 use crate::csv::Table;
 use crate::settings::presets::{METHOD, PRESETS, Preset};
 use crate::settings::{
@@ -889,7 +890,16 @@ fn presets() -> Topic {
 /// Criteria of stability, as `onset criteria` names them.
 fn criteria() -> Topic {
     static DEFINITIONS: LazyLock<Vec<(Criterion, String)>> = LazyLock::new(|| {
-        let told = |own: Criterion| (own, format!("{}: {}", own.title(), own.definition()));
+        let told = |own: Criterion| {
+            let others = OTHER_NAMES
+                .iter()
+                .filter(|(_, criterion)| *criterion == own);
+            let others: String = others.map(|(name, _)| format!("; also {name}")).collect();
+            (
+                own,
+                format!("{}: {}{others}", own.title(), own.definition()),
+            )
+        };
         Criterion::ALL.into_iter().map(told).collect()
     });
     let entry = |(criterion, definition): &'static (Criterion, String)| Entry {

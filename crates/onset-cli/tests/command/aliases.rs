@@ -95,10 +95,6 @@ fn ambiguous_words_list_their_meanings_and_typos_the_nearest_name() {
             "--set material.type=blatz-ko",
             vec!["did you mean `material.model`?"],
         ),
-        (
-            "--preset pysph-gtvf",
-            vec!["\"pysph-gtvf\" is not available", "method=pysph-solid"],
-        ),
     ] {
         let answer = onset_line(&format!("state --stretch 1,1 {line}"));
         assert_eq!(answer.code, Some(2), "{line}");

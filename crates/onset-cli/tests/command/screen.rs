@@ -396,13 +396,19 @@ fn the_study_of_the_decisive_state_agrees_with_the_answer() {
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     let (text, own) = commands(&folder);
     for fact in [
-        "The step of the run is the cause, and not this state: onset state calls the state stable.",
+        "The step of the run is the cause: in continuous time the state is stable.",
         "Settings of the run: --time-step 0.72 --stepping extrapolated-stress",
         "Largest stable step of the body 0.7006, of the infinite lattice 1.1",
     ] {
         assert!(text.contains(fact), "{fact}: {text}");
     }
     assert_eq!(own.len(), 1, "{own:?}");
+    let state = onset_line(&own[0]);
+    assert!(
+        unwrapped(&state.stdout).starts_with("The time step 0.72 of the run is too large"),
+        "{}",
+        state.stdout
+    );
     // The wave of a numerical cause has a deck, viscosity included.
     let run = concat!(env!("CARGO_MANIFEST_DIR"), "/../../runs/tension");
     let folder = Scratch::new("wave");
@@ -411,6 +417,12 @@ fn the_study_of_the_decisive_state_agrees_with_the_answer() {
     let answer = onset_line(&format!("screen {run}.npz {run}.toml {scheme} --out {out}"));
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
     let (text, own) = commands(&folder);
+    let state = onset_line(&own[0]);
+    assert!(
+        state.stdout.contains("verdict     numerical"),
+        "{}",
+        state.stdout
+    );
     let deck = own
         .iter()
         .find(|own| own.starts_with("verify deck"))

@@ -140,7 +140,7 @@ impl Course {
     pub(super) fn follow<T>(
         &self,
         problem: &Problem,
-        answer: impl FnOnce(&dyn DeformationPath, Option<LoadingOfPath>) -> Result<T, ProblemError>,
+        answer: impl Fn(&dyn DeformationPath, Option<LoadingOfPath>) -> Result<T, ProblemError>,
     ) -> Result<T, ProblemError> {
         let (loading, from, to) = match *self {
             Self::Straight(from, to) => return answer(&StraightPath::new(from.0, to.0)?, None),
@@ -183,39 +183,46 @@ impl Course {
             (error, _) => refused(error.to_string()),
         })?;
         let (start, starts_late) = reached(&path, from);
+        let attempt = |end: f64, ends_early: Option<String>| -> Result<T, ProblemError> {
+            if start == end && from != to {
+                let why = starts_late.as_ref().or(ends_early.as_ref());
+                let why = why.map_or("", String::as_str);
+                return Err(refused(format!(
+                    "the path that begins in the reference configuration ends at {} {}: {why}",
+                    loading.mode.imposes(),
+                    told(start)
+                )));
+            }
+            let section = LoadingSection::new(&path, start, end)?;
+            let folded = |(imposed, early): (f64, &Option<String>)| {
+                let is_fold =
+                    early.is_some() && path.ends_in_fold(loading.mode.parameter(imposed) > 0.0);
+                is_fold.then_some(imposed)
+            };
+            let told = LoadingOfPath {
+                mode: loading.mode,
+                lateral: loading.lateral,
+                title: loading.title(),
+                imposes: loading.mode.imposes(),
+                from: start,
+                to: end,
+                asked_from: from,
+                asked_to: to,
+                folds: [(start, &starts_late), (end, &ends_early)]
+                    .into_iter()
+                    .filter_map(folded)
+                    .collect(),
+                starts_late: starts_late.clone(),
+                ends_early,
+            };
+            answer(&section, Some(told))
+        };
         let (end, ends_early) = reached(&path, to);
-        if start == end && from != to {
-            let why = starts_late.as_ref().or(ends_early.as_ref());
-            let why = why.map_or("", String::as_str);
-            return Err(refused(format!(
-                "the path that begins in the reference configuration ends at {} {}: {why}",
-                loading.mode.imposes(),
-                told(start)
-            )));
+        let found = attempt(end, ends_early);
+        match found.as_ref().err().and_then(ProblemError::missing_state) {
+            Some(missing) => attempt(last_state(&path, start, missing), Some(LOST.to_owned())),
+            None => found,
         }
-        let section = LoadingSection::new(&path, start, end)?;
-        let folded = |(imposed, early): (f64, &Option<String>)| {
-            let is_fold =
-                early.is_some() && path.ends_in_fold(loading.mode.parameter(imposed) > 0.0);
-            is_fold.then_some(imposed)
-        };
-        let told = LoadingOfPath {
-            mode: loading.mode,
-            lateral: loading.lateral,
-            title: loading.title(),
-            imposes: loading.mode.imposes(),
-            from: start,
-            to: end,
-            asked_from: from,
-            asked_to: to,
-            folds: [(start, &starts_late), (end, &ends_early)]
-                .into_iter()
-                .filter_map(folded)
-                .collect(),
-            starts_late,
-            ends_early,
-        };
-        answer(&section, Some(told))
     }
 
     /// Coordinate along the path: the imposed stretch or amount of shear, a stretch that changes along the path, or the path parameter.
@@ -285,6 +292,24 @@ fn reached(path: &LoadingPath<'_>, imposed: f64) -> (f64, Option<String>) {
     let why = EndAnswer::of(path, s >= 0.0, imposed).reason;
     let why = why.unwrap_or_else(|| "no state with free faces is found beyond it".to_owned());
     (mode.imposed(last), Some(why))
+}
+
+/// Reason why a loading ends where its states are lost in rounding, as those of a law whose stiffness has vanished.
+const LOST: &str = "beyond it the free faces determine no state in double precision";
+/// Distance from states that are lost in rounding, as a fraction of the path up to them.
+const BEFORE_LOST: f64 = 1e-3;
+
+/// Last imposed stretch or amount of shear between `start` and a missing state, at a distance from states that rounding decides.
+fn last_state(path: &LoadingPath<'_>, start: f64, missing: f64) -> f64 {
+    let (mut found, mut lost) = (start, missing);
+    for _ in 0..40 {
+        let middle = 0.5 * (found + lost);
+        match path.at(path.loading.mode.parameter(middle)) {
+            Some(_) => found = middle,
+            None => lost = middle,
+        }
+    }
+    found - BEFORE_LOST * (found - start)
 }
 
 /// Largest scaled minimum that counts as a rounding error.

@@ -447,9 +447,7 @@ impl Diagram {
         let most = density.iter().copied().fold(0.0, f64::max);
         let label = caption::label(self.settings.units(), "density of states", "time");
         let x = Axis::linear(label, (0.0, 1.08 * most));
-        let mut plain = y;
-        plain.label = String::new();
-        Panel::new("", x, plain)
+        Panel::new("", x, y)
             .wider(0.35)
             .with(Rule::horizontal(0.0).color(palette::BLACK))
             .with(Line::new(outline).color(palette::BLUE))

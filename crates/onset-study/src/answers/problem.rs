@@ -95,8 +95,12 @@ pub enum ProblemError {
         value: f64,
     },
     /// The numbers do not form a deformation gradient.
-    #[error(transparent)]
-    Kinematics(#[from] KinematicsError),
+    #[error("{source}{}", hint_on_state(source))]
+    Kinematics {
+        /// Cause of the failure.
+        #[from]
+        source: KinematicsError,
+    },
     /// The method or the material cannot be evaluated at the state.
     #[error("{source}{}", hint(source))]
     Method {
@@ -204,6 +208,36 @@ fn note_lines(notes: &[String]) -> String {
 fn first_line(error: &ProblemError) -> String {
     let told = error.to_string();
     told.lines().next().unwrap_or_default().to_owned()
+}
+
+impl ProblemError {
+    /// Imposed stretch or amount of shear at which a loading has no state with free faces, if this is the error.
+    pub(super) fn missing_state(&self) -> Option<f64> {
+        match self {
+            Self::Kinematics {
+                source: KinematicsError::NoState { stretch },
+            }
+            | Self::Path {
+                source:
+                    PathError::Kinematics {
+                        source: KinematicsError::NoState { stretch },
+                        ..
+                    },
+            } => Some(*stretch),
+            _ => None,
+        }
+    }
+}
+
+/// Hint on a state that no law has.
+fn hint_on_state(error: &KinematicsError) -> &'static str {
+    match error {
+        KinematicsError::JacobianNotPositive { jacobian } if *jacobian < 0.0 => {
+            "\n  hint: the laws are defined for det F > 0 only, so that an inverted element has no Hessian; `onset criteria --all` lists where the Hessian \
+             becomes indefinite before that (hill)"
+        }
+        _ => "",
+    }
 }
 
 fn path_hint(error: &PathError) -> &'static str {

@@ -101,6 +101,9 @@ impl Brief for StateAnswer {
                 short = short.row(2, if n == 0 { "implicit" } else { "" }, text);
             }
         }
+        if let Some(run_step) = &self.run_step {
+            short = short.row(0, "run", run_step.words(units));
+        }
         if let Some(relaxation) = &self.relaxation {
             short = short.row(1, "relaxation", relaxation.words(units));
         }

@@ -10,6 +10,7 @@ use super::mode_name;
 use super::next::next;
 use super::notes::{buckling, note_on_upwinding, notes, softening};
 use super::problem::{Problem, ProblemError, Strain};
+use super::run_step::RunStepAnswer;
 use super::sentence;
 use super::stiffer::{RelaxationAnswer, StifferAnswer, WIDTH_OF_BANDS, localizes};
 use crate::compare::percent;
@@ -85,6 +86,9 @@ pub struct StateAnswer {
     /// The state of a viscoelastic law before and while it relaxes; `null` for other laws.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub relaxation: Option<RelaxationAnswer>,
+    /// The time step of a run with another code, compared with its limits; `null` without `time.step`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub run_step: Option<RunStepAnswer>,
     /// Proofs; `null` if they were not requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub certificate: Option<CertificateAnswer>,
@@ -444,6 +448,10 @@ fn answer(
         None => None,
     };
     let relaxation = RelaxationAnswer::new(problem, disturbed.as_ref(), f)?;
+    let run_step = run_step(problem, f, assessment, stiffer.as_ref())?;
+    if let Some(told) = run_step.and_then(|own| own.sentence(problem.settings.units(), &sentence)) {
+        sentence = told;
+    }
     let mut notes = notes(&problem.settings, &*problem.material);
     // The cause of an instability is the first note.
     if localizes(problem, assessment) {
@@ -486,7 +494,28 @@ fn answer(
         discretization,
         unloading: disturbed.filter(|_| relaxation.is_none()),
         relaxation,
+        run_step,
     })
+}
+
+/// Time step of a run, compared with its limits at a state. The waves of stiffer increments limit the step.
+fn run_step(
+    problem: &Problem,
+    f: &DeformationGradient,
+    assessment: &Assessment<3>,
+    stiffer: Option<&Problem>,
+) -> Result<Option<RunStepAnswer>, ProblemError> {
+    if problem.settings.run.step == 0.0 {
+        return Ok(None);
+    }
+    let limiting = stiffer.unwrap_or(problem);
+    let spectrum = match stiffer {
+        Some(stiffer) => stiffer.analysis.spectrum(f)?,
+        None => assessment.spectrum,
+    };
+    let step = Some(spectrum.critical_time_step()).filter(|step| step.is_finite());
+    let bodies = FiniteBodyAnswer::new(limiting, f, step)?;
+    RunStepAnswer::new(limiting, f, &spectrum, bodies.as_ref())
 }
 
 /// Note for a third stretch given in 2D.
@@ -949,6 +978,9 @@ impl std::fmt::Display for StateAnswer {
         }
         for (name, text) in d.implicit.iter().flat_map(|own| own.lines(units)) {
             line(&of(name), text)?;
+        }
+        if let Some(run_step) = &self.run_step {
+            line("step of the run", run_step.words(units))?;
         }
         if let Some(relaxation) = &self.relaxation {
             line("relaxation", relaxation.words(units))?;

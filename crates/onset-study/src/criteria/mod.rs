@@ -29,6 +29,16 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use thiserror::Error;
 
+/// Other names of criteria: `hill` is the definiteness of the Hessian that graphics and implicit solvers test for each element.
+pub const OTHER_NAMES: [(&str, Criterion); 1] = [("indefinite-hessian", Criterion::Hill)];
+
+/// Criterion with a name, or with another name for it.
+pub fn criterion_named(name: &str) -> Option<Criterion> {
+    let own = Criterion::ALL.into_iter().find(|own| own.name() == name);
+    let other = OTHER_NAMES.iter().find(|(other, _)| *other == name);
+    own.or(other.map(|(_, criterion)| *criterion))
+}
+
 /// Reasons why the criteria of a law cannot be evaluated.
 #[derive(Debug, Error)]
 pub enum CriteriaError {

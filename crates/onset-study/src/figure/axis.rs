@@ -69,10 +69,10 @@ impl Axis {
                 (low.min(length), high.max(length))
             });
         if low <= high {
-            let margin = if low < high {
-                0.04 * (high - low)
-            } else {
-                0.5 * low.abs().max(1.0)
+            let margin = match self.scale {
+                _ if low < high => 0.04 * (high - low),
+                Scale::Linear if low != 0.0 => 0.5 * low.abs(),
+                _ => 0.5,
             };
             self.range = (self.number(low - margin), self.number(high + margin));
         }
@@ -132,12 +132,16 @@ impl Axis {
         fraction.is_finite().then_some(fraction)
     }
 
-    /// Ticks of [`Axis::marks`], with labels of at least two.
-    pub(super) fn labeled_marks(&self, target: usize) -> Vec<Tick> {
-        let is_enough = |marks: &Vec<Tick>| marks.iter().filter(|own| !own.minor).count() > 1;
-        (target..=target + 8)
-            .map(|target| self.marks(target))
-            .find(is_enough)
+    /// Ticks of [`Axis::marks`] with at least three labels, or with two if the axis has no room for three: at most `most` labels, but two in any case.
+    pub(super) fn labeled_marks(&self, target: usize, most: usize) -> Vec<Tick> {
+        let most = most.max(2);
+        let with = |least: usize| {
+            (target..=target + 8)
+                .map(|target| self.marks(target))
+                .find(|marks| (least..=most).contains(&labels(marks)))
+        };
+        with(3)
+            .or_else(|| with(2))
             .unwrap_or_else(|| self.marks(target))
     }
 
@@ -159,6 +163,11 @@ impl Axis {
             Scale::Log10 => log_marks(low, high, target),
         }
     }
+}
+
+/// Number of labeled ticks.
+pub(super) fn labels(marks: &[Tick]) -> usize {
+    marks.iter().filter(|mark| !mark.label.is_empty()).count()
 }
 
 impl Tick {
@@ -278,6 +287,20 @@ mod tests {
     fn labels(axis: &Axis) -> Vec<String> {
         let marks = axis.marks(6).into_iter().filter(|mark| !mark.minor);
         marks.map(|mark| mark.label).collect()
+    }
+
+    #[test]
+    fn a_constant_of_any_size_is_shown_with_its_value() {
+        for value in [1e-9, -3e-5, 1.0, 7e12] {
+            let axis = Axis::linear("", (0.0, 1.0)).covering([value]);
+            let (low, high) = axis.range;
+            assert!(low < value && value < high, "{axis:?}");
+            assert!((high - low) / value.abs() < 1.001, "{axis:?}");
+        }
+        assert_eq!(
+            Axis::linear("", (0.0, 1.0)).covering([0.0]).range,
+            (-0.5, 0.5)
+        );
     }
 
     #[test]

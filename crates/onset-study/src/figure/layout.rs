@@ -1,6 +1,6 @@
 //! Layout of a figure: measures the panels, aligns them, and draws them with their axes.
 
-use super::axis::{Scale, Tick};
+use super::axis::{Scale, Tick, labels};
 use super::draw::{Frame, LEVELS, field_range, level_color, shown_values};
 use super::pen::{CAPITAL, INK, NUMBERS, Pen, crisp, polygon, rectangle, segment};
 use super::scene::{Anchor, Paint, Scene};
@@ -379,11 +379,7 @@ impl<'a> Measured<'a> {
         let mut x_label = label_lines(&panel.x.label, width + 50.0);
         let mut y_label = label_lines(&panel.y.label, height + 10.0);
         let mut x_marks = spaced_marks(&panel.x, width);
-        let mut y_marks = panel.y.labeled_marks(match panel.y.scale {
-            Scale::Linear => mark_target(height, 42.0),
-            // One tick per decade if there is room.
-            Scale::Log10 => mark_target(height, 22.0),
-        });
+        let mut y_marks = stacked_marks(&panel.y, height);
         let axes = [(&mut x_label, &mut x_marks), (&mut y_label, &mut y_marks)];
         for ((label, marks), _) in axes.into_iter().zip(has_words).filter(|(_, has)| !has) {
             label.clear();
@@ -627,6 +623,17 @@ fn label_lines(label: &str, available: f64) -> Vec<String> {
         .collect()
 }
 
+/// Ticks of a vertical axis.
+fn stacked_marks(axis: &Axis, height: f64) -> Vec<Tick> {
+    let closest = mark_target(height, 22.0);
+    let target = match axis.scale {
+        Scale::Linear => mark_target(height, 42.0),
+        // One tick per decade if there is room.
+        Scale::Log10 => closest,
+    };
+    axis.labeled_marks(target, closest)
+}
+
 /// Ticks of a horizontal axis whose labels do not overlap.
 fn spaced_marks(axis: &Axis, width: f64) -> Vec<Tick> {
     let clear = |marks: &[Tick]| {
@@ -648,15 +655,15 @@ fn spaced_marks(axis: &Axis, width: f64) -> Vec<Tick> {
         target -= 1;
         marks = axis.marks(target);
     }
-    // An axis has two numbers at least, if they fit.
-    let is_enough = |marks: &[Tick]| marks.iter().filter(|mark| !mark.label.is_empty()).count() > 1;
-    if axis.ticks.is_none() && !is_enough(&marks) {
-        let finer = axis.labeled_marks(target);
-        let outer = ends_of(&finer);
-        if let Some(marks) = [finer, outer]
-            .into_iter()
-            .find(|own| is_enough(own) && clear(own))
-        {
+    if axis.ticks.is_none() && labels(&marks) < 3 {
+        // Three numbers if they fit, else two, else one that is not zero.
+        let finer: Vec<_> = (target..=target + 8).map(|own| axis.marks(own)).collect();
+        let ends = || finer.iter().map(|marks| ends_of(marks));
+        let last = || finer.iter().map(|marks| last_of(marks));
+        let choices = finer.iter().cloned().filter(|own| labels(own) > 2);
+        let two = std::iter::once(marks.clone()).chain(ends());
+        let two = two.filter(|own| labels(own) == 2);
+        if let Some(marks) = choices.chain(two).chain(last()).find(|own| clear(own)) {
             return marks;
         }
     }
@@ -669,15 +676,31 @@ fn spaced_marks(axis: &Axis, width: f64) -> Vec<Tick> {
     marks
 }
 
-/// Ticks with labels of the first and the last alone.
+/// Ticks with labels of the first and the last alone. Zero needs no digits next to one other number.
 fn ends_of(marks: &[Tick]) -> Vec<Tick> {
-    let mut marks = marks.to_vec();
     let labeled = |mark: &Tick| !mark.label.is_empty();
-    let first = marks.iter().position(labeled);
-    let last = marks.iter().rposition(labeled);
+    let ends = [
+        marks.iter().position(labeled),
+        marks.iter().rposition(labeled),
+    ];
+    labeled_alone(marks, |n| ends.contains(&Some(n)))
+}
+
+/// Ticks with the label of the last number that is not zero alone.
+fn last_of(marks: &[Tick]) -> Vec<Tick> {
+    let last = marks
+        .iter()
+        .rposition(|mark| !mark.label.is_empty() && mark.at != 0.0);
+    labeled_alone(marks, |n| Some(n) == last)
+}
+
+fn labeled_alone(marks: &[Tick], is_labeled: impl Fn(usize) -> bool) -> Vec<Tick> {
+    let mut marks = marks.to_vec();
     for (n, mark) in marks.iter_mut().enumerate() {
-        if Some(n) != first && Some(n) != last {
-            mark.label.clear();
+        match is_labeled(n) {
+            true if mark.at == 0.0 => mark.label = "0".to_owned(),
+            true => {}
+            false => mark.label.clear(),
         }
     }
     marks
@@ -692,7 +715,7 @@ fn widest(marks: &[Tick]) -> f64 {
 impl<'a> Bar<'a> {
     fn new(field: &'a Field, height: f64) -> Self {
         let axis = Axis::linear(field.label.clone(), field_range(field));
-        let marks = axis.labeled_marks(mark_target(height, 42.0));
+        let marks = stacked_marks(&axis, height);
         let label = label_lines(&field.label, height + 10.0);
         let lines = label.len() as f64 * WORDS * LEADING;
         let width = BAR_GAP + BAR + TICK + TICK_GAP + widest(&marks) + LABEL_GAP + lines;
@@ -949,10 +972,43 @@ mod tests {
             Axis::log("", (0.04, 1.3)),
             Axis::log("", (2.0, 3.0)),
         ] {
-            let labeled =
-                |marks: Vec<Tick>| marks.iter().filter(|own| !own.label.is_empty()).count();
-            assert!(labeled(axis.labeled_marks(1)) > 1, "{axis:?}");
-            assert!(labeled(spaced_marks(&axis, 100.0)) > 1, "{axis:?}");
+            assert!(labels(&stacked_marks(&axis, 60.0)) > 1, "{axis:?}");
+            assert!(labels(&spaced_marks(&axis, 100.0)) > 1, "{axis:?}");
+        }
+    }
+
+    #[test]
+    fn an_axis_of_any_size_has_a_number_other_than_zero() {
+        for power in -30..=30 {
+            for factor in [1.0, 1.3, 2.9, 7.7] {
+                let most = factor * 10f64.powi(power);
+                for axis in [
+                    Axis::linear("", (0.0, most)),
+                    Axis::linear("", (-most, most)),
+                ] {
+                    for length in [20.0, 30.0, 45.0, 80.0, 200.0] {
+                        for marks in [spaced_marks(&axis, length), stacked_marks(&axis, length)] {
+                            let told =
+                                |mark: &Tick| mark.label.contains(|own| ('1'..='9').contains(&own));
+                            let told = |mark: &Tick| mark.at != 0.0 && told(mark);
+                            assert!(marks.iter().any(told), "{axis:?} {length}: {marks:?}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_higher_axis_has_three_numbers() {
+        for high in [0.19, 1.05, 104.0, 2.5] {
+            let axis = Axis::linear("", (-0.04 * high, high));
+            for height in [90.0, 120.0, 200.0] {
+                assert!(
+                    labels(&stacked_marks(&axis, height)) > 2,
+                    "{axis:?} {height}"
+                );
+            }
         }
     }
 

@@ -34,6 +34,8 @@ pub struct Evaluator {
     material: Option<Arc<dyn Hyperelastic>>,
     /// Whether mechanisms are named, and the time steps of damped waves omitted.
     is_for_verdicts: bool,
+    /// Number of wave vectors along each reciprocal vector; `None` for a search over the zone.
+    waves: Option<usize>,
 }
 
 impl Evaluator {
@@ -72,6 +74,7 @@ impl Evaluator {
             is_transferred: false,
             material,
             is_for_verdicts: false,
+            waves: None,
         };
         let Some(analysis) = analysis else {
             return Ok(evaluator);
@@ -88,6 +91,26 @@ impl Evaluator {
         Self {
             is_for_verdicts: true,
             ..self
+        }
+    }
+
+    /// Samples `waves` wave vectors along each reciprocal vector instead of searching the zone.
+    pub fn sampled(self, waves: usize) -> Self {
+        Self {
+            waves: Some(waves),
+            ..self
+        }
+    }
+
+    /// States of an analysis, searched or sampled.
+    fn surveyed_states(
+        &self,
+        analysis: &dyn Analysis,
+        states: &[DeformationGradient],
+    ) -> Vec<Result<SurveyedState<3>, MethodError>> {
+        match self.waves {
+            Some(count) => analysis.sampled_states(states, count),
+            None => analysis.states(states),
         }
     }
 
@@ -109,8 +132,9 @@ impl Evaluator {
             return states.iter().map(|_| Ok(Record::UNDEFINED)).collect();
         };
         let stiffer = self.stiffer.as_deref();
-        let mut stiffer = stiffer.map(|own| (own, own.states(states).into_iter()));
-        let records = states.iter().zip(analysis.states(states));
+        let mut stiffer = stiffer.map(|own| (own, self.surveyed_states(own, states).into_iter()));
+        let surveyed = self.surveyed_states(analysis, states);
+        let records = states.iter().zip(surveyed);
         records
             .map(|(f, surveyed)| {
                 // Taken first, so that an error of a state leaves the others in step.

@@ -126,6 +126,9 @@ pub struct ScreenAnswer {
     pub changes: Vec<Remedy>,
     /// Limits of the theory in this run.
     pub limits: Vec<String>,
+    /// Number of limits, at the beginning, that concern the sentence itself.
+    #[serde(skip)]
+    decisive: usize,
     /// Lowest modes of the body in one frame; `null` if they were not requested.
     pub actual: Option<Actual>,
     /// Largest stable time steps; `null` for runs whose step is not assessed.
@@ -410,6 +413,7 @@ impl ScreenAnswer {
             remedy: Vec::new(),
             changes,
             limits: Vec::new(),
+            decisive: 0,
             time_step: course.step.clone(),
             threshold,
             seed: course.seed,
@@ -452,6 +456,7 @@ impl ScreenAnswer {
         answer.remedy = answer.remedy_of(problem, state.as_ref());
         let limits = answer.limits_of(problem, course.cut, course.points, end);
         let varied = answer.variation_of(problem, course.variation);
+        answer.decisive = varied.len();
         answer.limits = [varied, course.lacking, limits].concat();
         answer.sentence = answer.in_words(problem, question);
         answer.study = study(&answer, problem, question, &wave);
@@ -983,11 +988,15 @@ impl Brief for ScreenAnswer {
             short = short.row(1, if rank == 0 { "modes" } else { "" }, mode);
         }
         for (rank, limit) in self.limits.iter().enumerate() {
-            short = short.row(
-                6 + rank as u8,
-                if rank == 0 { "limits" } else { "" },
-                limit.clone(),
-            );
+            // A limit of the sentence itself belongs to the answer, by its first sentence.
+            let (kept, text) = match rank < self.decisive {
+                true => (
+                    0,
+                    limit.split_once(". ").map_or(limit.as_str(), |own| own.0),
+                ),
+                false => (6 + rank as u8, limit.as_str()),
+            };
+            short = short.row(kept, if rank == 0 { "limits" } else { "" }, text);
         }
         let notes: Vec<String> = self
             .recording

@@ -23,6 +23,7 @@ mod study;
 pub(crate) use agreement::cauchy_stress;
 pub(crate) use course::neighborhood_radius;
 pub(crate) use neighborhoods::Neighborhoods;
+pub(crate) use states::{States, without_rotation};
 
 pub use actual::{Actual, BodyModeAnswer, ModeKind};
 pub use answer::{Cause, ScreenAnswer};

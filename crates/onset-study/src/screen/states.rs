@@ -13,7 +13,7 @@ const WAVES: [usize; 3] = [48, 12, 6];
 
 /// Waves and rates of one state.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct StateRates {
+pub(crate) struct StateRates {
     /// State without its rotation, at the middle of its bin.
     pub(super) f: DeformationGradient,
     /// Smallest acoustic eigenvalue divided by the largest acoustic eigenvalue of the reference state.
@@ -25,11 +25,11 @@ pub(super) struct StateRates {
     /// Growth rate of the fastest-growing wave in discrete time, with the steps of the scheme; 1/time.
     pub(super) stepped: Option<f64>,
     /// Largest eigenvalue that limits the step of the infinite lattice; 1/time^2.
-    pub(super) squared: f64,
+    pub(crate) squared: f64,
 }
 
 /// Rates of the evaluated states of a run.
-pub(super) struct States<'p> {
+pub(crate) struct States<'p> {
     problem: &'p Problem,
     waves: Vec<Vec<f64>>,
     stepping: Option<(Stepping, f64)>,
@@ -73,7 +73,7 @@ fn coarse_zone(problem: &Problem) -> Vec<Vec<f64>> {
 }
 
 /// Stretch tensor `U` of `F = R U`; `None` unless `det F` is positive.
-pub(super) fn without_rotation(f: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+pub(crate) fn without_rotation(f: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let is_proper = f.determinant() > 0.0;
     if !is_proper {
         return None;
@@ -84,7 +84,7 @@ pub(super) fn without_rotation(f: &Matrix3<f64>) -> Option<Matrix3<f64>> {
 }
 
 impl<'p> States<'p> {
-    pub(super) fn new(problem: &'p Problem, stepping: Option<(Stepping, f64)>, bin: f64) -> Self {
+    pub(crate) fn new(problem: &'p Problem, stepping: Option<(Stepping, f64)>, bin: f64) -> Self {
         Self {
             problem,
             waves: coarse_zone(problem),
@@ -145,7 +145,7 @@ impl<'p> States<'p> {
         self.known.get(key)?.as_ref()
     }
 
-    pub(super) fn evaluate(&self, u: &Matrix3<f64>) -> Option<StateRates> {
+    pub(crate) fn evaluate(&self, u: &Matrix3<f64>) -> Option<StateRates> {
         checkpoint();
         let analysis = &self.problem.analysis;
         let components = std::array::from_fn(|i| std::array::from_fn(|j| u[(i, j)]));

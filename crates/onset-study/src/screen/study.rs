@@ -3,6 +3,7 @@
 use super::{Cause, Question, ScreenAnswer};
 use crate::answers::{Problem, assigned};
 use crate::number::told_with;
+use crate::settings::{STEP, STEPPING};
 use crate::shell::quoted;
 use toml::{Table, Value};
 
@@ -75,27 +76,24 @@ fn head(answer: &ScreenAnswer, problem: &Problem, question: &Question, wave: &[f
     let scheme = question.stepping();
     let scheme = scheme.map(|(own, step)| format!(" --time-step {step} --stepping {}", own.name()));
     let scheme = scheme.unwrap_or_default();
+    lines.push(format!("onset state first.toml --deformation-gradient={f}"));
     match (&answer.time_step, answer.cause) {
         (Some(limit), Cause::TimeStep) => {
-            let critical = told_with(limit.decisive(), 4);
             lines.push(format!(
-                "The step of the run is the cause, and not this state: onset state calls the state stable. Settings of the run:{scheme}"
+                "The step of the run is the cause: in continuous time the state is stable. Settings of the run:{scheme}"
             ));
+            let critical = told_with(limit.decisive(), 4);
             lines.push(match limit.body {
                 Some(_) => format!(
-                    "Largest stable step of the body {critical}, of the infinite lattice {}. onset state prints the step of central differences.",
+                    "Largest stable step of the body {critical}, of the infinite lattice {}.",
                     told_with(limit.lattice, 4)
                 ),
                 None => format!("Largest stable step of the infinite lattice {critical}."),
             });
-            lines.push(format!("onset state first.toml --deformation-gradient={f}"));
         }
-        _ => {
-            lines.push(format!("onset state first.toml --deformation-gradient={f}"));
-            lines.push(format!(
-                "onset simulate first.toml --deformation-gradient={f} --mode critical"
-            ));
-        }
+        _ => lines.push(format!(
+            "onset simulate first.toml --deformation-gradient={f} --mode critical"
+        )),
     }
     if let Some(stretches) = of_axes.filter(|_| !wave.is_empty()) {
         let k: Vec<String> = wave.iter().map(|k| format!("{k:.5}")).collect();
@@ -129,7 +127,13 @@ pub(super) fn study(
         return None;
     }
     let mut tables = Table::new();
-    for set in assigned(&problem.settings, None) {
+    let mut settings = assigned(&problem.settings, None);
+    if let Some((stepping, step)) = question.stepping() {
+        let step = problem.settings.units().of(step, "s");
+        settings.push(format!("{STEP}={step}"));
+        settings.push(format!("{STEPPING}={}", stepping.name()));
+    }
+    for set in settings {
         let (key, text) = set.split_once('=')?;
         let (section, name) = key.split_once('.')?;
         let table = tables

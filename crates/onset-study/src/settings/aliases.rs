@@ -15,11 +15,9 @@ enum Meaning {
     With(&'static str, &'static [(&'static str, &'static str)]),
     /// Several words with explanations, for the user to choose from.
     OneOf(&'static [(&'static str, &'static str)]),
-    /// A method that no settings describe, with the reason and the nearest word.
-    Missing(&'static str, &'static str),
 }
 
-use Meaning::{Is, Missing, OneOf, With};
+use Meaning::{Is, OneOf, With};
 
 /// Key, other name for one of its words, and the meaning.
 const WORDS: &[(&str, &str, Meaning)] = &[
@@ -30,14 +28,6 @@ const WORDS: &[(&str, &str, Meaning)] = &[
             ("total-lagrangian-sph", "kernels in material coordinates"),
             ("updated-sph", "kernels in current coordinates"),
         ]),
-    ),
-    (
-        METHOD,
-        "pysph-gtvf",
-        Missing(
-            "PySPH's GTVFScheme corrects the density by a clipped sum and shifts the positions by a transport velocity, which have no linear form",
-            "pysph-solid",
-        ),
     ),
     ("discretization.method", "wcsph", Is("updated-sph")),
     ("discretization.method", "ulsph", Is("updated-sph")),
@@ -261,11 +251,6 @@ pub(super) fn meant<'v>(
             Err(SettingError::new(origin.clone(), message)
                 .hint(format!("say which, for example {}={first}", key.name)))
         }
-        Some(Missing(reason, nearest)) => {
-            let message = format!("`{}`: \"{typed}\" is not available: {reason}", key.name);
-            Err(SettingError::new(origin.clone(), message)
-                .hint(format!("the nearest that works is {}={nearest}", key.name)))
-        }
         None if key.words().contains(&plain.as_str()) => owned(&plain),
         None => Ok(Cow::Borrowed(value)),
     }
@@ -339,12 +324,9 @@ pub(super) fn counterpart(key: &str, method: &str) -> Option<&'static str> {
     }
 }
 
-/// Returns true if a word of the method is explained where it is read: a preset, or a method that no settings describe.
+/// Returns true if a word of the method is a preset.
 pub fn is_preset(name: &str) -> bool {
-    let is_missing = WORDS
-        .iter()
-        .any(|(_, word, meaning)| *word == name && matches!(meaning, Missing(..)));
-    is_missing || PRESETS.iter().any(|own| own.name == name)
+    PRESETS.iter().any(|own| own.name == name)
 }
 
 /// Hint for a name that is not accepted.
@@ -366,7 +348,7 @@ pub(crate) fn all() -> impl Iterator<Item = (&'static str, &'static str, String)
                     .collect();
                 format!("{word} with {}", others.join(" and "))
             }
-            OneOf(_) | Missing(..) => return None,
+            OneOf(_) => return None,
         };
         Some((*key, *typed, stands_for))
     })
@@ -398,12 +380,6 @@ mod tests {
                         assert!(words.contains(word), "{key} has no {word}");
                         assert!(told.contains(&format!("`{word}`")), "{told}");
                     }
-                }
-                Meaning::Missing(reason, nearest) => {
-                    let told = set.expect_err("missing").to_string();
-                    assert!(told.contains(reason), "{told}");
-                    let mut own = Settings::default();
-                    own.assign(&format!("{key}={nearest}")).expect("a word");
                 }
             }
         }

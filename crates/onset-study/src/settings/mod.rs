@@ -63,7 +63,8 @@ pub use schema::schema;
 pub(crate) use sections::sections;
 pub use state::StateSettings;
 pub use study::Study;
-pub use time::TimeIntegrator;
+pub use time::{RunStep, TimeIntegrator};
+pub(crate) use time::{STEP, STEPPING};
 pub use trust::{TRUST_VARIABLE, Trust};
 pub use units::{Units, stress_unit};
 
@@ -74,6 +75,7 @@ use onset::kernel::{Kernel, KernelError};
 use onset::lattice::LatticeKind;
 use onset::method::KernelMethodChoices;
 use onset::scheme::element::ElementMesh;
+use onset::time_step::Stepping;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde::de::value::{Error as ValueError, StrDeserializer};
@@ -90,6 +92,8 @@ pub struct Settings {
     pub method: MethodSettings,
     /// Time integrator, for methods that do not define their time step.
     pub integrator: TimeIntegrator,
+    /// Time step of a run with another code.
+    pub run: RunStep,
     /// Body of the study, if it has one.
     pub body: Option<BodySettings>,
     /// Place at which each key of the discretization was set.
@@ -427,6 +431,14 @@ impl Settings {
                     _ => None,
                 },
             ),
+            time::STEP => assign(&mut self.run.step, number),
+            time::STEPPING => assign(
+                &mut self.run.stepping,
+                match value {
+                    Value::Word(word) => Stepping::ALL.into_iter().find(|own| own.name() == word),
+                    _ => None,
+                },
+            ),
             name if name.starts_with("discretization.") => accepted.is_some_and(|value| {
                 let own = key.parts().1;
                 set_field(discretization, own, value) || set_field(&mut self.method, own, value)
@@ -508,6 +520,8 @@ impl Settings {
     pub fn value(&self, name: &str) -> Option<Value> {
         match name.split_once('.')? {
             ("time", "integrator") => Some(Value::Word(self.integrator.name().to_owned())),
+            ("time", "step") => Some(Value::Number(self.run.step)),
+            ("time", "stepping") => Some(Value::Word(self.run.stepping.name().to_owned())),
             ("material", "model") => Some(Value::Word(self.material.model.name().to_owned())),
             ("material", PLANE) => Some(Value::Word(word_of(&self.material.plane()))),
             ("material", name) => {

@@ -3,10 +3,15 @@
 use super::key::{Key, Kind, key};
 use super::needs::{Cases, is, is_not};
 use super::{Origin, SettingError, Settings, Value};
-use onset::time_step::{ImplicitIntegrator, Integrator};
+use onset::material::Admitted::NotNegative;
+use onset::time_step::{ImplicitIntegrator, Integrator, Stepping};
 
 /// Key of the time integrator.
 pub(crate) const INTEGRATOR: &str = "time.integrator";
+/// Key of the time step of a run.
+pub(crate) const STEP: &str = "time.step";
+/// Key of the time stepping scheme of a run.
+pub(crate) const STEPPING: &str = "time.stepping";
 
 const EXPLICIT: usize = Integrator::NAMES.len();
 
@@ -34,13 +39,69 @@ const STEPPED: Cases = &[
     &[is("discretization.transfer", &["continuous"])],
 ];
 
+/// Methods that do not define their time step, with the time step of a run.
+const STEPPED_RUN: Cases = &[
+    &[
+        is_not(STEP, &["0"]),
+        is_not("discretization.method", &["material-points"]),
+    ],
+    &[
+        is_not(STEP, &["0"]),
+        is("discretization.unknowns", &["total-lagrangian", "updated"]),
+    ],
+    &[
+        is_not(STEP, &["0"]),
+        is("discretization.transfer", &["continuous"]),
+    ],
+];
+
+/// Names of the time stepping schemes of codes.
+const STEPPINGS: [&str; Stepping::ALL.len()] = [
+    "velocity-verlet",
+    "extrapolated-stress",
+    "late-density",
+    "late-acceleration",
+];
+
 /// Keys of the time integration.
-pub(super) const TIME_KEYS: [Key; 1] = [key(
-    INTEGRATOR,
-    Kind::Words(&NAMES),
-    "time integrator: its largest stable step is computed, and simulations use it",
-)
-.only_with(STEPPED)];
+pub(super) const TIME_KEYS: [Key; 3] = [
+    key(
+        INTEGRATOR,
+        Kind::Words(&NAMES),
+        "time integrator: its largest stable step is computed, and simulations use it",
+    )
+    .only_with(STEPPED),
+    key(
+        STEP,
+        Kind::Number("time", NotNegative),
+        "time step of a run with another code, which onset state compares with the largest stable step; 0 for none",
+    )
+    .only_with(STEPPED),
+    key(
+        STEPPING,
+        Kind::Words(&STEPPINGS),
+        "time stepping of the code of this run, as in onset screen --stepping",
+    )
+    .only_with(STEPPED_RUN),
+];
+
+/// Time step of a run with another code, and its time stepping scheme.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunStep {
+    /// Time step of the run, 0 for none; time.
+    pub step: f64,
+    /// Time stepping scheme of the code.
+    pub stepping: Stepping,
+}
+
+impl Default for RunStep {
+    fn default() -> Self {
+        Self {
+            step: 0.0,
+            stepping: Stepping::VelocityVerlet,
+        }
+    }
+}
 
 /// Time integrator of a study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,5 +185,15 @@ impl Settings {
                 "set {INTEGRATOR} to an explicit integrator, for example kick-drift-kick; `onset state` describes implicit ones"
             ))
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{STEPPINGS, Stepping};
+
+    #[test]
+    fn the_schemes_of_runs_have_the_names_of_screen() {
+        assert_eq!(STEPPINGS, Stepping::ALL.map(Stepping::name));
     }
 }

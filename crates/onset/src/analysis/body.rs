@@ -177,6 +177,15 @@ impl<const D: usize> Analysis for Body<D> {
         }
     }
 
+    fn sampled_states(
+        &self,
+        states: &[DeformationGradient],
+        count: usize,
+    ) -> Vec<Result<SurveyedState<3>, MethodError>> {
+        let sampled = |f: &DeformationGradient| Ok(self.survey()?.sampled(f, count)?.in_3d());
+        states.iter().map(sampled).collect()
+    }
+
     fn probe(&self, f: &DeformationGradient) -> Result<Probe, MethodError> {
         self.survey()?.probe(f)
     }

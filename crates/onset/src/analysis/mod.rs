@@ -80,6 +80,14 @@ pub trait Analysis: Send + Sync {
     /// Returns the data of a map at many states. Each result is independent of the other states.
     fn states(&self, states: &[DeformationGradient]) -> Vec<Result<SurveyedState<3>, MethodError>>;
 
+    /// Returns the data of a map at many states from `count` wave vectors along each reciprocal vector, without a search between them; see
+    /// [`Survey::sampled`](crate::verdict::Survey::sampled).
+    fn sampled_states(
+        &self,
+        states: &[DeformationGradient],
+        count: usize,
+    ) -> Vec<Result<SurveyedState<3>, MethodError>>;
+
     /// Returns the phase of the particles at a state (stable, divergence, flutter or undefined), with its measure.
     ///
     /// # Errors

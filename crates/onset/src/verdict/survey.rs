@@ -2,6 +2,8 @@
 //!
 //! Results that do not depend on the state (wave speed, Brillouin zone, reference waves, zero-energy modes) are computed once and shared.
 
+mod sampled;
+
 use super::weakest::{WeakestSearch, Well};
 use super::{
     Assessment, MaterialAssessment, Phase, Probe, Unfolding, Verdict, WEAK_WAVE_RATIO, WeakestMode,

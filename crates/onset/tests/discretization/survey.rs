@@ -2,14 +2,19 @@
 
 use crate::choices::{Case, case, config, planar_state};
 use nalgebra::Vector2;
+use onset::analysis::analysis;
 use onset::approximation::Approximation;
 use onset::bloch::dynamical_matrix;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::LatticeKind;
-use onset::material::ModifiedMooneyRivlin;
+use onset::material::{BlatzKo, ModifiedMooneyRivlin};
 use onset::method::{Frame, KernelMethodChoices, Method};
-use onset::verdict::{Survey, assess};
+use onset::scheme::MethodChoices;
+use onset::scheme::element::ElementChoices;
+use onset::scheme::sph::TotalLagrangianChoices;
+use onset::verdict::{Survey, Verdict, assess};
 use proptest::prelude::*;
+use std::sync::Arc;
 
 /// Compares a survey, prepared for many states or not, with the assessment of a single state.
 fn agrees(case: &Case, prepared: bool) -> Result<(), TestCaseError> {
@@ -200,4 +205,75 @@ proptest! {
     ) {
         agrees(&Case { state, ..case }, true)?;
     }
+}
+
+/// States around the reference configuration, far enough from it for instabilities of laws and methods.
+fn sampled_states() -> Vec<DeformationGradient> {
+    let stretches = [0.6, 0.8, 1.0, 1.3, 1.9, 3.0];
+    let pairs = stretches
+        .iter()
+        .flat_map(|a| stretches.map(|b| [*a, b, 1.0]));
+    let states = pairs.map(DeformationGradient::from_stretches);
+    states
+        .collect::<Result<_, _>>()
+        .expect("positive stretches")
+}
+
+#[test]
+fn sampled_waves_bound_the_extremes_of_a_search() {
+    let kernel = |frame| {
+        MethodChoices::Kernel(Box::new(KernelMethodChoices {
+            frame,
+            ..KernelMethodChoices::default()
+        }))
+    };
+    let methods = [
+        kernel(Frame::Eulerian),
+        kernel(Frame::Lagrangian),
+        MethodChoices::TotalLagrangianSph(Box::default(), TotalLagrangianChoices::default()),
+        MethodChoices::FiniteElements(ElementChoices::default()),
+    ];
+    let (mut agreeing, mut compared, mut numerical, mut physical) = (0, 0, 0, 0);
+    for method in methods {
+        let analysis = analysis(&method, Arc::new(BlatzKo::default())).expect("a method");
+        let states = sampled_states();
+        let searched = analysis.states(&states);
+        let coarse = analysis.sampled_states(&states, 6);
+        let fine = analysis.sampled_states(&states, 12);
+        for ((searched, coarse), fine) in searched.into_iter().zip(coarse).zip(fine) {
+            let (Ok(searched), Ok(coarse), Ok(fine)) = (searched, coarse, fine) else {
+                continue;
+            };
+            let tiny = 1e-9 * searched.maximum_omega;
+            // The fine grid contains the coarse one.
+            for (own, better) in [(&coarse, &fine), (&fine, &searched)] {
+                assert!(
+                    own.maximum_omega <= better.maximum_omega + tiny,
+                    "{method:?}"
+                );
+                assert!(
+                    own.growth_rate <= better.growth_rate + 1e3 * tiny,
+                    "{method:?}"
+                );
+                assert!(
+                    own.lowest_omega_squared
+                        >= better.lowest_omega_squared - tiny * searched.maximum_omega
+                );
+                assert!(own.scaled_minimum >= better.scaled_minimum - 1e-8);
+            }
+            assert_eq!(fine.acoustic, searched.acoustic);
+            compared += 1;
+            agreeing += usize::from(fine.verdict == searched.verdict);
+            numerical += usize::from(fine.verdict == Verdict::Numerical);
+            physical += usize::from(fine.verdict == Verdict::Physical);
+        }
+    }
+    assert!(
+        numerical > 10 && physical > 10,
+        "{numerical} numerical, {physical} physical"
+    );
+    assert!(
+        100 * agreeing >= 95 * compared,
+        "{agreeing} of {compared} verdicts agree"
+    );
 }

@@ -11,6 +11,7 @@ mod nairn_fmpm_2;
 mod peridigm_correspondence;
 mod peridigm_lps;
 mod perilab_correspondence;
+mod pysph_gtvf;
 mod pysph_solid;
 mod sphinxsys_tl;
 mod sphinxsys_ul;
@@ -49,6 +50,7 @@ pub(crate) const PRESETS: &[Preset] = &[
     perilab_correspondence::PRESET,
     moose_nospd::PRESET,
     pysph_solid::PRESET,
+    pysph_gtvf::PRESET,
     sphinxsys_tl::PRESET,
     sphinxsys_ul::PRESET,
     taichi_mpm88::PRESET,

@@ -1,0 +1,17 @@
+use super::Preset;
+
+pub(super) const PRESET: Preset = Preset {
+    name: "pysph-gtvf",
+    title: "PySPH, GTVFScheme with its equations for solids",
+    version: "1.0",
+    source: "Zhang, Hu, Adams, J. Comput. Phys. 337 (2017) 216; pysph/sph/wc/gtvf.py",
+    method: "updated-sph",
+    keys: &[
+        ("discretization.kernel", "wendland-c2"),
+        ("discretization.momentum", "symmetric"),
+        ("discretization.density-evolution", "summation"),
+        ("discretization.corrected", "false"),
+        ("discretization.support-size", "fixed"),
+    ],
+    note: "CorrectDensity yields the summation density where the sum of V W is at least 1, as on lattices with this kernel; the transport velocity, dt/2 times an acceleration, vanishes with the step and is left out; forces of the deviatoric stress have the densities of the paper's equation (17), which the code omits",
+};
