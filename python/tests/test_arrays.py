@@ -36,7 +36,7 @@ def test_array_verdicts_agree_with_single_states(method: onset.Method) -> None:
 
 
 @pytest.mark.parametrize("method", [SPH, EULERIAN, onset.Method("total-lagrangian-sph", lattice="square")])
-def test_sampled_verdicts_are_those_of_the_wave_vectors_of_the_grid(method: onset.Method) -> None:
+def test_sampled_verdicts_follow_from_the_wave_vectors_of_the_grid(method: onset.Method) -> None:
     waves = 6
     stretches = np.random.default_rng(8).uniform(0.7, 1.5, (12, 2))
     sampled = onset.verdicts(RUBBER, method, stretch=stretches, waves=waves)

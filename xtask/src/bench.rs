@@ -7,7 +7,7 @@ use std::process::Command;
 
 /// Runs the criterion benches, checks the peers against the command, and compares states per second and minima.
 ///
-/// A full run writes `bench/README.md`, `bench/waiting.md` and `bench/bodies.md`; a quick run writes preliminary tables to `target/bench/`.
+/// A full run writes `bench/README.md`, `bench/waiting.md`, `bench/methods.md` and `bench/bodies.md`; a quick run writes preliminary tables to `target/bench/`.
 ///
 /// # Errors
 /// Description of the failure.
@@ -29,6 +29,7 @@ pub fn run(quick: bool) -> Result<(), String> {
         .map_err(|error| format!("cannot determine the current folder: {error}"))?;
     let onset = current.join(target).join("release/onset");
     waiting(&interpreter, &onset, quick)?;
+    methods(&interpreter, &onset, quick)?;
     bodies(&cargo, &interpreter, quick)?;
     // The program is compiled before it is timed.
     step(
@@ -78,6 +79,16 @@ fn waiting(interpreter: &Path, onset: &Path, quick: bool) -> Result<(), String> 
     step(
         "how long people wait",
         into(&mut waiting, quick, "waiting.md")?,
+    )
+}
+
+/// Compares maps of newer methods with maps of their nearest relatives.
+fn methods(interpreter: &Path, onset: &Path, quick: bool) -> Result<(), String> {
+    let mut methods = Command::new(interpreter);
+    methods.arg("bench/methods.py").arg("--onset").arg(onset);
+    step(
+        "maps of newer methods",
+        into(&mut methods, quick, "methods.md")?,
     )
 }
 

@@ -220,7 +220,10 @@ impl Course {
         let (end, ends_early) = reached(&path, to);
         let found = attempt(end, ends_early);
         match found.as_ref().err().and_then(ProblemError::missing_state) {
-            Some(missing) => attempt(last_state(&path, start, missing), Some(LOST.to_owned())),
+            Some(missing) => attempt(
+                last_state(&path, start, missing),
+                Some(NO_STATE_REASON.to_owned()),
+            ),
             None => found,
         }
     }
@@ -295,9 +298,9 @@ fn reached(path: &LoadingPath<'_>, imposed: f64) -> (f64, Option<String>) {
 }
 
 /// Reason why a loading ends where its states are lost in rounding, as those of a law whose stiffness has vanished.
-const LOST: &str = "beyond it the free faces determine no state in double precision";
+const NO_STATE_REASON: &str = "beyond it the free faces determine no state in double precision";
 /// Distance from states that are lost in rounding, as a fraction of the path up to them.
-const BEFORE_LOST: f64 = 1e-3;
+const DISTANCE_FROM_ROUNDING: f64 = 1e-3;
 
 /// Last imposed stretch or amount of shear between `start` and a missing state, at a distance from states that rounding decides.
 fn last_state(path: &LoadingPath<'_>, start: f64, missing: f64) -> f64 {
@@ -309,7 +312,7 @@ fn last_state(path: &LoadingPath<'_>, start: f64, missing: f64) -> f64 {
             None => lost = middle,
         }
     }
-    found - BEFORE_LOST * (found - start)
+    found - DISTANCE_FROM_ROUNDING * (found - start)
 }
 
 /// Largest scaled minimum that counts as a rounding error.

@@ -656,7 +656,7 @@ fn spaced_marks(axis: &Axis, width: f64) -> Vec<Tick> {
         marks = axis.marks(target);
     }
     if axis.ticks.is_none() && labels(&marks) < 3 {
-        // Three numbers if they fit, else two, else one that is not zero.
+        // Three numbers if they fit, else two, else a single number other than zero.
         let finer: Vec<_> = (target..=target + 8).map(|own| axis.marks(own)).collect();
         let ends = || finer.iter().map(|marks| ends_of(marks));
         let last = || finer.iter().map(|marks| last_of(marks));

@@ -3,7 +3,7 @@
 use super::{Cause, Question, ScreenAnswer};
 use crate::answers::{Problem, assigned};
 use crate::number::told_with;
-use crate::settings::{STEP, STEPPING};
+use crate::settings::{RUN_STEP, RUN_STEPPING};
 use crate::shell::quoted;
 use toml::{Table, Value};
 
@@ -130,8 +130,8 @@ pub(super) fn study(
     let mut settings = assigned(&problem.settings, None);
     if let Some((stepping, step)) = question.stepping() {
         let step = problem.settings.units().of(step, "s");
-        settings.push(format!("{STEP}={step}"));
-        settings.push(format!("{STEPPING}={}", stepping.name()));
+        settings.push(format!("{RUN_STEP}={step}"));
+        settings.push(format!("{RUN_STEPPING}={}", stepping.name()));
     }
     for set in settings {
         let (key, text) = set.split_once('=')?;

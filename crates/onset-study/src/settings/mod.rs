@@ -63,8 +63,8 @@ pub use schema::schema;
 pub(crate) use sections::sections;
 pub use state::StateSettings;
 pub use study::Study;
+pub(crate) use time::{RUN_STEP, RUN_STEPPING};
 pub use time::{RunStep, TimeIntegrator};
-pub(crate) use time::{STEP, STEPPING};
 pub use trust::{TRUST_VARIABLE, Trust};
 pub use units::{Units, stress_unit};
 
@@ -431,8 +431,8 @@ impl Settings {
                     _ => None,
                 },
             ),
-            time::STEP => assign(&mut self.run.step, number),
-            time::STEPPING => assign(
+            time::RUN_STEP => assign(&mut self.run.step, number),
+            time::RUN_STEPPING => assign(
                 &mut self.run.stepping,
                 match value {
                     Value::Word(word) => Stepping::ALL.into_iter().find(|own| own.name() == word),

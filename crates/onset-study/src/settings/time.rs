@@ -9,9 +9,9 @@ use onset::time_step::{ImplicitIntegrator, Integrator, Stepping};
 /// Key of the time integrator.
 pub(crate) const INTEGRATOR: &str = "time.integrator";
 /// Key of the time step of a run.
-pub(crate) const STEP: &str = "time.step";
+pub(crate) const RUN_STEP: &str = "time.step";
 /// Key of the time stepping scheme of a run.
-pub(crate) const STEPPING: &str = "time.stepping";
+pub(crate) const RUN_STEPPING: &str = "time.stepping";
 
 const EXPLICIT: usize = Integrator::NAMES.len();
 
@@ -42,15 +42,15 @@ const STEPPED: Cases = &[
 /// Methods that do not define their time step, with the time step of a run.
 const STEPPED_RUN: Cases = &[
     &[
-        is_not(STEP, &["0"]),
+        is_not(RUN_STEP, &["0"]),
         is_not("discretization.method", &["material-points"]),
     ],
     &[
-        is_not(STEP, &["0"]),
+        is_not(RUN_STEP, &["0"]),
         is("discretization.unknowns", &["total-lagrangian", "updated"]),
     ],
     &[
-        is_not(STEP, &["0"]),
+        is_not(RUN_STEP, &["0"]),
         is("discretization.transfer", &["continuous"]),
     ],
 ];
@@ -72,13 +72,13 @@ pub(super) const TIME_KEYS: [Key; 3] = [
     )
     .only_with(STEPPED),
     key(
-        STEP,
+        RUN_STEP,
         Kind::Number("time", NotNegative),
         "time step of a run with another code, which onset state compares with the largest stable step; 0 for none",
     )
     .only_with(STEPPED),
     key(
-        STEPPING,
+        RUN_STEPPING,
         Kind::Words(&STEPPINGS),
         "time stepping of the code of this run, as in onset screen --stepping",
     )

@@ -13,5 +13,5 @@ pub(super) const PRESET: Preset = Preset {
         ("discretization.corrected", "false"),
         ("discretization.support-size", "fixed"),
     ],
-    note: "CorrectDensity yields the summation density where the sum of V W is at least 1, as on lattices with this kernel; the transport velocity, dt/2 times an acceleration, vanishes with the step and is left out; forces of the deviatoric stress have the densities of the paper's equation (17), which the code omits",
+    note: "the corrected density is the summation density wherever the sum of V W is at least 1, as on lattices with this kernel; the transport velocity is left out, because it vanishes with the time step. Forces of the deviatoric stress have the densities of equation (17) of the paper, which the code omits",
 };

@@ -13,7 +13,7 @@ use nalgebra::SVector;
 
 /// Smallest growth rate of complex `omega^2` that counts as flutter, relative to the largest frequency: a pair of equal `omega^2` is split by rounding.
 const FLUTTER_FRACTION: f64 = 1e-7;
-/// Relative difference of measures that count as equal. Of waves with equal measures, the first in the grid is reported.
+/// Relative difference of measures that count as equal; the first wave of the grid with the smallest measure is reported.
 const EQUAL_MEASURES: f64 = 1e-9;
 
 /// Wave of a grid: wave vector, all `omega^2` by increasing real part, and `|k|_h^2`.
