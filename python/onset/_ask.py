@@ -453,7 +453,7 @@ def verdicts(
     A state at which the law or the method is not defined has the verdict ``undefined``.
 
     With `waves` the verdicts are sampled, not searched: an instability between the wave vectors of the grid is missed, so that ``growth_rate`` is a
-    lower bound, and ``critical_time_step`` an upper bound unless forces are damped. The law is assessed in full, and long waves are tested wherever
+    lower bound, and ``critical_time_step`` an upper bound unless forces are damped. The law is assessed in full, and long waves are tested if
     the law or a wave of the grid is unstable.
 
     Parameters

@@ -297,7 +297,7 @@ fn reached(path: &LoadingPath<'_>, imposed: f64) -> (f64, Option<String>) {
     (mode.imposed(last), Some(why))
 }
 
-/// Reason why a loading ends where its states are lost in rounding, as those of a law whose stiffness has vanished.
+/// Reason why a loading ends where its states are lost in rounding, for example because the stiffness of the law has vanished.
 const NO_STATE_REASON: &str = "beyond it the free faces determine no state in double precision";
 /// Distance from states that are lost in rounding, as a fraction of the path up to them.
 const DISTANCE_FROM_ROUNDING: f64 = 1e-3;

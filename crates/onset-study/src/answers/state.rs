@@ -514,7 +514,7 @@ fn run_step(
         None => assessment.spectrum,
     };
     let step = Some(spectrum.critical_time_step()).filter(|step| step.is_finite());
-    let bodies = FiniteBodyAnswer::new(limiting, f, step)?;
+    let bodies = FiniteBodyAnswer::new(limiting, f, Integrator::CentralDifferences, step)?;
     RunStepAnswer::new(limiting, f, &spectrum, bodies.as_ref())
 }
 

@@ -13,5 +13,5 @@ pub(super) const PRESET: Preset = Preset {
         ("discretization.corrected", "false"),
         ("discretization.support-size", "fixed"),
     ],
-    note: "the corrected density is the summation density wherever the sum of V W is at least 1, as on lattices with this kernel; the transport velocity is left out, because it vanishes with the time step. Forces of the deviatoric stress have the densities of equation (17) of the paper, which the code omits",
+    note: "the corrected density is the summation density if the sum of V W is at least 1, as on lattices with this kernel; the transport velocity is left out, because it vanishes with the time step. Forces of the deviatoric stress have the densities of equation (17) of the paper, which the code omits",
 };
