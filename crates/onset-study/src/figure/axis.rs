@@ -135,13 +135,14 @@ impl Axis {
     /// Ticks of [`Axis::marks`] with at least three labels, or with two if the axis has no room for three: at most `most` labels, but two in any case.
     pub(super) fn labeled_marks(&self, target: usize, most: usize) -> Vec<Tick> {
         let most = most.max(2);
-        let with = |least: usize| {
+        let with = |least: usize, most: usize| {
             (target..=target + 8)
                 .map(|target| self.marks(target))
                 .find(|marks| (least..=most).contains(&labels(marks)))
         };
-        with(3)
-            .or_else(|| with(2))
+        with(3, most)
+            .or_else(|| with(2, most))
+            .or_else(|| with(2, usize::MAX))
             .unwrap_or_else(|| self.marks(target))
     }
 

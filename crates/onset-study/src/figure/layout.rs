@@ -659,7 +659,12 @@ fn spaced_marks(axis: &Axis, width: f64) -> Vec<Tick> {
         // Three numbers if they fit, else two, else a single number other than zero.
         let finer: Vec<_> = (target..=target + 8).map(|own| axis.marks(own)).collect();
         let ends = || finer.iter().map(|marks| ends_of(marks));
-        let last = || finer.iter().map(|marks| last_of(marks));
+        let last = || {
+            finer
+                .iter()
+                .map(|marks| last_of(marks))
+                .filter(|own| labels(own) == 1)
+        };
         let choices = finer.iter().cloned().filter(|own| labels(own) > 2);
         let two = std::iter::once(marks.clone()).chain(ends());
         let two = two.filter(|own| labels(own) == 2);

@@ -12,8 +12,8 @@ use super::renamed;
 use super::softening::{is_of_softening, softening_keys};
 use super::time::TIME_KEYS;
 use super::{
-    MapSettings, Model, OUTPUTS, Plane, StateSettings, TimeIntegrator, Units, Value, aliases,
-    word_of,
+    MapSettings, Model, OUTPUTS, Plane, RunStep, StateSettings, TimeIntegrator, Units, Value,
+    aliases, word_of,
 };
 use onset::approximation::Approximation;
 use onset::kinematics::STRETCHES;
@@ -659,6 +659,8 @@ impl Key {
             ("state", name) => field(serde_json::to_value(StateSettings::default()), name),
             ("map", name) => field(serde_json::to_value(MapSettings::default()), name),
             ("body" | "grips", _) => serde_json::Value::Null,
+            ("time", "step") => RunStep::default().step.into(),
+            ("time", "stepping") => RunStep::default().stepping.name().into(),
             ("time", _) => TimeIntegrator::default().name().into(),
             (_, name) => match field(serde_json::to_value(KernelMethodChoices::default()), name) {
                 serde_json::Value::Null => {
