@@ -665,7 +665,7 @@ fn spaced_marks(axis: &Axis, width: f64) -> Vec<Tick> {
                 .map(|marks| last_of(marks))
                 .filter(|own| labels(own) == 1)
         };
-        let choices = finer.iter().cloned().filter(|own| labels(own) > 2);
+        let choices = finer.iter().filter(|own| labels(own) > 2).cloned();
         let two = std::iter::once(marks.clone()).chain(ends());
         let two = two.filter(|own| labels(own) == 2);
         if let Some(marks) = choices.chain(two).chain(last()).find(|own| clear(own)) {
