@@ -85,10 +85,7 @@ pub(super) fn largest_mode(
             if images.is_multiple_of(ESTIMATED_IMAGES)
                 && let Some(ritz) = space.rightmost()
             {
-                // The numerical range of the map contains its eigenvalues, also eigenvalues that the space has not reached.
-                let symmetric = SymmetricEigen::new(space.symmetric());
-                let value = symmetric.eigenvalues.max().max(ritz.size());
-                let missed = missed(&space.residuals(&ritz));
+                let (value, missed) = (ritz.size(), missed(&space.residuals(&ritz)));
                 let bound = value + missed + ESTIMATE_FACTOR * mean_error(images) * value;
                 if bound < known {
                     return Ok(Some((bound, space.mode(&ritz))));
@@ -288,14 +285,9 @@ impl Space {
         images
     }
 
-    /// Symmetric part of the projection of the map.
-    fn symmetric(&self) -> DMatrix<f64> {
-        (&self.within + self.within.transpose()) * 0.5
-    }
-
     /// Keeps a Ritz vector, and the vectors of the largest eigenvalues of the symmetric part.
     fn restart(&mut self, ritz: &Ritz, kept: usize) {
-        let symmetric = SymmetricEigen::new(self.symmetric());
+        let symmetric = SymmetricEigen::new((&self.within + self.within.transpose()) * 0.5);
         let mut order: Vec<usize> = (0..symmetric.eigenvalues.len()).collect();
         order.sort_by(|a, b| symmetric.eigenvalues[*b].total_cmp(&symmetric.eigenvalues[*a]));
         let mut shares = Self::default();
