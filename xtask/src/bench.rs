@@ -28,8 +28,21 @@ pub fn run(quick: bool) -> Result<(), String> {
     let current = std::env::current_dir()
         .map_err(|error| format!("cannot determine the current folder: {error}"))?;
     let onset = current.join(target).join("release/onset");
-    waiting(&interpreter, &onset, quick)?;
-    methods(&interpreter, &onset, quick)?;
+    measured(
+        "how long people wait",
+        "waiting",
+        &interpreter,
+        &onset,
+        quick,
+    )?;
+    // Maps of newer methods and of their nearest relatives.
+    measured(
+        "maps of newer methods",
+        "methods",
+        &interpreter,
+        &onset,
+        quick,
+    )?;
     bodies(&cargo, &interpreter, quick)?;
     // The program is compiled before it is timed.
     step(
@@ -72,24 +85,20 @@ fn into<'a>(compare: &'a mut Command, quick: bool, table: &str) -> Result<&'a mu
     })
 }
 
-/// Times small and large commands.
-fn waiting(interpreter: &Path, onset: &Path, quick: bool) -> Result<(), String> {
-    let mut waiting = Command::new(interpreter);
-    waiting.arg("bench/waiting.py").arg("--onset").arg(onset);
-    step(
-        "how long people wait",
-        into(&mut waiting, quick, "waiting.md")?,
-    )
-}
-
-/// Compares maps of newer methods with maps of their nearest relatives.
-fn methods(interpreter: &Path, onset: &Path, quick: bool) -> Result<(), String> {
-    let mut methods = Command::new(interpreter);
-    methods.arg("bench/methods.py").arg("--onset").arg(onset);
-    step(
-        "maps of newer methods",
-        into(&mut methods, quick, "methods.md")?,
-    )
+/// Runs a script of `bench/` that measures the command and writes a table of the same name.
+fn measured(
+    title: &str,
+    script: &str,
+    interpreter: &Path,
+    onset: &Path,
+    quick: bool,
+) -> Result<(), String> {
+    let mut command = Command::new(interpreter);
+    command
+        .arg(format!("bench/{script}.py"))
+        .arg("--onset")
+        .arg(onset);
+    step(title, into(&mut command, quick, &format!("{script}.md"))?)
 }
 
 /// Compares time steps of a body with LAMMPS, if it is available.

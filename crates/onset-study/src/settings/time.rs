@@ -56,12 +56,15 @@ const STEPPED_RUN: Cases = &[
 ];
 
 /// Names of the time stepping schemes of codes.
-const STEPPINGS: [&str; Stepping::ALL.len()] = [
-    "velocity-verlet",
-    "extrapolated-stress",
-    "late-density",
-    "late-acceleration",
-];
+const STEPPINGS: [&str; Stepping::ALL.len()] = {
+    let mut names = [""; Stepping::ALL.len()];
+    let mut n = 0;
+    while n < names.len() {
+        names[n] = Stepping::ALL[n].name();
+        n += 1;
+    }
+    names
+};
 
 /// Keys of the time integration.
 pub(super) const TIME_KEYS: [Key; 3] = [

@@ -48,7 +48,7 @@ use nalgebra::SVector;
 pub(crate) const ZERO_ENERGY: f64 = 1e-10;
 
 /// Returns true if `-k` is reported in place of `k`. Both have the same waves; the wave vector with a positive leading component is reported.
-fn is_shown_reversed<const D: usize>(k: &SVector<f64, D>) -> bool {
+pub(crate) fn is_shown_reversed<const D: usize>(k: &SVector<f64, D>) -> bool {
     let leading = k.iter().find(|x| x.abs() > 1e-9 * k.amax());
     leading.is_some_and(|x| *x < 0.0)
 }

@@ -129,7 +129,7 @@ impl Stepping {
     ];
 
     /// Name used in files and on the command line.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::VelocityVerlet => "velocity-verlet",
             Self::ExtrapolatedStress => "extrapolated-stress",

@@ -153,16 +153,16 @@ pub(crate) fn oscillation_of_free_blocks<const D: usize>(
     };
     let fastest = Mutex::new(Oscillation::NONE);
     let known = || *fastest.lock().unwrap_or_else(PoisonError::into_inner);
-    let oscillations = of_each(cuts, |cut| {
-        let own = oscillation(&cut, known())?;
-        let mut fastest = fastest.lock().unwrap_or_else(PoisonError::into_inner);
-        *fastest = fastest.or(own);
-        Some(own)
+    of_each(cuts, |cut| {
+        if let Some(own) = oscillation(&cut, known()) {
+            let mut fastest = fastest.lock().unwrap_or_else(PoisonError::into_inner);
+            *fastest = fastest.or(own);
+        }
     });
-    let fastest = oscillations.into_iter().flatten().reduce(Oscillation::or);
-    fastest.map(|own| Oscillation {
-        squared: own.squared / MARGIN.powi(2),
-        damping: own.damping / MARGIN,
+    let Oscillation { squared, damping } = known();
+    (squared > f64::NEG_INFINITY).then(|| Oscillation {
+        squared: squared / MARGIN.powi(2),
+        damping: damping / MARGIN,
     })
 }
 

@@ -451,14 +451,20 @@ impl<const D: usize> BodyMotion for UpdatedBody<'_, D> {
     fn fastest_oscillation(&mut self, known: Oscillation) -> Result<Oscillation, Box<Fault>> {
         let unknowns = D * self.len();
         let spacing = self.discretization.crystal().spacing();
+        let is_viscous = self.engine.law().is_ok_and(CurrentPairs::is_viscous);
+        // The frequency scales the velocities below. An estimate depends on the order in which bodies are computed.
+        let known_squared = match is_viscous {
+            true => Oscillation::NONE.squared,
+            false => known.squared,
+        };
         let mut image = |own: &[f64], highest: f64| {
             let along = self.free(own);
             let change = self.changed_by_displacements(&along, DIFFERENCE_STEP * spacing / highest);
             let change = change.map_err(|none| self.fault(none, 0.0))?;
             Ok(negative(flat(&self.free(&change), self.len())))
         };
-        let squared = largest_eigenvalue(unknowns, &mut image, known.squared)?;
-        if !self.engine.law().is_ok_and(CurrentPairs::is_viscous) {
+        let squared = largest_eigenvalue(unknowns, &mut image, known_squared)?;
+        if !is_viscous {
             return Ok(Oscillation {
                 squared,
                 damping: 0.0,

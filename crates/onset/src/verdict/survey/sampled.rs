@@ -2,7 +2,7 @@
 
 use super::{StateWaves, Survey, SurveyedState, ZERO_FREQUENCY_FRACTION};
 use crate::algebra::{Complex, Each};
-use crate::bloch::{Mode, Stability};
+use crate::bloch::{Mode, Stability, growth_rate, is_shown_reversed};
 use crate::cancel::checkpoint;
 use crate::continuum::Stiffness;
 use crate::kinematics::DeformationGradient;
@@ -66,12 +66,12 @@ impl<const D: usize> Survey<'_, D> {
             FLUTTER_FRACTION * largest.sqrt(),
         );
         let lowest = values().map(|value| value.re).fold(0.0, f64::min);
-        // The growth rate of `exp(-i omega t)` is the imaginary part of the root.
-        let rate = |value: &Complex| value.sqrt().im.abs();
-        let fastest = values().map(rate).fold(0.0, f64::max);
+        let fastest = values()
+            .map(|value| growth_rate(*value))
+            .fold(0.0, f64::max);
         let mut stability = if lowest < -noise {
             Stability::Divergence
-        } else if values().any(|value| value.im.abs() > noise && rate(value) > slow) {
+        } else if values().any(|value| value.im.abs() > noise && growth_rate(*value) > slow) {
             Stability::Flutter
         } else {
             Stability::Stable
@@ -115,8 +115,7 @@ impl<const D: usize> Survey<'_, D> {
             checkpoint();
             let fractions = SVector::from(at.each(|n| n as f64 / count as f64));
             let folded = waves.search().folded(&(lattice.reciprocal() * fractions));
-            let leading = folded.iter().find(|own| own.abs() > 1e-9 * folded.amax());
-            let k = match leading.is_some_and(|own| *own < 0.0) {
+            let k = match is_shown_reversed(&folded) {
                 true => -folded,
                 false => folded,
             };
