@@ -1069,11 +1069,10 @@ def localize(model: Material | str | None = None, path: str | None = None, load:
     Parameters
     ----------
     model, path, load
-        Plastic law (its name, or a `Material` as for other functions), path of loading, and its sense, tension or compression.
+        Plastic law (its name, or a `Material`; ``"drucker-prager"`` by default), path of loading, and its sense, tension or compression.
     **parameters
-        Keys of ``[plasticity]``: ``onset.localize("drucker-prager", "plane-strain", friction=0.7)``. Stresses are in any consistent unit, or all have
-        a unit. For the models ``"umat"`` and ``"library"``, the keys of the routine are ``library``, ``properties``, ``state_variables``, ``time_limit``
-        and ``memory_limit``.
+        Parameters of the law, as for `Material`, and keys of the path (``strain_ratio``, ``strains``, ``bands``, ``slip``):
+        ``onset.localize("drucker-prager", "plane-strain", friction=0.7)``. Stresses are in any consistent unit, or all have a unit.
 
     Returns
     -------
@@ -1095,9 +1094,10 @@ def localize(model: Material | str | None = None, path: str | None = None, load:
     'dilatant-shear-band'
     """
     law = model.assignments if isinstance(model, Material) else ()
+    routines = ("umat", "library")
+    of_path = {"path", "load", "strain_ratio", "strains", "bands", "slip"} | ({"confinement"} if model in routines else set())
     named = {"model": None if law else model, "path": path, "load": load} | parameters
-    routine = {"library", "properties", "state_variables", "time_limit", "memory_limit"}
-    keys = {_key("material" if name in routine else "plasticity", name): value for name, value in named.items() if value is not None}
+    keys = {_key("plasticity" if name in of_path else "material", name): value for name, value in named.items() if value is not None}
     return Localization(_onset.localize([*law, *(f"{key}={_typed(value, key)}" for key, value in keys.items())]))
 
 

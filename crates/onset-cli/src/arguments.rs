@@ -177,7 +177,7 @@ const AUDIT_EXAMPLES: &str = "Examples:
   onset audit --energy \"mu/2*(I1 - 3 - 2*ln(J))\" --set material.mu=1 --strain 0.3";
 const LOCALIZE_EXAMPLES: &str = "Examples:
   onset localize --model drucker-prager --path plane-strain
-  onset localize --model mohr-coulomb --set plasticity.confinement=50 --out band
+  onset localize --model mohr-coulomb --set material.confinement=50 --out band
   onset localize --model umat --set material.library=./my_umat.so --set material.properties=200e3,0.3,250,2e3";
 
 const CHECK_EXAMPLES: &str = "Examples:
@@ -223,7 +223,6 @@ fn plastic_parameters() -> String {
         let condition = parameter
             .only_with
             .map_or(String::new(), |(needed, words)| {
-                let needed = needed.trim_start_matches("plasticity.");
                 format!("; only with {needed} = {}", words.join(" or "))
             });
         entry(
@@ -233,7 +232,7 @@ fn plastic_parameters() -> String {
         )
     };
     format!(
-        "Keys of --set:\n{}\nIf one stress has a unit, all stresses need one: plasticity.shear-modulus=80GPa, plasticity.strength=200MPa.\n",
+        "Keys of --set: those of the law (`onset list materials j2`), and\n{}\nIf one stress has a unit, all stresses need one: material.mu=80GPa, material.yield-stress=300MPa.\n",
         PARAMETERS.iter().map(line).collect::<String>()
     )
 }
@@ -1424,15 +1423,14 @@ pub struct MapArguments {
 /// Command-line arguments of `onset localize`.
 #[derive(Debug, Args)]
 pub struct LocalizeArguments {
-    /// Study or deck of another program with a plastic law, whose constants are read; - for standard input. Laws and keys of the loading are set by the
-    /// options below.
+    /// Study or deck of another program with a plastic law; - for standard input. The loading is set by the options below.
     #[arg(conflicts_with = "model")]
     pub file: Option<PathBuf>,
     /// Deck of another program in FILE.
     #[command(flatten)]
     pub block: BlockArguments,
-    /// Plastic law: drucker-prager, j2, mohr-coulomb, hill-1948, kinematic, gurson, cam-clay, cap, damage, deformation-theory or umat (with the keys
-    /// library, properties and state-variables of a material); short for --set plasticity.model=MODEL.
+    /// Plastic law: j2, hill-1948, drucker-prager, mohr-coulomb, cap, cam-clay, gurson, kinematic, damage, deformation-theory, umat or library; short for
+    /// --set material.model=MODEL [default: drucker-prager].
     #[arg(long, value_name = "MODEL")]
     pub model: Option<String>,
     /// Loading: uniaxial-stress, uniaxial-strain, plane-strain, pure-shear, triaxial-compression or sheet-stretch; short for --set
@@ -1442,9 +1440,12 @@ pub struct LocalizeArguments {
     /// Sense of the loading: tension or compression; short for --set plasticity.load=LOAD.
     #[arg(long, value_name = "LOAD")]
     pub load: Option<String>,
-    /// Set a parameter, for example plasticity.friction=0.7, or a key of a material with a plastic law: material.model=gurson (may be given several times).
+    /// Set a key of the law or of the path, for example material.friction=0.7 or plasticity.slip=0.1 (may be given several times).
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub assignments: Vec<String>,
+    /// Libraries that the study may load.
+    #[command(flatten)]
+    pub trust: TrustArguments,
     /// Folder for the figure (localize.svg, .png, .pdf), localize.csv and localize-directions.csv, or NAME.svg, NAME.png or NAME.pdf for the figure alone;
     /// nothing is written without it.
     #[arg(long, value_name = "PATH")]

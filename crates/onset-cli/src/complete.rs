@@ -14,7 +14,7 @@ use onset_study::figure::{ColorMap, Theme};
 use onset_study::fit::{Tests, families};
 use onset_study::input;
 use onset_study::limit::Integrator;
-use onset_study::localization::PARAMETERS;
+use onset_study::localization::{self, PARAMETERS};
 use onset_study::map;
 use onset_study::screen::Cause;
 use onset_study::settings::{
@@ -210,35 +210,33 @@ fn after_commas<'a>(
 }
 
 fn plastic_assignments(typed: &str) -> Vec<(String, String)> {
+    let mut all = assignments(of_problem("material"), typed);
     match typed.split_once('=') {
         Some((name, _)) => {
-            let mut own = PARAMETERS.iter().filter(|own| own.name == name);
-            let words = own.next().map_or(&[] as &[&str], |own| of_kind(own.kind));
-            let word = |word: &&str| (format!("{name}={word}"), String::new());
-            words.iter().map(word).collect()
+            let words = plastic_words_of(name).into_iter();
+            all.extend(words.map(|(word, meaning)| (format!("{name}={word}"), meaning)));
         }
-        None => PARAMETERS
-            .iter()
-            .map(|own| (format!("{}=", own.name), own.meaning.to_owned()))
-            .collect(),
+        None => {
+            let own = PARAMETERS.iter();
+            all.extend(own.map(|own| (format!("{}=", own.name), own.meaning.to_owned())));
+        }
     }
+    all
+}
+
+/// Words of a key of the path of `onset localize`.
+fn plastic_words_of(name: &str) -> Vec<(String, String)> {
+    let mut own = PARAMETERS.iter().filter(|own| own.name == name);
+    let words = own.next().map_or(&[] as &[&str], |own| of_kind(own.kind));
+    plain(words.iter().copied())
 }
 
 /// Words of `--model`, `--path` or `--load` of `onset localize`.
 fn plastic_words(argument: &str) -> Option<Words> {
-    fn of(name: &str) -> Vec<(String, String)> {
-        let mut own = PARAMETERS.iter().filter(|own| own.name == name);
-        plain(
-            own.next()
-                .map_or(&[] as &[&str], |own| of_kind(own.kind))
-                .iter()
-                .copied(),
-        )
-    }
     Some(match argument {
-        "model" => |_| of("plasticity.model"),
-        "path" => |_| of("plasticity.path"),
-        _ => |_| of("plasticity.load"),
+        "model" => |_| plain(localization::models()),
+        "path" => |_| plastic_words_of("plasticity.path"),
+        _ => |_| plastic_words_of("plasticity.load"),
     })
 }
 

@@ -23,7 +23,7 @@ const LINES: &[&str] = &[
     "limit study.toml --vary material.mu --time-step 0.1 --stretch 1,1",
     "recommend study.toml --stretches 0.95,1.05",
     "zoo study.toml",
-    "localize study.toml --model j2",
+    "localize study.toml --path pure-shear",
     "check study.toml",
     "state study.toml --stretch 1.1,0.9",
     "simulate study.toml --steps 3",

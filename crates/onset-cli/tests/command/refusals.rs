@@ -586,8 +586,8 @@ fn an_option_without_effect_is_refused() {
     );
     assert_line_refused(&format!("{patch} --fields 3"), &["--out"]);
     assert_line_refused(
-        "localize --model j2 --set plasticity.model=gurson",
-        &["two values of plasticity.model"],
+        "localize --model j2 --set material.model=gurson",
+        &["two values of material.model"],
     );
     assert_line_refused(
         "localize --path triaxial-compression --load tension",

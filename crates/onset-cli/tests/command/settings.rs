@@ -442,15 +442,6 @@ fn keys_and_laws_of_other_commands_get_a_hint_to_the_command() {
         "{}",
         horizon.stderr
     );
-    let answer = onset_line("state --stretch 1,1 --set material.model=deformation-theory");
-    assert_eq!(answer.code, Some(2));
-    assert!(
-        answer
-            .stderr
-            .contains("onset localize --model deformation-theory"),
-        "{}",
-        answer.stderr
-    );
 }
 
 #[test]

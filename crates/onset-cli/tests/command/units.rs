@@ -94,9 +94,9 @@ fn units_in_only_some_values_are_refused_with_the_values_without_units() {
 
 #[test]
 fn laws_waves_and_bands_are_printed_and_drawn_with_units() {
-    let plain = "localize --model j2 --path pure-shear";
-    let with = "--set plasticity.shear-modulus=10GPa --set plasticity.strength=20MPa --set plasticity.hardening-modulus=2GPa \
-                --set plasticity.residual=10MPa";
+    let plain = "localize --path pure-shear --set material.friction=0 --set material.dilatancy=0";
+    let with = "--set material.mu=10GPa --set material.kappa=13GPa --set material.strength=20MPa --set material.hardening-modulus=2GPa \
+                --set material.residual=10MPa";
     let words: Vec<String> = format!("{plain} {with}")
         .split_whitespace()
         .map(str::to_owned)
@@ -107,11 +107,7 @@ fn laws_waves_and_bands_are_printed_and_drawn_with_units() {
     words.extend(["--out", &out, "--all"]);
     let answer = onset(&words);
     assert_eq!(answer.code, Some(0), "{}", answer.stderr);
-    for fact in [
-        "2e7 Pa",
-        "plastic modulus h       1.8e9 Pa",
-        "shear-modulus 1e10 Pa",
-    ] {
+    for fact in ["2e7 Pa", "plastic modulus h       1.8e9 Pa", "mu 1e10 Pa"] {
         assert!(answer.stdout.contains(fact), "{fact}: {}", answer.stdout);
     }
     // A modulus that is zero to rounding is printed as zero.
@@ -128,11 +124,10 @@ fn laws_waves_and_bands_are_printed_and_drawn_with_units() {
     assert!(figure.contains("critical modulus (Pa)"));
     assert!(!onset_line(plain).stdout.contains("Pa"));
     // One stress without a unit among others with units is refused, with an example.
-    let some = onset_line(&format!("{plain} --set plasticity.strength=20MPa"));
+    let some = onset_line(&format!("{plain} --set material.strength=20MPa"));
     assert_eq!(some.code, Some(2));
     assert!(
-        some.stderr
-            .contains("plasticity.shear-modulus = 10000 (the default)"),
+        some.stderr.contains("material.mu = 10000 (the default)"),
         "{}",
         some.stderr
     );

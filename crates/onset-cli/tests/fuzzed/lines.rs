@@ -816,17 +816,17 @@ impl Source {
             }
         }
         for name in [
-            "hardening",
-            "nu",
-            "friction",
-            "dilatancy",
-            "e",
-            "yield",
-            "increments",
-            "x",
+            "material.strength",
+            "material.poisson",
+            "material.friction",
+            "material.dilatancy",
+            "plasticity.slip",
+            "plasticity.strain-ratio",
+            "material.increments",
+            "plasticity.x",
         ] {
             if self.chance(15) {
-                let assignment = format!("plasticity.{name}={}", self.number());
+                let assignment = format!("{name}={}", self.number());
                 words.extend(["--set".to_owned(), assignment]);
             }
         }

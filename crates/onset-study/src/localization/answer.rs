@@ -153,16 +153,13 @@ impl LocalizationAnswer {
                 .unwrap_or(&found.points[0])
         });
         let answer = |point: &PathPoint| PointAnswer::from(point);
-        let routine = settings.routine_entries().into_iter();
-        let routine = routine.map(|(name, value)| (format!("material.{name}"), json(&value)));
         let elastic = found.points[0].moduli;
         let elastic = elastic.elastic_acoustic_tensor(&Vector3::x());
         let mut told = Self {
             sentence: String::new(),
             settings: settings
-                .values()
-                .map(|(parameter, value)| (parameter.name.to_owned(), json(value)))
-                .chain(routine)
+                .entries()
+                .map(|(name, value)| (name, json(&value)))
                 .collect(),
             units: settings.units(),
             told: settings.told(),
@@ -334,7 +331,7 @@ impl LocalizationAnswer {
                 number(slip)
             ),
             (None, None) => String::new(),
-            _ => " With half the number of increments the answer differs: set plasticity.increments higher.".to_owned(),
+            _ => " With half the number of increments the answer differs: set material.increments higher.".to_owned(),
         }
     }
 }
@@ -405,7 +402,7 @@ impl Brief for LocalizationAnswer {
         short
             .row(0, name, point(last))
             .row(0, "band", band)
-            .settings("plasticity", &self.told)
+            .settings("settings", &self.told)
     }
 }
 
@@ -485,6 +482,6 @@ impl std::fmt::Display for LocalizationAnswer {
             stress(low),
             stress(high)
         )?;
-        writeln!(formatter, "\nplasticity                {}", self.told)
+        writeln!(formatter, "\nsettings                  {}", self.told)
     }
 }

@@ -5,10 +5,10 @@ mod figure;
 mod parameters;
 
 pub use answer::{BandAnswer, DirectionAnswer, LocalizationAnswer, PointAnswer};
-pub(crate) use parameters::MODELS;
-pub use parameters::{PARAMETERS, Parameter, PlasticLaw, PlasticSettings};
+pub use parameters::{PARAMETERS, Parameter, PlasticLaw, PlasticSettings, models};
 
 use crate::settings::SettingError;
+use onset::material::MaterialError;
 use onset::plasticity::PlasticityError;
 use thiserror::Error;
 
@@ -30,26 +30,27 @@ pub enum LocalizationError {
 /// Hint for an error of the law or the path.
 fn hint(error: &PlasticityError) -> String {
     let hint = match error {
-        PlasticityError::Parameter { name, .. } => format!("set it with --set plasticity.{name}=..."),
+        PlasticityError::Parameter { name, .. }
+        | PlasticityError::Law(MaterialError::Parameter { name, .. }) => format!("set it with --set material.{name}=..."),
         PlasticityError::SnapBack { .. } => {
-            "reduce the softening (plasticity.hardening-modulus, a larger plasticity.reference-slip), or raise the stiffness"
+            "reduce the softening (material.hardening-modulus, a larger material.reference-slip or reference-strain), or raise the stiffness"
                 .to_owned()
         }
         PlasticityError::NeverYields { .. } => {
-            "pressure outgrows the strength on this path: lower plasticity.friction, or take another path; for a user routine, check with `onset audit` whether DDSDDE is the tangent of plastic flow".to_owned()
+            "pressure outgrows the strength on this path: lower material.friction, or take another path; for a user routine, check with `onset audit` whether DDSDDE is the tangent of plastic flow".to_owned()
         }
         PlasticityError::Confinement { .. } => {
-            "choose a plasticity.confinement within the yield surface: with cam-clay above 0 and below plasticity.preconsolidation; with other laws a lower one, or a larger plasticity.strength".to_owned()
+            "choose a material.confinement within the yield surface: with cam-clay above 0 and below material.preconsolidation; with other laws a lower one, or a larger material.strength".to_owned()
         }
         PlasticityError::ElasticNotElliptic => {
-            "the strength is of the order of the stiffness: raise plasticity.shear-modulus, or for a user routine the modulus in material.properties".to_owned()
+            "the strength is of the order of the stiffness: raise material.mu, or for a user routine the modulus in material.properties".to_owned()
         }
         PlasticityError::NoDeviator | PlasticityError::Apex => {
-            "the path leads to the apex of the yield cone; add plasticity.confinement".to_owned()
+            "the path leads to the apex of the yield cone; add material.confinement".to_owned()
         }
         PlasticityError::Corner => return String::new(),
         PlasticityError::NotASheet => {
-            "use --path uniaxial-stress or sheet-stretch with plasticity.confinement=0, or set plasticity.bands=bulk".to_owned()
+            "use --path uniaxial-stress or sheet-stretch without confinement, or set plasticity.bands=bulk".to_owned()
         }
         PlasticityError::NoElasticRange => {
             "if the law has no strength without pressure, add plasticity.confinement; laws without an elastic range are not supported".to_owned()

@@ -1,20 +1,20 @@
-//! Parameters of plastic laws and loading paths, each defined once.
+//! The law and the loading path of `onset localize`. The law has the keys of a material, as for other commands.
 
 use super::LocalizationError;
 use crate::settings::{
-    Key, Kind, MaterialSettings, Origin, SettingError, Settings, Units, Value, units, unknown_key,
+    Key, Kind, MaterialSettings, Model, Origin, Plane, SettingError, Trust, Units, Value, units,
+    unknown_key,
 };
-use onset::material::Admitted::{Any, Between, Fraction, NotNegative, Positive, Within};
+use onset::material::Admitted::{NotNegative, Within};
 use onset::material::MaterialError;
 use onset::plasticity::{
-    Bands, CamClay, DeformationTheory, DruckerPrager, Elasticity, EllipticCap, FlowLaw, Gurson,
-    Hardening, HillOrthotropic, IncrementalLaw, Kinematic, Load, Loading, LoadingPath, MohrCoulomb,
-    PlasticityError, ScalarDamage, Strains,
+    Bands, FlowLaw, IncrementalLaw, Load, Loading, LoadingPath, PlasticityError, Strains, flow_law,
+    yielding,
 };
 use onset_umat::Umat;
 use serde::de::DeserializeOwned;
 
-/// Definition of a parameter.
+/// Definition of a parameter of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
     /// Dotted name of the parameter.
@@ -25,7 +25,7 @@ pub struct Parameter {
     pub default: &'static str,
     /// Meaning, with formula or options.
     pub meaning: &'static str,
-    /// Condition for an effect: another parameter and its admissible values; `None` without a condition.
+    /// Condition for an effect: another parameter or `material.model`, and its values; `None` without a condition.
     pub only_with: Option<(&'static str, &'static [&'static str])>,
 }
 
@@ -64,11 +64,6 @@ impl Parameter {
         }
     }
 
-    /// SI unit of the parameter, if it has a dimension.
-    fn si_unit(&self) -> Option<&'static str> {
-        self.key().unit().and_then(units::si)
-    }
-
     fn words(&self) -> &'static [&'static str] {
         match self.kind {
             Kind::Words(words) => words,
@@ -77,229 +72,24 @@ impl Parameter {
     }
 }
 
+const MODEL: &str = "material.model";
 const CONFINEMENT: &str = "plasticity.confinement";
-const MODEL: &str = "plasticity.model";
-const HARDENING: &str = "plasticity.hardening";
-/// Model names of user routines, which are specified by keys of `[material]`. First yield is determined from their tangent; differences of the stress
-/// of a VUMAT do not resolve it.
+const INCREMENTS: &str = "increments";
+/// Number of increments along the path to the end, unless it is set.
+const USUAL_INCREMENTS: usize = 200;
+/// Name of the default law of `onset localize`.
+const DEFAULT_MODEL: &str = "drucker-prager";
+/// Model names of user routines. First yield is determined from their tangent; differences of the stress of a VUMAT do not resolve it.
 const ROUTINES: &[&str] = &["umat", "library"];
 
-pub(crate) const MODELS: &[&str] = &[
-    "drucker-prager",
-    "j2",
-    "mohr-coulomb",
-    "hill-1948",
-    "kinematic",
-    "gurson",
-    "cam-clay",
-    "cap",
-    "damage",
-    "deformation-theory",
-    "umat",
-    "library",
-];
-/// Models with isotropic elasticity.
-const WITH_ELASTICITY: &[&str] = MODELS.split_at(MODELS.len() - ROUTINES.len()).0;
-/// Models whose strength follows `plasticity.hardening`.
-const HARDENING_WITH_SLIP: &[&str] = &[
-    "drucker-prager",
-    "j2",
-    "mohr-coulomb",
-    "hill-1948",
-    "kinematic",
-    "gurson",
-    "damage",
-    "deformation-theory",
-];
-/// Models that use `plasticity.strength`.
-const WITH_STRENGTH: &[&str] = &[
-    "drucker-prager",
-    "j2",
-    "mohr-coulomb",
-    "hill-1948",
-    "kinematic",
-    "gurson",
-    "cap",
-    "damage",
-    "deformation-theory",
-];
+/// Names of the laws that can be followed.
+pub fn models() -> impl Iterator<Item = &'static str> {
+    let laws = yielding().iter().map(|law| law.name);
+    laws.chain(ROUTINES.iter().copied())
+}
 
-/// All parameters, in the order of the documentation.
+/// Parameters of the path, in the order of the documentation.
 pub const PARAMETERS: &[Parameter] = &[
-    parameter(
-        MODEL,
-        Kind::Words(MODELS),
-        "drucker-prager",
-        "yield surface and flow rule",
-    ),
-    parameter(
-        "plasticity.shear-modulus",
-        Kind::Number("stress", Positive),
-        "10000",
-        "elastic shear modulus G",
-    )
-    .only_with(MODEL, WITH_ELASTICITY),
-    parameter(
-        "plasticity.poisson-ratio",
-        Kind::Number("1", Between(-1.0, 0.5)),
-        "0.2",
-        "Poisson's ratio",
-    )
-    .only_with(MODEL, WITH_ELASTICITY),
-    parameter(
-        "plasticity.friction",
-        Kind::Number("1", NotNegative),
-        "0.6",
-        "pressure coefficient mu of the yield surface",
-    )
-    .only_with(MODEL, &["drucker-prager"]),
-    parameter(
-        "plasticity.dilatancy",
-        Kind::Number("1", Any),
-        "0.2",
-        "dilatancy beta of the flow; equal to the friction for associated flow",
-    )
-    .only_with(MODEL, &["drucker-prager"]),
-    parameter(
-        "plasticity.friction-angle",
-        Kind::Number("1", Within(0.0, 90.0)),
-        "30",
-        "angle of friction phi in degrees",
-    )
-    .only_with(MODEL, &["mohr-coulomb"]),
-    parameter(
-        "plasticity.dilation-angle",
-        Kind::Number("1", Between(-90.0, 90.0)),
-        "10",
-        "dilation angle psi in degrees; equal to the friction angle for associated flow",
-    )
-    .only_with(MODEL, &["mohr-coulomb"]),
-    parameter(
-        "plasticity.r0",
-        Kind::Number("1", Positive),
-        "1",
-        "ratio of widthwise to thickness strain in tension along axis 1 (3 is normal to the sheet)",
-    )
-    .only_with(MODEL, &["hill-1948"]),
-    parameter(
-        "plasticity.r90",
-        Kind::Number("1", Positive),
-        "1",
-        "ratio of widthwise to thickness strain in tension along axis 2",
-    )
-    .only_with(MODEL, &["hill-1948"]),
-    parameter(
-        "plasticity.kinematic-modulus",
-        Kind::Number("stress", Any),
-        "200",
-        "modulus c of the back stress: its slope in shear, in addition to hardening of the strength",
-    )
-    .only_with(MODEL, &["kinematic"]),
-    parameter(
-        "plasticity.recovery",
-        Kind::Number("1", NotNegative),
-        "0",
-        "recovery b of the back stress, which tends to c/b in shear; 0: no recovery",
-    )
-    .only_with(MODEL, &["kinematic"]),
-    parameter(
-        "plasticity.voids",
-        Kind::Number("1", Fraction),
-        "0.01",
-        "volume fraction of voids at first yield",
-    )
-    .only_with(MODEL, &["gurson"]),
-    parameter(
-        "plasticity.q1",
-        Kind::Number("1", Positive),
-        "1.5",
-        "Tvergaard's constant q1; 1 for Gurson's law as published",
-    )
-    .only_with(MODEL, &["gurson"]),
-    parameter(
-        "plasticity.q2",
-        Kind::Number("1", Positive),
-        "1",
-        "Tvergaard's constant q2",
-    )
-    .only_with(MODEL, &["gurson"]),
-    parameter(
-        "plasticity.critical-slope",
-        Kind::Number("1", Positive),
-        "1",
-        "slope M of the critical state line, q = M p",
-    )
-    .only_with(MODEL, &["cam-clay"]),
-    parameter(
-        "plasticity.cap-start",
-        Kind::Number("stress", NotNegative),
-        "20",
-        "pressure L at which the cap begins",
-    )
-    .only_with(MODEL, &["cap"]),
-    parameter(
-        "plasticity.preconsolidation",
-        Kind::Number("stress", Positive),
-        "100",
-        "pressure at which the material yields without shear; it grows with compaction",
-    )
-    .only_with(MODEL, &["cam-clay", "cap"]),
-    parameter(
-        "plasticity.compressibility",
-        Kind::Number("1", Positive),
-        "0.05",
-        "plastic compaction over which plasticity.preconsolidation grows by the factor e; (lambda - kappa)/(1 + e) of soil mechanics",
-    )
-    .only_with(MODEL, &["cam-clay", "cap"]),
-    parameter(
-        HARDENING,
-        Kind::Words(&["linear", "voce", "power", "peak"]),
-        "peak",
-        "how the strength changes with plastic shear strain",
-    )
-    .only_with(MODEL, HARDENING_WITH_SLIP),
-    parameter(
-        "plasticity.strength",
-        Kind::Number("stress", Positive),
-        "20",
-        "yield stress in pure shear at first yield: for j2 1/sqrt(3) of the tensile yield stress, for mohr-coulomb c cos(phi), for gurson of the matrix",
-    )
-    .only_with(MODEL, WITH_STRENGTH),
-    parameter(
-        "plasticity.hardening-modulus",
-        Kind::Number("stress", Any),
-        "2000",
-        "plastic modulus h, the slope in shear (for j2 a third of the slope in tension); for peak the slope that decays",
-    )
-    .only_with(HARDENING, &["linear", "peak"]),
-    parameter(
-        "plasticity.saturation",
-        Kind::Number("stress", NotNegative),
-        "10",
-        "strength after large slip; below the strength for softening",
-    )
-    .only_with(HARDENING, &["voce"]),
-    parameter(
-        "plasticity.residual",
-        Kind::Number("stress", NotNegative),
-        "10",
-        "strength after large slip",
-    )
-    .only_with(HARDENING, &["peak"]),
-    parameter(
-        "plasticity.reference-slip",
-        Kind::Number("1", Positive),
-        "0.05",
-        "plastic shear strain over which hardening decays to 1/e; for power, the unit of plastic strain",
-    )
-    .only_with(HARDENING, &["voce", "power", "peak"]),
-    parameter(
-        "plasticity.exponent",
-        Kind::Number("1", Within(-100.0, 1.0)),
-        "0.1",
-        "exponent of the power law; negative for softening",
-    )
-    .only_with(HARDENING, &["power"]),
     parameter(
         "plasticity.path",
         Kind::Words(&[
@@ -352,34 +142,28 @@ pub const PARAMETERS: &[Parameter] = &[
         CONFINEMENT,
         Kind::Number("stress", NotNegative),
         "0",
-        "initial pressure, kept by constant lateral stresses; with cam-clay half of plasticity.preconsolidation unless it is set",
-    ),
+        "initial pressure, kept by constant lateral stresses; other laws have material.confinement",
+    )
+    .only_with(MODEL, ROUTINES),
     parameter(
         "plasticity.slip",
         Kind::Number("1", Within(1e-9, 1e3)),
         "0.2",
         "plastic shear strain at the end of the path",
     ),
-    parameter(
-        "plasticity.increments",
-        Kind::Whole(2, 10_000),
-        "200",
-        "number of increments of a user material along the path; they are shorter near first yield",
-    )
-    .only_with(MODEL, ROUTINES),
 ];
 
 /// Plastic law and loading path as given by the user.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlasticSettings {
+    /// Law that yields, with its constants.
+    material: MaterialSettings,
     /// One value for each of [`PARAMETERS`].
     values: Vec<Value>,
     /// Origin of each value that was set; `None` for defaults.
     origins: Vec<Option<Origin>>,
     /// Whether each value was given with a unit; it is then in SI.
     with_units: Vec<bool>,
-    /// User material, if the model is a routine.
-    routine: Option<MaterialSettings>,
 }
 
 /// Plastic law, by the way in which it is evaluated.
@@ -390,227 +174,107 @@ pub enum PlasticLaw {
     Increments(Box<dyn IncrementalLaw>, usize),
 }
 
-impl Default for PlasticSettings {
-    fn default() -> Self {
-        Self {
-            values: PARAMETERS.iter().map(Parameter::default_value).collect(),
-            origins: vec![None; PARAMETERS.len()],
-            with_units: vec![false; PARAMETERS.len()],
-            routine: None,
-        }
-    }
-}
-
 impl PlasticSettings {
-    /// Applies assignments such as `plasticity.friction=0.7` to the defaults, in order. A law can also be given by its keys of `[material]`, as for other
-    /// commands.
+    /// Applies assignments such as `material.friction=0.7` and `plasticity.path=pure-shear` to the defaults, in order.
     ///
     /// ```
     /// use onset_study::localization::PlasticSettings;
-    /// let error = PlasticSettings::from_assignments(&["plasticity.model=j2", "plasticity.friction=0.3"]);
-    /// assert!(error.unwrap_err().to_string().contains("only with plasticity.model = drucker-prager"));
+    /// let error = PlasticSettings::from_assignments(&["material.model=j2", "material.friction=0.3"]);
+    /// assert!(error.unwrap_err().to_string().contains("j2 has no parameter `friction`"));
     /// ```
     ///
     /// # Errors
-    /// [`SettingError`] for an unknown parameter, a value of the wrong kind, or a parameter that has no effect.
+    /// [`SettingError`] for an unknown key, a value of the wrong kind, a key that has no effect, or a law that does not flow.
     pub fn from_assignments<S: AsRef<str>>(assignments: &[S]) -> Result<Self, SettingError> {
-        let mut settings = Self::default();
-        let mut of_material = Vec::new();
-        for assignment in assignments {
-            let assignment = assignment.as_ref();
-            if assignment.trim_start().starts_with("material.") {
-                of_material.push(assignment);
-                continue;
-            }
+        Self::of_file("", "", assignments, &Trust::default())
+    }
+
+    /// Reads the law of a study, and applies assignments. The study may load the libraries that the user trusts.
+    ///
+    /// # Errors
+    /// [`SettingError`] in the cases of [`MaterialSettings::of_file`] and [`PlasticSettings::from_assignments`].
+    pub fn of_file<S: AsRef<str>>(
+        name: &str,
+        text: &str,
+        assignments: &[S],
+        trust: &Trust,
+    ) -> Result<Self, SettingError> {
+        let assignments = assignments.iter().map(|own| own.as_ref().trim());
+        let (of_path, mut of_law): (Vec<&str>, Vec<&str>) =
+            assignments.partition(|own| own.starts_with("plasticity."));
+        let usual = format!("{MODEL}={DEFAULT_MODEL}");
+        let sets_model = |own: &&str| own.split('=').next().is_some_and(|key| key.trim() == MODEL);
+        if text.is_empty() && !of_law.iter().any(sets_model) {
+            of_law.insert(0, &usual);
+        }
+        let mut material = MaterialSettings::of_file(name, text, &of_law)?;
+        material.allow(trust);
+        let mut settings = Self {
+            material,
+            values: PARAMETERS.iter().map(Parameter::default_value).collect(),
+            origins: vec![None; PARAMETERS.len()],
+            with_units: vec![false; PARAMETERS.len()],
+        };
+        for assignment in of_path {
             let origin = Origin::CommandLine(format!("--set {assignment}"));
             let Some((name, text)) = assignment.split_once('=') else {
                 return Err(SettingError::new(
                     origin,
                     format!("`{assignment}` is not an assignment"),
                 )
-                .hint("write --set key=value, for example --set plasticity.friction=0.7"));
+                .hint("write --set key=value, for example --set plasticity.slip=0.1"));
             };
             settings.set(name.trim(), text.trim(), origin)?;
         }
-        let model = of_material.iter().find_map(|own| {
-            let (key, model) = own.split_once('=')?;
-            (key.trim() == "material.model").then(|| model.trim())
-        });
-        match model {
-            Some(model) if ROUTINES.contains(&model) => {
-                let origin = Origin::CommandLine(format!("--set material.model={model}"));
-                settings.set(MODEL, model, origin)?;
-            }
-            Some(model) => {
-                let material = MaterialSettings::of_file("", "", &of_material)?;
-                let values = Self::values_of(&material)?;
-                if settings.is_set(MODEL) && !settings.is(MODEL, model) {
-                    let message = format!("material.model = {model} and {MODEL} are two laws");
-                    return Err(
-                        SettingError::new(Origin::Combination, message).hint("omit one of them")
-                    );
-                }
-                for (name, value) in values {
-                    if !settings.is_set(name) {
-                        let origin = Origin::CommandLine("the law of [material]".to_owned());
-                        settings.set(name, &value, origin)?;
-                    }
-                }
-                of_material.clear();
-            }
-            None => {}
-        }
-        settings.confine();
+        settings.check_law()?;
         settings.check()?;
-        settings.choose_routine(&of_material)?;
         Ok(settings)
     }
 
-    /// Names and values of the parameters that describe the law of a material.
-    ///
-    /// # Errors
-    /// [`SettingError`] if the law does not flow, or its hardening has no counterpart here.
-    pub fn values_of(
-        material: &MaterialSettings,
-    ) -> Result<Vec<(&'static str, String)>, SettingError> {
-        let model = material.model.name();
-        let entries = material.entries();
-        let number = |wanted: &str| {
-            let mut found = entries.iter().filter(|(name, _)| *name == wanted);
-            found.find_map(|(_, value)| value.number())
-        };
-        let refused = |hint: String| {
+    /// Refuses laws that cannot be followed.
+    fn check_law(&self) -> Result<(), SettingError> {
+        let model = self.material.model.name();
+        if !models().any(|known| known == model) {
+            let known: Vec<&str> = models().collect();
             let message = format!("the law is {model}, which `onset localize` cannot follow");
-            SettingError::new(Origin::Combination, message).hint(hint)
-        };
-        if number("angle").is_some_and(|angle| angle != 0.0) {
-            return Err(refused(
-                "set material.angle=0: the axes of the material must be the axes of the path"
-                    .to_owned(),
-            ));
+            return Err(SettingError::new(Origin::Combination, message)
+                .hint(format!("expected a law that flows: {}", known.join(", "))));
         }
-        let no_flow = || {
-            refused(format!(
-                "expected a law that flows: {}",
-                WITH_ELASTICITY.join(", ")
-            ))
-        };
-        let (Some(shear), Some(bulk)) = (number("mu"), number("kappa")) else {
-            return Err(no_flow());
-        };
-        let elasticity = Elasticity { shear, bulk };
-        let mut given = vec![
-            ("shear-modulus", shear),
-            ("poisson-ratio", elasticity.poisson_ratio()),
-        ];
-        let mut hardening = None;
-        let metal = [
-            "yield-stress",
-            "hardening-modulus",
-            "saturation-stress",
-            "saturation-rate",
-        ];
-        let metal: Vec<f64> = metal.into_iter().filter_map(number).collect();
-        if let [first, modulus, gained, rate] = metal[..] {
-            // The flow stress in tension is sqrt(3) times the strength in shear, and the slip in shear is sqrt(3) times the plastic strain in tension.
-            let root = 3.0_f64.sqrt();
-            given.push(("strength", first / root));
-            if gained * rate == 0.0 {
-                hardening = Some("linear");
-                given.push(("hardening-modulus", modulus / 3.0));
-            } else if modulus == 0.0 {
-                hardening = Some("voce");
-                given.push(("saturation", (first + gained) / root));
-                given.push(("reference-slip", root / rate));
-            } else {
-                return Err(refused(
-                    "set material.saturation-stress=0 for linear hardening, or material.hardening-modulus=0 for hardening that saturates"
-                        .to_owned(),
-                ));
-            }
-            given.extend(
-                ["r0", "r90"]
-                    .into_iter()
-                    .filter_map(|own| Some((own, number(own)?))),
-            );
-        } else {
-            let others = entries
-                .iter()
-                .filter_map(|(name, value)| Some((*name, value.number()?)));
-            given.extend(others.filter(|(name, _)| !["mu", "kappa"].contains(name)));
-        }
-        let parameter = |name: &str| {
-            let mut all = PARAMETERS.iter();
-            all.find(|own| own.name.strip_prefix("plasticity.") == Some(name))
-        };
-        let known = given
-            .iter()
-            .map(|(name, value)| Some((parameter(name)?, value)));
-        let known: Option<Vec<_>> = known.collect();
-        let Some(known) = known.filter(|_| WITH_ELASTICITY.contains(&model)) else {
-            return Err(no_flow());
-        };
-        let numbers = known.into_iter().map(|(parameter, value)| {
-            let unit = parameter.si_unit().filter(|_| material.units().are_si());
-            (parameter.name, format!("{value}{}", unit.unwrap_or("")))
-        });
-        let words = [(MODEL, Some(model)), (HARDENING, hardening)];
-        let words = words.map(|(name, word)| Some((name, word?.to_owned())));
-        Ok(words.into_iter().flatten().chain(numbers).collect())
-    }
-
-    /// Reads the user material of `plasticity.model = umat` (or `library`) from keys of `[material]`.
-    fn choose_routine(&mut self, assignments: &[&str]) -> Result<(), SettingError> {
-        let Some(name) = ROUTINES.iter().find(|name| self.is(MODEL, name)) else {
-            return match assignments.first() {
-                None => Ok(()),
-                Some(first) => Err(SettingError::new(
-                    Origin::CommandLine(format!("--set {first}")),
-                    "keys of [material] have no effect here".to_owned(),
-                )
-                .hint(format!(
-                    "set material.model too, or the law by {MODEL} and its keys; the keys of a user material are used only with {MODEL} = {}",
-                    ROUTINES.join(" | ")
-                ))),
-            };
-        };
-        let counts = |one: &&&str| one.trim_start().starts_with("material.increments");
-        if let Some(one) = assignments.iter().find(counts) {
-            let origin = Origin::CommandLine(format!("--set {one}"));
-            let message = "`material.increments` has no effect here".to_owned();
-            return Err(SettingError::new(origin, message)
-                .hint("plasticity.increments is the number of increments along the path"));
-        }
-        let sheet = |one: &&&str| one.trim_start().starts_with("material.plane");
-        if let Some(one) = assignments.iter().find(sheet) {
-            let origin = Origin::CommandLine(format!("--set {one}"));
+        if self.material.plane() != Plane::Strain {
             let message = "`material.plane` has no effect here".to_owned();
-            return Err(SettingError::new(origin, message)
+            return Err(SettingError::new(Origin::Combination, message)
                 .hint("plasticity.path determines which strains and stresses are prescribed"));
         }
-        let model = [format!("material.model={name}")];
-        let all = model.iter().map(String::as_str);
-        let all: Vec<&str> = all.chain(assignments.iter().copied()).collect();
-        let material = Settings::from_assignments(&all)?.material;
-        if !material.is_library() {
-            let origin = Origin::CommandLine(format!("--set {}", assignments.join(" --set ")));
-            return Err(SettingError::new(
-                origin,
-                format!("{MODEL} = {name} is a separate user material"),
-            )
-            .hint(
-                "omit material.model, and name the library: --set material.library=./my_umat.so",
-            ));
+        if self.increments() < 2 {
+            let message = "`material.increments` is less than 2 along the path".to_owned();
+            return Err(
+                SettingError::new(Origin::Combination, message).hint(format!(
+                    "set a larger material.increments, or omit it ({USUAL_INCREMENTS} increments)"
+                )),
+            );
         }
-        self.routine = Some(material);
         Ok(())
     }
 
-    /// Sets one parameter. [`PlasticSettings::from_assignments`] checks afterwards whether it has an effect.
+    /// Number of increments of a user material along the path.
+    fn increments(&self) -> usize {
+        let set = self.material.given(INCREMENTS).and_then(Value::number);
+        set.map_or(USUAL_INCREMENTS, |count| count as usize)
+    }
+
+    /// Sets one parameter. [`PlasticSettings::check`] checks afterwards whether it has an effect.
     fn set(&mut self, name: &str, text: &str, origin: Origin) -> Result<(), SettingError> {
         let names = PARAMETERS.iter().map(|parameter| parameter.name);
         let Some(place) = names.clone().position(|known| known == name) else {
-            return Err(unknown_key(name, names, origin));
+            let of_law = name.replacen("plasticity", "material", 1);
+            let error = unknown_key(name, names, origin);
+            let known = Key::named(&of_law).filter(|key| !key.is_free());
+            return Err(match known {
+                Some(key) => {
+                    error.hint(format!("the law has the keys of a material: {}", key.name))
+                }
+                None => error,
+            });
         };
         let parameter = &PARAMETERS[place];
         let typed = Value::typed(text, Some(parameter.kind));
@@ -629,21 +293,6 @@ impl PlasticSettings {
         self.origins[place] = Some(origin);
         self.with_units[place] = has_unit;
         Ok(())
-    }
-
-    /// Sets the default confinement of Cam-clay, which has no strength without pressure: half of the preconsolidation pressure, in the middle of the
-    /// yield surface.
-    fn confine(&mut self) {
-        let place = |name: &str| PARAMETERS.iter().position(|known| known.name == name);
-        let places = (place(CONFINEMENT), place("plasticity.preconsolidation"));
-        let (Some(own), Some(of)) = places else {
-            return;
-        };
-        if self.is(MODEL, "cam-clay") && self.origins[own].is_none() {
-            let pressure = self.values[of].number().unwrap_or_default();
-            self.values[own] = Value::Number(0.5 * pressure);
-            self.with_units[own] = self.with_units[of];
-        }
     }
 
     /// Refuses parameters that were set and have no effect.
@@ -671,74 +320,73 @@ impl PlasticSettings {
     fn check_units(&self) -> Result<(), SettingError> {
         let states = PARAMETERS.iter().zip(&self.values);
         let states = states.zip(self.with_units.iter().zip(&self.origins));
-        let measures = states
-            .filter(|((parameter, _), _)| {
-                self.has_effect(parameter) && parameter.si_unit().is_some()
-            })
+        let of_path = states
+            .filter(|((parameter, _), _)| self.has_effect(parameter))
             .filter_map(|((parameter, value), (has_unit, origin))| {
-                let value = Some(value.number()?);
-                Some((parameter.key(), value, *has_unit, origin.as_ref()))
+                let key = parameter.key();
+                key.unit().and_then(units::si)?;
+                Some((key, Some(value.number()?), *has_unit, origin.as_ref()))
             });
-        units::check(measures).map(drop)
+        units::check(self.material.measures().chain(of_path)).map(drop)
     }
 
     /// Returns the units of answers.
     pub fn units(&self) -> Units {
         match self.with_units.contains(&true) {
             true => Units::Si,
-            false => Units::Own,
+            false => self.material.units(),
         }
     }
 
     fn has_effect(&self, parameter: &Parameter) -> bool {
         parameter.only_with.is_none_or(|(needed, words)| {
-            let mut owners = PARAMETERS.iter().filter(|known| known.name == needed);
-            owners.all(|owner| self.has_effect(owner))
-                && matches!(self.value(needed), Value::Word(word) if words.contains(&word.as_str()))
+            let set = match self.value(needed) {
+                _ if needed == MODEL => self.material.model.name(),
+                Value::Word(word) => word,
+                _ => return false,
+            };
+            words.contains(&set)
         })
     }
 
-    /// Parameters in effect as a text: names with values, and units if there is a dimension.
+    /// Law and parameters in effect as a text: names with values, and units if there is a dimension.
     pub fn told(&self) -> String {
         let units = self.units();
-        let one = |(parameter, value): (&'static Parameter, &Value)| {
-            let name = parameter.name.trim_start_matches("plasticity.");
-            match (value, parameter.key().unit().and_then(units::si)) {
+        let one = |(name, value): (&str, Value)| {
+            let key = Key::named(name).copied();
+            let mut of_path = PARAMETERS.iter().filter(|own| own.name == name);
+            let key = key.or_else(|| of_path.next().map(Parameter::key));
+            let unit = key.and_then(|key| key.unit()).and_then(units::si);
+            let name = name.split_once('.').map_or(name, |(_, own)| own);
+            match (value, unit) {
                 (Value::Number(number), Some(unit)) => {
-                    format!("{name} {}", units.of(crate::number::exact(*number), unit))
+                    format!("{name} {}", units.of(crate::number::exact(number), unit))
                 }
-                (Value::Number(number), None) => {
-                    format!("{name} {}", crate::number::exact(*number))
-                }
+                (Value::Number(number), None) => format!("{name} {}", crate::number::exact(number)),
                 (Value::Word(word), _) => format!("{name} {word}"),
                 (other, _) => format!("{name} {other}"),
             }
         };
-        let own = self.values().map(one);
-        let routine = self.routine_entries();
-        let routine = routine
-            .iter()
-            .map(|(name, value)| format!("{name} {value}"));
-        own.chain(routine).collect::<Vec<_>>().join(", ")
+        let all: Vec<String> = self
+            .entries()
+            .map(|(name, value)| one((&name, value)))
+            .collect();
+        all.join(", ")
     }
 
-    /// Keys of the user material, with their values.
-    pub fn routine_entries(&self) -> Vec<(&'static str, Value)> {
-        let entries = self.routine.as_ref().map(MaterialSettings::entries);
-        entries.unwrap_or_default()
-    }
-
-    /// Parameters in effect, with their values.
-    pub fn values(&self) -> impl Iterator<Item = (&'static Parameter, &Value)> {
-        PARAMETERS
+    /// Keys of the law and of the path that are in effect, with their values.
+    pub fn entries(&self) -> impl Iterator<Item = (String, Value)> {
+        let model = Value::Word(self.material.model.name().to_owned());
+        let of_law = self.material.entries().into_iter();
+        let of_law = of_law.map(|(name, value)| (format!("material.{name}"), value));
+        let of_path = PARAMETERS
             .iter()
             .zip(&self.values)
             .filter(|(parameter, _)| self.has_effect(parameter))
-    }
-
-    fn is_set(&self, name: &str) -> bool {
-        let mut all = PARAMETERS.iter().zip(&self.origins);
-        all.any(|(known, origin)| known.name == name && origin.is_some())
+            .map(|(parameter, value)| (parameter.name.to_owned(), value.clone()));
+        std::iter::once((MODEL.to_owned(), model))
+            .chain(of_law)
+            .chain(of_path)
     }
 
     fn value(&self, name: &str) -> &Value {
@@ -755,135 +403,44 @@ impl PlasticSettings {
         self.value(name).word().unwrap_or_default()
     }
 
-    fn is(&self, name: &str, word: &str) -> bool {
-        matches!(self.value(name), Value::Word(set) if set == word)
-    }
-
     /// Builds the plastic law.
     ///
     /// # Errors
     /// [`LocalizationError::Plasticity`] when the parameters are invalid.
     pub fn law(&self) -> Result<PlasticLaw, LocalizationError> {
-        match &self.routine {
-            Some(routine) => self.routine_law(routine),
-            None => self.flow_law().map(PlasticLaw::Flow),
+        let flow = match self.material.model {
+            Model::Law(law) => flow_law(law, &self.material.values()),
+            Model::Own(_) => None,
+        };
+        match flow {
+            Some(law) => Ok(PlasticLaw::Flow(law?)),
+            None => self.routine(),
         }
     }
 
-    fn routine_law(&self, routine: &MaterialSettings) -> Result<PlasticLaw, LocalizationError> {
+    fn routine(&self) -> Result<PlasticLaw, LocalizationError> {
         let of_law = |error: MaterialError| LocalizationError::from(PlasticityError::from(error));
-        let settings = routine.umat_permitted().map_err(of_law)?;
+        let settings = self.material.umat_permitted().map_err(of_law)?;
         let settings = settings.ok_or_else(|| {
             of_law(MaterialError::External {
                 message: "material.library is missing".to_owned(),
             })
         })?;
         let umat = Umat::new(settings).map_err(|error| of_law(error.into()))?;
-        let count = self.number("plasticity.increments") as usize;
-        Ok(PlasticLaw::Increments(Box::new(umat), count))
-    }
-
-    fn flow_law(&self) -> Result<Box<dyn FlowLaw>, LocalizationError> {
-        let number = |name: &str| self.number(&format!("plasticity.{name}"));
-        let (shear, poisson) = (number("shear-modulus"), number("poisson-ratio"));
-        let elasticity = Elasticity::new(shear, poisson)?;
-        let hardening = self.hardening();
-        let word = match self.value(MODEL) {
-            Value::Word(word) => word.as_str(),
-            _ => "",
-        };
-        fn boxed<L: FlowLaw + 'static>(
-            law: Result<L, PlasticityError>,
-        ) -> Result<Box<dyn FlowLaw>, LocalizationError> {
-            Ok(Box::new(law?))
-        }
-        match word {
-            "mohr-coulomb" => boxed(MohrCoulomb::new(
-                elasticity,
-                number("friction-angle"),
-                number("dilation-angle"),
-                hardening,
-            )),
-            "hill-1948" => boxed(HillOrthotropic::new(
-                elasticity,
-                number("r0"),
-                number("r90"),
-                hardening,
-            )),
-            "kinematic" => boxed(Kinematic::new(
-                elasticity,
-                number("kinematic-modulus"),
-                number("recovery"),
-                hardening,
-            )),
-            "gurson" => boxed(Gurson::new(
-                elasticity,
-                number("voids"),
-                [number("q1"), number("q2")],
-                hardening,
-            )),
-            "cam-clay" => boxed(CamClay::new(
-                elasticity,
-                number("critical-slope"),
-                number("preconsolidation"),
-                number("compressibility"),
-            )),
-            "cap" => boxed(EllipticCap::new(
-                elasticity,
-                number("strength"),
-                [number("cap-start"), number("preconsolidation")],
-                number("compressibility"),
-            )),
-            "damage" => boxed(ScalarDamage::new(elasticity, hardening)),
-            "deformation-theory" => boxed(DeformationTheory::new(elasticity, hardening)),
-            "j2" => boxed(DruckerPrager::von_mises(shear, poisson, hardening)),
-            _ => boxed(DruckerPrager::new(
-                shear,
-                poisson,
-                number("friction"),
-                number("dilatancy"),
-                hardening,
-            )),
-        }
-    }
-
-    /// Hardening curve of the strength.
-    fn hardening(&self) -> Hardening {
-        let initial = self.number("plasticity.strength");
-        let modulus = self.number("plasticity.hardening-modulus");
-        let reference = self.number("plasticity.reference-slip");
-        if self.is(HARDENING, "linear") {
-            Hardening::Linear { initial, modulus }
-        } else if self.is(HARDENING, "voce") {
-            Hardening::Voce {
-                initial,
-                saturation: self.number("plasticity.saturation"),
-                reference,
-            }
-        } else if self.is(HARDENING, "power") {
-            Hardening::Power {
-                initial,
-                reference,
-                exponent: self.number("plasticity.exponent"),
-            }
-        } else {
-            Hardening::Peak {
-                initial,
-                residual: self.number("plasticity.residual"),
-                modulus,
-                reference,
-            }
-        }
+        Ok(PlasticLaw::Increments(Box::new(umat), self.increments()))
     }
 
     /// Returns the loading path.
     pub fn loading(&self) -> Loading {
+        let values = self.material.values();
+        let mut own = values.iter().filter(|(name, _)| *name == "confinement");
+        let confinement = own.next().map(|(_, value)| *value);
         Loading {
             path: self.word::<LoadingPath>("plasticity.path"),
             load: self.word::<Load>("plasticity.load"),
             strains: self.word::<Strains>("plasticity.strains"),
             bands: self.word::<Bands>("plasticity.bands"),
-            confinement: self.number(CONFINEMENT),
+            confinement: confinement.unwrap_or_else(|| self.number(CONFINEMENT)),
             strain_ratio: self.number("plasticity.strain-ratio"),
             slip: self.number("plasticity.slip"),
         }
@@ -895,8 +452,12 @@ mod tests {
     use super::*;
     use crate::settings::word_of;
 
+    fn of(assignments: &[&str]) -> Result<PlasticSettings, SettingError> {
+        PlasticSettings::from_assignments(assignments)
+    }
+
     #[test]
-    fn default_parameters_are_valid_and_define_a_law() {
+    fn every_law_can_be_followed_with_its_default_parameters() {
         for parameter in PARAMETERS {
             assert!(
                 parameter.kind.accepts(&parameter.default_value()),
@@ -904,25 +465,30 @@ mod tests {
                 parameter.name
             );
         }
-        PlasticSettings::default().law().expect("a law");
+        for law in yielding() {
+            let settings = of(&[&format!("material.model={}", law.name)]).expect("valid");
+            assert!(
+                matches!(settings.law(), Ok(PlasticLaw::Flow(_))),
+                "{}",
+                law.name
+            );
+        }
+        assert_eq!(of(&[]).expect("valid").material.model.name(), DEFAULT_MODEL);
     }
 
     #[test]
     fn every_word_is_the_name_that_serialization_uses() {
         for parameter in PARAMETERS {
             for word in parameter.words() {
-                let mut set = vec![format!("{}={word}", parameter.name)];
-                if ROUTINES.contains(word) {
-                    set.push("material.library=a.so".to_owned());
-                }
-                let settings = PlasticSettings::from_assignments(&set).expect("valid");
-                let loading = settings.loading();
+                let loading = of(&[&format!("{}={word}", parameter.name)])
+                    .expect("valid")
+                    .loading();
                 let told = match parameter.name {
                     "plasticity.path" => word_of(&loading.path),
                     "plasticity.load" => word_of(&loading.load),
                     "plasticity.strains" => word_of(&loading.strains),
                     "plasticity.bands" => word_of(&loading.bands),
-                    _ => continue,
+                    other => panic!("{other}"),
                 };
                 assert_eq!(told, *word);
             }
@@ -931,66 +497,85 @@ mod tests {
 
     #[test]
     fn invalid_settings_are_refused_with_a_hint() {
-        let error = |assignment: &str| {
-            PlasticSettings::from_assignments(&[assignment])
-                .expect_err("a wrong assignment")
-                .to_string()
-        };
-        assert!(error("plasticity.fricton=1").contains("did you mean `plasticity.friction`?"));
-        assert!(error("friction=1").contains("did you mean `plasticity.friction`?"));
-        assert!(error("plasticity.path=planestrain").contains("did you mean `plane-strain`?"));
-        assert!(
-            error("plasticity.exponent=0.2").contains("only with plasticity.hardening = power")
-        );
-        assert!(
-            error("plasticity.strength=-1")
-                .contains("expected a positive number from 1e-20 to 1e20 (stress)")
-        );
-        assert!(error("plasticity.strength").contains("not an assignment"));
-        assert!(error("plasticity.model=umat").contains("material.library"));
-        assert!(error("material.library=a.so").contains("only with plasticity.model = umat"));
-        assert!(error("plasticity.increments=10").contains("only with plasticity.model = umat"));
+        let error =
+            |assignments: &[&str]| of(assignments).expect_err("a wrong assignment").to_string();
+        for (assignment, hint) in [
+            ("material.fricton=1", "did you mean `material.friction`?"),
+            ("friction=1", "`material.friction`"),
+            (
+                "plasticity.friction=1",
+                "keys of a material: material.friction",
+            ),
+            ("plasticity.slop=1", "did you mean `plasticity.slip`?"),
+            (
+                "plasticity.path=planestrain",
+                "did you mean `plane-strain`?",
+            ),
+            ("plasticity.slip", "not an assignment"),
+            ("material.model=umat", "material.library"),
+            ("material.model=neo-hooke", "a law that flows: j2"),
+            ("material.library=a.so", "drucker-prager has no parameter"),
+            (
+                "plasticity.confinement=3",
+                "used only with material.model = umat or library",
+            ),
+            ("discretization.support=2", "has no effect"),
+        ] {
+            let told = error(&[assignment]);
+            assert!(told.contains(hint), "{assignment}: {told}");
+        }
+        let routine = ["material.model=umat", "material.library=a.so"];
+        for (assignment, fact) in [
+            ("material.increments=1", "less than 2"),
+            ("material.plane=membrane", "no effect"),
+        ] {
+            let told = error(&[routine[0], routine[1], assignment]);
+            assert!(told.contains(fact), "{assignment}: {told}");
+        }
     }
 
     #[test]
-    fn cam_clay_is_confined_within_its_yield_surface_unless_a_pressure_is_set() {
-        let confinement = |more: &[&str]| {
-            let all = [&["plasticity.model=cam-clay"], more].concat();
-            let settings = PlasticSettings::from_assignments(&all).expect("valid");
-            settings.loading().confinement
-        };
-        assert_eq!(confinement(&[]), 50.0);
-        assert_eq!(confinement(&["plasticity.preconsolidation=80"]), 40.0);
-        assert_eq!(confinement(&["plasticity.confinement=10"]), 10.0);
-        let other = PlasticSettings::from_assignments(&["plasticity.model=cap"]);
-        assert_eq!(other.expect("valid").loading().confinement, 0.0);
+    fn a_law_has_its_pressure_and_a_routine_takes_it_from_the_path() {
+        let confinement =
+            |assignments: &[&str]| of(assignments).expect("valid").loading().confinement;
+        assert_eq!(confinement(&["material.model=cam-clay"]), 50.0);
+        assert_eq!(confinement(&["material.confinement=10"]), 10.0);
+        assert_eq!(confinement(&["material.model=j2"]), 0.0);
+        let routine = [
+            "material.model=umat",
+            "material.library=a.so",
+            "plasticity.confinement=3",
+        ];
+        assert_eq!(confinement(&routine), 3.0);
     }
 
     #[test]
     fn either_all_stresses_have_units_or_none() {
         let all = [
-            "plasticity.shear-modulus=80 GPa",
-            "plasticity.strength=200MPa",
-            "plasticity.hardening-modulus=1 GPa",
-            "plasticity.residual=150 MPa",
+            "material.mu=80 GPa",
+            "material.kappa=170GPa",
+            "material.strength=200MPa",
+            "material.hardening-modulus=1 GPa",
+            "material.residual=150 MPa",
         ];
-        let settings = PlasticSettings::from_assignments(&all).expect("valid");
+        let settings = of(&all).expect("valid");
         assert_eq!(settings.units(), Units::Si);
-        assert_eq!(settings.number("plasticity.shear-modulus"), 80e9);
-        assert!(settings.told().contains("shear-modulus 8e10 Pa"));
-        let some = PlasticSettings::from_assignments(&all[..3]).expect_err("one without a unit");
-        let some = some.to_string();
+        let told = settings.told();
         assert!(
-            some.contains("plasticity.residual = 10 (the default) has none"),
+            told.starts_with("model drucker-prager, mu 8e10 Pa, kappa"),
+            "{told}"
+        );
+        let some = of(&all[..4]).expect_err("one without a unit").to_string();
+        assert!(
+            some.contains("material.residual = 10 (the default) has none"),
             "{some}"
         );
-        for (wrong, fact) in [
-            ("plasticity.strength=1mm", "`mm` is a unit of a length"),
-            ("plasticity.friction=1MPa", "has no dimension"),
-        ] {
-            let error = PlasticSettings::from_assignments(&[wrong]).expect_err("no such unit");
-            assert!(error.to_string().contains(fact), "{error}");
-        }
-        assert_eq!(PlasticSettings::default().units(), Units::Own);
+        let routine = ["material.model=umat", "material.library=a.so"];
+        let settings = of(&[routine[0], routine[1], "plasticity.confinement=1MPa"]).expect("valid");
+        assert_eq!(
+            (settings.units(), settings.loading().confinement),
+            (Units::Si, 1e6)
+        );
+        assert_eq!(of(&[]).expect("valid").units(), Units::Own);
     }
 }

@@ -1,7 +1,6 @@
 //! Errors of settings, with their place, their cause and a hint.
 
 use super::{Key, Unmet, Value, aliases};
-use crate::localization;
 use thiserror::Error;
 
 /// Place at which a setting was made.
@@ -114,14 +113,6 @@ impl SettingError {
 
     /// Adds the most similar word to the message, if words are expected.
     pub(crate) fn nearest_word(mut self, key: &str, value: &Value, words: &[&'static str]) -> Self {
-        if let Value::Word(word) = value
-            && key == "material.model"
-            && localization::MODELS.contains(&word.as_str())
-        {
-            return self.hint(format!(
-                "`{word}` is a law of `onset localize --model {word}`, which follows its flow to the first band"
-            ));
-        }
         if let (Value::Word(word), Some(hint)) = (value, &mut self.hint)
             && let Some(nearest) = aliases::nearest_word(key, word, words)
             && words.len() > 1

@@ -542,7 +542,7 @@ impl Key {
     }
 
     /// Returns true for a user-defined parameter, which is not in the tables.
-    pub(super) fn is_free(&self) -> bool {
+    pub(crate) fn is_free(&self) -> bool {
         self.parts().0 == "material" && study_keys().all(|known| known.name != self.name)
     }
 

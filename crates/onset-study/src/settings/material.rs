@@ -130,7 +130,7 @@ impl MaterialSettings {
 
     /// Values of a law with dimensions: key, value (`None` for a file of numbers), whether it has a unit, and the place at which it was set. For a
     /// user-defined model, only values of known dimension are returned: its stresses, and values with units.
-    pub(super) fn measures(
+    pub(crate) fn measures(
         &self,
     ) -> impl Iterator<Item = (Key, Option<f64>, bool, Option<&Origin>)> {
         let is_law = matches!(self.model, Model::Law(_));

@@ -254,7 +254,7 @@ impl Law {
     }
 
     /// Returns all parameters in their order, with a check.
-    fn checked(&self, given: &[(&str, f64)]) -> Result<Vec<f64>, MaterialError> {
+    pub(crate) fn checked(&self, given: &[(&str, f64)]) -> Result<Vec<f64>, MaterialError> {
         if let Some((name, _)) = given
             .iter()
             .find(|(name, _)| self.parameter(name).is_none())

@@ -80,8 +80,8 @@ pub(super) const MODULUS: Parameter = Parameter::new(
     "hardening-modulus",
     "stress",
     2000.0,
-    Admitted::NotNegative,
-    "slope of the strength before it decays to the residual strength",
+    Admitted::Any,
+    "slope of the strength before it decays to the residual strength; negative to soften",
 );
 pub(super) const SLIP: Parameter = Parameter::new(
     "reference-slip",
@@ -406,7 +406,7 @@ impl<L: FlowLaw + Send + Sync> Hyperelastic for Coaxial<L> {
         f: &DeformationGradient,
     ) -> Result<Option<FourthOrder>, MaterialError> {
         let (reached, axes) = self.at(f)?;
-        let flows = reached.flow.is_some();
+        let flows = reached.flow.is_some() && self.law.unloads();
         Ok(flows.then(|| reached.moduli().pulled_back(f, &axes)))
     }
 }

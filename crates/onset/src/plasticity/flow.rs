@@ -115,6 +115,11 @@ pub trait FlowLaw {
         self.elasticity()
     }
 
+    /// Returns true if unloading differs from reversed loading. A law without this difference is elastic.
+    fn unloads(&self) -> bool {
+        true
+    }
+
     /// Stress of the order of the strength at first yield, which scales errors. Units of stress.
     fn strength(&self) -> f64;
 

@@ -41,18 +41,15 @@ pub(super) const DRUCKER_PRAGER: Law = Law {
     source: "Drucker and Prager, Q. Appl. Math. 10 (1952) 157, in the notation of Rudnicki and Rice, J. Mech. Phys. Solids 23 (1975) 371; defaults: typical of a \
              soft rock, MPa",
     stiffness: |p| hooke(p[0], p[1]),
-    make: |p| {
-        let own = elasticity(p);
-        let law = DruckerPrager::new(
-            own.shear,
-            own.poisson_ratio(),
-            p[2],
-            p[3],
-            hardening(&p[4..]),
-        );
-        coaxial(law, p[8])
-    },
+    make: |p| coaxial(drucker_prager(p), p[8]),
 };
+
+/// The law from its parameters.
+pub(super) fn drucker_prager(p: &[f64]) -> Result<DruckerPrager, PlasticityError> {
+    let own = elasticity(p);
+    let (poisson, strength) = (own.poisson_ratio(), hardening(&p[4..]));
+    DruckerPrager::new(own.shear, poisson, p[2], p[3], strength)
+}
 
 /// Isotropic elasticity with the yield surface and flow rule of Drucker and Prager.
 ///
@@ -61,7 +58,7 @@ pub(super) const DRUCKER_PRAGER: Law = Law {
 ///
 /// ```
 /// use onset::plasticity::{DruckerPrager, Hardening};
-/// let strength = Hardening::Linear { initial: 1.0, modulus: -2.0 };
+/// let strength = Hardening::linear(1.0, -2.0);
 /// let sandstone = DruckerPrager::new(300.0, 0.25, 0.6, 0.3, strength)?;
 /// assert_eq!(sandstone.bulk_modulus(), 500.0);
 /// // Q : C : P = G + mu beta K

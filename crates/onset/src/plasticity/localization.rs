@@ -105,7 +105,7 @@ impl RateModuli {
     /// ```
     /// use nalgebra::{Matrix3, Vector3};
     /// use onset::plasticity::{DruckerPrager, Hardening, Criterion};
-    /// let strength = Hardening::Linear { initial: 1.0, modulus: 0.0 };
+    /// let strength = Hardening::linear(1.0, 0.0);
     /// let metal = DruckerPrager::von_mises(100.0, 0.3, strength)?;
     /// let shear = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, 0.0));
     /// let critical = metal.rate_moduli(&shear, 0.0)?.critical(Criterion::Ellipticity)?;
@@ -269,10 +269,7 @@ mod tests {
 
     #[test]
     fn the_maximum_lies_in_the_plane_of_the_extreme_stresses() {
-        let strength = Hardening::Linear {
-            initial: 1.0,
-            modulus: 0.0,
-        };
+        let strength = Hardening::linear(1.0, 0.0);
         for (friction, dilatancy) in [(0.0, 0.0), (0.6, 0.3), (0.9, -0.2), (0.2, 1.1)] {
             let law = DruckerPrager::new(3.0, 0.3, friction, dilatancy, strength).expect("a law");
             for principal in [[1.0, -0.4, -1.1], [0.1, 0.6, -1.0], [-0.9, 0.2, 0.1]] {

@@ -21,9 +21,11 @@
 //! meets a stiffer material, so a state that is stable for this tangent is stable. A loss of stability requires perturbations for which loading
 //! continues everywhere, as for growing waves under a growing load.
 
+use super::coaxial::elasticity;
 use super::integration::{Stop, Stopped, integrate};
 use super::spectral::Spectral;
 use super::walk::bisect;
+use super::{DruckerPrager, FlowStress, Hardening, HillOrthotropic, PlasticityError};
 use crate::algebra::array_of;
 use crate::kinematics::DeformationGradient;
 use crate::material::{
@@ -38,48 +40,86 @@ const ACCURACY: f64 = 1e-10;
 const MU: Parameter = Parameter::new("mu", "stress", 80.0, Admitted::Positive, "shear modulus");
 const KAPPA: Parameter =
     Parameter::new("kappa", "stress", 170.0, Admitted::Positive, "bulk modulus");
-const YIELD: Parameter = Parameter::new(
+pub(super) const YIELD: Parameter = Parameter::new(
     "yield-stress",
     "stress",
     0.4,
     Admitted::Positive,
     "flow stress at first yield, in tension along the first material axis",
 );
-const MODULUS: Parameter = Parameter::new(
+pub(super) const MODULUS: Parameter = Parameter::new(
     "hardening-modulus",
     "stress",
     0.2,
     Admitted::Any,
     "slope of the flow stress at large plastic strain, negative for softening",
 );
-const SATURATION: Parameter = Parameter::new(
+pub(super) const SATURATION: Parameter = Parameter::new(
     "saturation-stress",
     "stress",
     0.2,
     Admitted::Any,
     "increase of the flow stress by saturation, in addition to the slope",
 );
-const RATE: Parameter = Parameter::new(
+pub(super) const RATE: Parameter = Parameter::new(
     "saturation-rate",
     "1",
     15.0,
     Admitted::NotNegative,
     "reciprocal of the plastic strain after which 1/e of the saturation stress is left",
 );
+pub(super) const EXPONENT: Parameter = Parameter::new(
+    "exponent",
+    "1",
+    0.0,
+    Admitted::Within(-100.0, 1.0),
+    "exponent of a power law of the flow stress: 0 for none, negative for softening",
+);
+pub(super) const REFERENCE: Parameter = Parameter::new(
+    "reference-strain",
+    "1",
+    0.01,
+    Admitted::Positive,
+    "reference strain of the power law",
+);
+
+/// Flow stress of the parameters `yield-stress`, `hardening-modulus`, `saturation-stress`, `saturation-rate`, `exponent` and `reference-strain`.
+fn flow_stress(p: &[f64]) -> FlowStress {
+    FlowStress {
+        initial: p[0],
+        modulus: p[1],
+        saturation: p[2],
+        rate: p[3],
+        exponent: p[4],
+        reference: p[5],
+    }
+}
+
+/// Strength in shear of the same parameters.
+pub(super) fn strength(p: &[f64]) -> Hardening {
+    Hardening::Metal(flow_stress(p).in_shear())
+}
 
 pub(super) const J2: Law = Law {
     name: "j2",
-    formula: "Hencky's law with mu, kappa; sqrt(3/2) |dev M| = yield-stress + hardening-modulus e + saturation-stress (1 - exp(-saturation-rate e))",
-    parameters: &[MU, KAPPA, YIELD, MODULUS, SATURATION, RATE],
+    formula: "Hencky's law with mu, kappa; sqrt(3/2) |dev M| = yield-stress (1 + e/reference-strain)^exponent + hardening-modulus e + saturation-stress (1 - exp(-saturation-rate e))",
+    parameters: &[
+        MU, KAPPA, YIELD, MODULUS, SATURATION, RATE, EXPONENT, REFERENCE,
+    ],
     domain: "all J > 0; metals on monotonic, proportional paths; tangent of continued flow",
     symmetry: Symmetry::Isotropic,
     stressed_reference: None,
     small_strains: "shear modulus mu, bulk modulus kappa",
-    source: "von Mises, Nachr. Ges. Wiss. Goettingen (1913) 582; flow stress of Simo and Hughes, Computational Inelasticity (1998); defaults: typical \
+    source: "von Mises, Nachr. Ges. Wiss. Goettingen (1913) 582; flow stress of Simo and Hughes, Computational Inelasticity (1998), and Swift, J. Mech. Phys. Solids 1 (1952) 1; defaults: typical \
              of a mild steel, GPa",
     stiffness: |p| hooke(p[0], p[1]),
     make: |p| metal(p, [1.0; 3], 0.0),
 };
+
+/// J2 from its parameters, as a law that flows along the axes of a path.
+pub(super) fn j2(p: &[f64]) -> Result<DruckerPrager, PlasticityError> {
+    DruckerPrager::von_mises(p[0], elasticity(p).poisson_ratio(), strength(&p[2..]))
+}
 
 pub(super) const HILL: Law = Law {
     name: "hill-1948",
@@ -92,6 +132,8 @@ pub(super) const HILL: Law = Law {
         MODULUS,
         SATURATION,
         RATE,
+        EXPONENT,
+        REFERENCE,
         ratio("r0", 1.8),
         ratio("r45", 1.3),
         ratio("r90", 2.1),
@@ -106,9 +148,20 @@ pub(super) const HILL: Law = Law {
     domain: "all J > 0; rolled sheet, axis 3 across it, on monotonic, proportional paths; tangent of continued flow",
     symmetry: Symmetry::Orthotropic,
     source: "Hill, Proc. R. Soc. A 193 (1948) 281; defaults: typical of a deep-drawing steel, GPa",
-    make: |p| metal(p, [p[6], p[7], p[8]], p[9]),
+    make: |p| metal(p, [p[8], p[9], p[10]], p[11]),
     ..J2
 };
+
+/// Hill's law from its parameters, as a law that flows along the axes of a path.
+pub(super) fn hill(p: &[f64]) -> Result<HillOrthotropic, PlasticityError> {
+    PlasticityError::require(
+        p[11] == 0.0,
+        "angle",
+        p[11],
+        "0: the axes of the material are the axes of the path",
+    )?;
+    HillOrthotropic::new(elasticity(p), p[8], p[10], strength(&p[2..]))
+}
 
 const fn ratio(name: &'static str, default: f64) -> Parameter {
     Parameter::new(
@@ -118,31 +171,6 @@ const fn ratio(name: &'static str, default: f64) -> Parameter {
         Admitted::Positive,
         "Lankford's ratio of width to thickness strain in tension at the angle in its name (degrees) to the first material axis",
     )
-}
-
-/// Flow stress `sigma_y(e)` of the metal.
-#[derive(Clone, Copy, Debug)]
-struct FlowStress {
-    first: f64,
-    modulus: f64,
-    saturation: f64,
-    rate: f64,
-}
-
-impl FlowStress {
-    fn at(&self, slip: f64) -> f64 {
-        let gained = -(-self.rate * slip).exp_m1();
-        self.first + self.modulus * slip + self.saturation * gained
-    }
-
-    fn slope(&self, slip: f64) -> f64 {
-        self.modulus + self.saturation * self.rate * (-self.rate * slip).exp()
-    }
-
-    /// Smallest slope at any slip.
-    fn lowest_slope(&self) -> f64 {
-        self.modulus + (self.saturation * self.rate).min(0.0)
-    }
 }
 
 /// Hill's quadratic yield function.
@@ -216,12 +244,7 @@ fn metal(p: &[f64], ratios: [f64; 3], degrees: f64) -> Made {
         law: "j2",
         name: "hencky".to_owned(),
     })?;
-    let flow_stress = FlowStress {
-        first: p[2],
-        modulus: p[3],
-        saturation: p[4],
-        rate: p[5],
-    };
+    let flow_stress = flow_stress(&p[2..]);
     let hill = Hill::of_ratios(ratios);
     // The elastic response to flow is at least 2 mu |N|^2, where |N|^2 is 3/2 for J2 and its lower bound follows from the ratios.
     let least = -2.0 * p[0] * hill.smallest_normal();
@@ -307,7 +330,7 @@ impl Metal {
     fn flowed(&self, logarithm: &Spectral) -> Result<Option<(Matrix3<f64>, f64)>, MaterialError> {
         let strain = logarithm.map(|value| value);
         let (trial, normal) = self.hill.yield_stress(&self.stiff(&strain));
-        if trial <= self.flow_stress.first {
+        if trial <= self.flow_stress.initial {
             return Ok(None);
         }
         if self.is_isotropic {
@@ -315,7 +338,7 @@ impl Metal {
             let inverse = Spectral::of(&(normal * -slip)).map(f64::exp);
             return Ok(Some((inverse, slip)));
         }
-        let first = self.flow_stress.first / trial;
+        let first = self.flow_stress.initial / trial;
         let end = match is_diagonal(&strain) {
             true => self.coaxial(&strain.diagonal(), first)?,
             false => self.integrated(logarithm, first)?,
@@ -365,7 +388,7 @@ impl Metal {
             }
             Ok((normal * rate).push(rate))
         };
-        let size = SVector::repeat(self.flow_stress.first / self.mu);
+        let size = SVector::repeat(self.flow_stress.initial / self.mu);
         let start = SVector::zeros();
         let end = integrate(&start, [first, 1.0], |_| size, ACCURACY, rates).map_err(no_path)?;
         self.has_strength(end[3])?;
@@ -401,7 +424,7 @@ impl Metal {
         };
         let mut start = SVector::<f64, 10>::zeros();
         start.as_mut_slice()[..9].copy_from_slice(Matrix3::<f64>::identity().as_slice());
-        let size = SVector::repeat(self.flow_stress.first / self.mu);
+        let size = SVector::repeat(self.flow_stress.initial / self.mu);
         let end = integrate(&start, [first, 1.0], |_| size, ACCURACY, rates).map_err(no_path)?;
         self.has_strength(end[9])?;
         Ok((Matrix3::from_column_slice(&end.as_slice()[..9]), end[9]))

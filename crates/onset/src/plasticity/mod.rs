@@ -43,7 +43,7 @@ mod walk;
 
 pub use finite::{FiniteState, FiniteUpdate};
 pub use flow::{Elasticity, Flow, FlowLaw};
-pub use hardening::Hardening;
+pub use hardening::{FlowStress, Hardening};
 pub use increments::{IncrementalLaw, follow_increments};
 pub use law::DruckerPrager;
 pub use laws::{
@@ -81,10 +81,53 @@ pub fn library() -> &'static [Law] {
 
 /// Named laws that yield: the tangent for loading that continues differs from the tangent for unloading.
 pub fn yielding() -> &'static [Law] {
-    let is_hypoelastic = |law: &Law| *law == hypoelastic::JAUMANN;
-    let end = LIBRARY.iter().position(is_hypoelastic);
-    &LIBRARY[..end.unwrap_or(LIBRARY.len())]
+    &LIBRARY[..FLOWS.len()]
 }
+
+/// Flow along the axes of a path of a named law that yields, from some parameters given by name, with defaults for the others; `None` for other
+/// laws.
+///
+/// ```
+/// use onset::plasticity::{flow_law, yielding};
+/// let steel = flow_law(&yielding()[0], &[("yield-stress", 0.3)]).ok_or("no flow")??;
+/// // The strength is the yield stress in shear.
+/// assert!((steel.strength() - 0.3 / 3.0_f64.sqrt()).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`PlasticityError`] if a parameter is unknown or not admissible.
+pub fn flow_law(
+    law: &Law,
+    given: &[(&str, f64)],
+) -> Option<Result<Box<dyn FlowLaw>, PlasticityError>> {
+    let at = yielding().iter().position(|own| own == law)?;
+    let checked = law.checked(given).map_err(PlasticityError::from);
+    Some(checked.and_then(|parameters| FLOWS[at](&parameters)))
+}
+
+/// Constructor of a law that flows from all parameters.
+type MakeFlow = fn(&[f64]) -> Result<Box<dyn FlowLaw>, PlasticityError>;
+
+fn boxed<L: FlowLaw + 'static>(
+    law: Result<L, PlasticityError>,
+) -> Result<Box<dyn FlowLaw>, PlasticityError> {
+    law.map(|law| -> Box<dyn FlowLaw> { Box::new(law) })
+}
+
+/// Flow of each law that yields, in the order of the library.
+const FLOWS: [MakeFlow; 10] = [
+    |p| boxed(metal::j2(p)),
+    |p| boxed(metal::hill(p)),
+    |p| boxed(law::drucker_prager(p)),
+    |p| boxed(laws::mohr_coulomb(p)),
+    |p| boxed(laws::cap(p)),
+    |p| boxed(laws::cam_clay(p)),
+    |p| boxed(laws::gurson(p)),
+    |p| boxed(laws::kinematic(p)),
+    |p| boxed(laws::damage(p)),
+    |p| boxed(laws::deformation_theory(p)),
+];
 
 /// Laws that yield come first.
 const LIBRARY: &[Law] = &[
@@ -97,6 +140,7 @@ const LIBRARY: &[Law] = &[
     laws::GURSON,
     laws::KINEMATIC,
     laws::DAMAGE,
+    laws::DEFORMATION_THEORY,
     hypoelastic::JAUMANN,
     hypoelastic::GREEN_NAGHDI,
 ];

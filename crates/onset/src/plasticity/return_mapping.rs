@@ -1,6 +1,7 @@
 //! Small strain: the stress after a finite step of strain.
 
 use super::law::{deviator, equivalent_shear, mean};
+use super::walk::bisect;
 use super::{DruckerPrager, Hardening, PlasticityError};
 use crate::material::FourthOrder;
 use nalgebra::Matrix3;
@@ -154,9 +155,6 @@ impl DruckerPrager {
 impl Hardening {
     /// Solution `d > 0` of `excess - relaxation d - (k(slip + d) - k(slip)) = 0`, whose left-hand side decreases.
     fn increment(&self, excess: f64, relaxation: f64, slip: f64) -> f64 {
-        if let Self::Linear { modulus, .. } = self {
-            return excess / (relaxation + modulus);
-        }
         let strength = self.strength(slip);
         let rest = |d: f64| excess - relaxation * d - (self.strength(slip + d) - strength);
         let (mut low, mut high) = (0.0, excess / (relaxation + self.lowest_modulus()));
@@ -189,10 +187,7 @@ impl Hardening {
         if self.strength(slip) > 0.0 {
             return Ok(());
         }
-        let slip = match *self {
-            Self::Linear { initial, modulus } => -initial / modulus,
-            _ => slip,
-        };
+        let slip = bisect(0.0, slip, |slip| self.strength(slip) > 0.0);
         Err(PlasticityError::Exhausted { slip })
     }
 }

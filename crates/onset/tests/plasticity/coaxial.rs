@@ -6,14 +6,23 @@ use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
 use onset::material::{FourthOrder, Hyperelastic, PlaneStress, Response};
 use onset::plasticity::{
-    Bands, CamClay, DruckerPrager, Elasticity, EllipticCap, FiniteState, FlowLaw, Gurson,
-    Hardening, Kinematic, Load, Loading, LoadingPath, MohrCoulomb, ScalarDamage, Strains, follow,
-    library,
+    Bands, CamClay, DeformationTheory, DruckerPrager, Elasticity, EllipticCap, FiniteState,
+    FlowLaw, FlowStress, Gurson, Hardening, Kinematic, Load, Loading, LoadingPath, MohrCoulomb,
+    ScalarDamage, Strains, flow_law, follow, library,
 };
 
 const G: f64 = 100.0;
 const K: f64 = 150.0;
 const STRENGTH: [f64; 4] = [1.0, 0.6, 40.0, 0.03];
+/// Flow stress of metals in tension: a power law, a slope and a part that saturates.
+const METAL: FlowStress = FlowStress {
+    initial: 1.7,
+    exponent: 0.15,
+    reference: 0.02,
+    modulus: 1.2,
+    saturation: -0.5,
+    rate: 20.0,
+};
 /// Pressure in the reference configuration of the clay.
 const PRESSURE: f64 = 1.2;
 
@@ -38,13 +47,22 @@ fn material(name: &str, own: &[(&str, f64)]) -> Box<dyn Hyperelastic> {
     let law = library().iter().find(|law| law.name == name);
     let law = law.expect("a law");
     let [strength, residual, modulus, reference] = STRENGTH;
+    let hardens = match law.parameter("yield-stress") {
+        Some(_) => METAL.modulus,
+        None => modulus,
+    };
     let common = [
         ("mu", G),
         ("kappa", K),
         ("strength", strength),
         ("residual", residual),
-        ("hardening-modulus", modulus),
+        ("hardening-modulus", hardens),
         ("reference-slip", reference),
+        ("yield-stress", METAL.initial),
+        ("exponent", METAL.exponent),
+        ("reference-strain", METAL.reference),
+        ("saturation-stress", METAL.saturation),
+        ("saturation-rate", METAL.rate),
     ];
     let common = common.into_iter();
     let given = common.filter(|(name, _)| law.parameter(name).is_some());
@@ -73,8 +91,10 @@ fn pairs(scale: f64) -> Vec<Pair> {
     let coulomb = MohrCoulomb::new(e, 25.0, 8.0, hardening());
     let cap = EllipticCap::new(e, STRENGTH[0], [0.5, 3.0], 0.04);
     let clay = CamClay::new(elasticity(scale), 1.1, 2.5 * scale, 0.05);
-    let gurson = Gurson::new(e, 0.02, [1.5, 1.1], hardening());
-    let kinematic = Kinematic::new(e, 8.0, 3.0, hardening());
+    let metal = Hardening::Metal(METAL.in_shear());
+    let gurson = Gurson::new(e, 0.02, [1.5, 1.1], metal);
+    // In shear a third of the modulus and 1/sqrt(3) of the recovery in tension.
+    let kinematic = Kinematic::new(e, 8.0, 3.0, metal);
     let damage = ScalarDamage::new(e, hardening());
     vec![
         pair(
@@ -113,11 +133,22 @@ fn pairs(scale: f64) -> Vec<Pair> {
         ),
         pair(
             "kinematic",
-            &[("kinematic-modulus", 8.0), ("recovery", 3.0)],
+            &[("kinematic-modulus", 24.0), ("recovery", 27.0_f64.sqrt())],
             Box::new(kinematic.expect("a law")),
         ),
         pair("damage", &[], Box::new(damage.expect("a law"))),
     ]
+}
+
+fn deformation_theory() -> Pair {
+    let name = "deformation-theory";
+    let law = DeformationTheory::new(elasticity(1.0), Hardening::Metal(METAL.in_shear()));
+    Pair {
+        name,
+        material: material(name, &[]),
+        law: Box::new(law.expect("a law")),
+        confinement: 0.0,
+    }
 }
 
 fn gradient(f: &Matrix3<f64>) -> DeformationGradient {
@@ -169,7 +200,7 @@ fn every_law_has_the_acoustic_tensors_of_its_loading_path() {
     // At finite strain `follow` measures the stress per volume of the stress-free state.
     let scale = (-PRESSURE / K).exp();
     let mut numbers = Numbers(8);
-    for pair in pairs(scale) {
+    for pair in pairs(scale).into_iter().chain([deformation_theory()]) {
         let mut count = 0;
         for (path, load) in [
             (LoadingPath::PureShear, Load::Tension),
@@ -220,6 +251,72 @@ fn every_law_has_the_acoustic_tensors_of_its_loading_path() {
         }
         assert!(count >= 10, "{}: {count}", pair.name);
     }
+}
+
+/// The stress follows from the strain: at the strain `s/(3 G) + e` in tension it is `s(e)`.
+#[test]
+fn deformation_theory_is_its_closed_form_and_its_tangent_the_derivative() {
+    let Pair { material, .. } = deformation_theory();
+    let mut numbers = Numbers(11);
+    let stress = |f: &Matrix3<f64>| {
+        let b = SymmetricEigen::new(f * f.transpose());
+        let strain = b.eigenvalues.map(|value| 0.5 * value.ln());
+        let deviator = strain.add_scalar(-strain.mean());
+        let size = (deviator.norm_squared() / 1.5).sqrt();
+        let (mut low, mut high) = (0.0, size);
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            match METAL.at(middle) / (3.0 * G) + middle < size {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        let tau = deviator * (METAL.at(low) / (1.5 * size)) + Vector3::repeat(K * strain.sum());
+        let tau = b.eigenvectors * Matrix3::from_diagonal(&tau) * b.eigenvectors.transpose();
+        tau * f.try_inverse().expect("regular").transpose()
+    };
+    for size in [0.03, 0.2] {
+        let (f, _) = state(&mut numbers, size);
+        let own = at(&*material, &f);
+        let error = (own.first_piola - stress(&f)).amax();
+        assert!(error < 1e-8, "{size}: {error:e}");
+        let change = Matrix3::from_fn(|_, _| numbers.next());
+        let h = 1e-5;
+        let told = (stress(&(f + change * h)) - stress(&(f - change * h))) / (2.0 * h);
+        let linear = Matrix3::from_fn(|i, j| {
+            (0..9)
+                .map(|n| own.tangent[(i, j, n / 3, n % 3)] * change[(n / 3, n % 3)])
+                .sum()
+        });
+        let error = (told - linear).amax();
+        assert!(error < 1e-6 * G, "{size}: {error:e}");
+        let unloading = material.unloading_tangent(&gradient(&f)).expect("a state");
+        assert!(unloading.is_none());
+    }
+}
+
+/// The material and the flow along axes are made from the same parameters.
+#[test]
+fn flow_along_axes_has_the_parameters_of_the_material() {
+    for law in library() {
+        let Some(flow) = flow_law(law, &[]) else {
+            assert!(law.name.starts_with("hypoelastic"), "{}", law.name);
+            continue;
+        };
+        let flow = flow.expect("a law");
+        let defaults = |name: &str| law.parameter(name).map(|own| own.default);
+        assert_eq!(Some(flow.elasticity().shear), defaults("mu"));
+        let in_shear = defaults("yield-stress").map(|own| own / 3.0_f64.sqrt());
+        if let Some(told) = defaults("strength").or(in_shear) {
+            assert!(
+                (flow.strength() - told).abs() < 1e-12 * told,
+                "{}",
+                law.name
+            );
+        }
+    }
+    let turned = flow_law(&library()[1], &[("angle", 20.0)]).expect("a law that flows");
+    assert!(turned.is_err_and(|error| error.to_string().contains("axes of the path")));
 }
 
 /// Internal state of the tensor update: inverse plastic metric (of damage: the identity), slip and internal variables.
@@ -383,7 +480,7 @@ fn elastic_states_have_one_tangent_and_yield_where_the_law_does() {
         assert!((pressure - pair.confinement).abs() < 0.5, "{}", pair.name);
     }
     let names = |law: &&onset::material::Law| !law.name.starts_with("hypoelastic");
-    assert_eq!(library().iter().filter(names).count(), 2 + pairs(1.0).len());
+    assert_eq!(library().iter().filter(names).count(), 3 + pairs(1.0).len());
 }
 
 /// States of a ray, in any order, agree with states that are reached from the beginning: during loading, during unloading, and beyond the end of the

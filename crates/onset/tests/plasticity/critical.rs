@@ -12,10 +12,7 @@ fn states() -> Vec<RateModuli> {
     let mut numbers = Numbers(7);
     let mut states = Vec::new();
     // The strength is large relative to the stiffness, so that stress terms matter.
-    let strong = Hardening::Linear {
-        initial: 15.0,
-        modulus: -10.0,
-    };
+    let strong = Hardening::linear(15.0, -10.0);
     for (n, strength) in STRENGTHS.into_iter().chain([strong]).enumerate() {
         for (friction, dilatancy) in [(0.0, 0.0), (0.6, 0.3), (0.5, -0.1), (0.9, 0.9)] {
             let law = law(friction, dilatancy, strength);
@@ -155,10 +152,7 @@ fn a_rotated_state_has_the_rotated_band() {
 #[test]
 fn critical_moduli_scale_with_the_unit_of_stress() {
     let critical = |unit: f64, criterion| {
-        let strength = Hardening::Linear {
-            initial: unit,
-            modulus: 0.0,
-        };
+        let strength = Hardening::linear(unit, 0.0);
         let law = onset::plasticity::DruckerPrager::new(100.0 * unit, 0.25, 0.6, 0.2, strength)
             .expect("a law");
         let stress = flowing(&mut Numbers(13)) * unit;

@@ -49,10 +49,7 @@ fn assert_derivative(
 #[test]
 fn the_elastic_range_has_stress_and_tangent_of_henckys_energy() {
     let mut numbers = Numbers(21);
-    let stiff = onset::plasticity::Hardening::Linear {
-        initial: 1e3,
-        modulus: 0.0,
-    };
+    let stiff = onset::plasticity::Hardening::linear(1e3, 0.0);
     let law = law(0.0, 0.0, stiff);
     let energy = |f: &Matrix3<f64>| {
         // Independent of the library: the squares of the stretches are the eigenvalues of C.
@@ -208,10 +205,7 @@ fn at_small_strains_finite_and_small_strain_agree_to_first_order() {
     let mut numbers = Numbers(27);
     let gradient = numbers.symmetric();
     let gap = |size: f64| {
-        let strength = onset::plasticity::Hardening::Linear {
-            initial: 10.0 * size,
-            modulus: 20.0,
-        };
+        let strength = onset::plasticity::Hardening::linear(10.0 * size, 20.0);
         let law = law(0.6, 0.3, strength);
         let strain = gradient * size;
         let small = law

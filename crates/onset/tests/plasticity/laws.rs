@@ -287,10 +287,7 @@ fn without_voids_gursons_law_is_von_mises() {
 /// In pure shear the back stress is parallel to the stress: the law is the von Mises law with the sum of both moduli.
 #[test]
 fn kinematic_hardening_in_pure_shear_adds_its_modulus() {
-    let linear = |modulus: f64| Hardening::Linear {
-        initial: 1.0,
-        modulus,
-    };
+    let linear = |modulus: f64| Hardening::linear(1.0, modulus);
     let kinematic = Kinematic::new(elasticity(), 5.0, 0.0, linear(-2.0)).expect("a law");
     let isotropic = DruckerPrager::von_mises(100.0, 0.25, linear(3.0)).expect("a law");
     let own = loading(LoadingPath::PureShear);
@@ -352,11 +349,7 @@ fn deformation_theory_and_damage_follow_their_curves() {
 
 /// Nearly rigid metal whose strength is a power of the strain.
 fn power(exponent: f64) -> (Elasticity, Hardening) {
-    let hardening = Hardening::Power {
-        initial: 1.0,
-        reference: 1e-5,
-        exponent,
-    };
+    let hardening = Hardening::power(1.0, 1e-5, exponent);
     (Elasticity::new(1e5, 0.3).expect("moduli"), hardening)
 }
 

@@ -15,29 +15,11 @@ use onset::plasticity::{DruckerPrager, Hardening};
 
 /// One strength for each hardening law.
 const STRENGTHS: [Hardening; 6] = [
-    Hardening::Linear {
-        initial: 1.0,
-        modulus: 8.0,
-    },
-    Hardening::Linear {
-        initial: 1.0,
-        modulus: -5.0,
-    },
-    Hardening::Voce {
-        initial: 1.0,
-        saturation: 1.6,
-        reference: 0.02,
-    },
-    Hardening::Voce {
-        initial: 1.0,
-        saturation: 0.4,
-        reference: 0.03,
-    },
-    Hardening::Power {
-        initial: 1.0,
-        reference: 0.01,
-        exponent: 0.2,
-    },
+    Hardening::linear(1.0, 8.0),
+    Hardening::linear(1.0, -5.0),
+    Hardening::voce(1.0, 1.6, 0.02),
+    Hardening::voce(1.0, 0.4, 0.03),
+    Hardening::power(1.0, 0.01, 0.2),
     Hardening::Peak {
         initial: 1.0,
         residual: 0.5,

@@ -36,10 +36,7 @@ fn j2_equals_drucker_prager_without_friction() {
     let hardening = [("hardening-modulus", 0.9), ("saturation-stress", 0.0)];
     let steel = law("j2", &hardening);
     let root = 3.0_f64.sqrt();
-    let strength = Hardening::Linear {
-        initial: 0.4 / root,
-        modulus: 0.9 / 3.0,
-    };
+    let strength = Hardening::linear(0.4 / root, 0.9 / 3.0);
     let poisson = (3.0 * KAPPA - 2.0 * MU) / (2.0 * (3.0 * KAPPA + MU));
     let other = DruckerPrager::von_mises(MU, poisson, strength).expect("a law");
     let mut numbers = Numbers(31);
@@ -331,10 +328,7 @@ fn a_wave_speed_vanishes_at_the_critical_hardening_modulus() {
     let root = 3.0_f64.sqrt();
     let (first, slope) = (0.8, 1.0);
     let poisson = (3.0 * KAPPA - 2.0 * MU) / (2.0 * (3.0 * KAPPA + MU));
-    let strength = Hardening::Linear {
-        initial: first / root,
-        modulus: slope / 3.0,
-    };
+    let strength = Hardening::linear(first / root, slope / 3.0);
     let other = DruckerPrager::von_mises(MU, poisson, strength).expect("a law");
     let f = Matrix3::from_diagonal(&Vector3::new(1.12, 0.9, 1.0));
     let gradient = DeformationGradient::from_stretches([1.12, 0.9, 1.0]).expect("a state");
@@ -411,10 +405,7 @@ fn a_metal_sheet_equals_the_three_dimensional_metal_with_free_faces_in_stress_an
         }
     }
     // J2 by finite differences: a step of the return mapping from the state, with the thickness that keeps the faces free.
-    let strength = Hardening::Linear {
-        initial: 0.4 / 3.0_f64.sqrt(),
-        modulus: 0.9 / 3.0,
-    };
+    let strength = Hardening::linear(0.4 / 3.0_f64.sqrt(), 0.9 / 3.0);
     let poisson = (3.0 * KAPPA - 2.0 * MU) / (2.0 * (3.0 * KAPPA + MU));
     let mapping = DruckerPrager::von_mises(MU, poisson, strength).expect("a law");
     let sheet = law(

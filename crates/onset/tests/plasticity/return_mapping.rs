@@ -190,10 +190,7 @@ fn stresses_beyond_the_apex_return_to_the_apex() {
 
 #[test]
 fn excessive_softening_and_exhausted_strength_are_rejected() {
-    let steep = Hardening::Linear {
-        initial: 1.0,
-        modulus: -100.0,
-    };
+    let steep = Hardening::linear(1.0, -100.0);
     assert_eq!(
         DruckerPrager::von_mises(100.0, 0.25, steep),
         Err(PlasticityError::SnapBack {

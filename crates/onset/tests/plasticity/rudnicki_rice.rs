@@ -22,10 +22,7 @@ fn xi(nu: f64, beta: f64, mu: f64, n: f64) -> f64 {
 }
 
 fn critical(nu: f64, beta: f64, mu: f64, n: f64, frame: &Matrix3<f64>) -> Critical {
-    let strength = Hardening::Linear {
-        initial: 1.0,
-        modulus: 0.0,
-    };
+    let strength = Hardening::linear(1.0, 0.0);
     let law = DruckerPrager::new(2.0, nu, mu, beta, strength).expect("a law");
     let principal = Vector3::from(deviatoric(n)).add_scalar(-0.7);
     let stress = frame * Matrix3::from_diagonal(&principal) * frame.transpose();
@@ -134,10 +131,7 @@ fn the_example_of_the_paper_favors_extension_over_compression() {
 #[test]
 fn thin_sheets_neck_in_the_direction_of_hill() {
     // R. Hill, J. Mech. Phys. Solids 1 (1952) 19: 54.7 degrees between neck and tension, where the neck does not stretch.
-    let strength = Hardening::Linear {
-        initial: 1.0,
-        modulus: 0.0,
-    };
+    let strength = Hardening::linear(1.0, 0.0);
     for nu in [0.0, 0.3, 0.45] {
         let metal = DruckerPrager::von_mises(100.0, nu, strength).expect("a law");
         let tension = Matrix3::from_diagonal(&Vector3::new(3.0_f64.sqrt(), 0.0, 0.0));

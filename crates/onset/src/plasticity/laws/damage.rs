@@ -5,6 +5,7 @@ use super::super::coaxial::{
 };
 use super::super::flow::{Elasticity, Flow, FlowLaw, direction, parts};
 use super::super::law::DRUCKER_PRAGER;
+use super::super::metal;
 use super::super::{Hardening, PlasticityError};
 use crate::material::{Law, Parameter};
 use nalgebra::Vector3;
@@ -34,9 +35,32 @@ pub(in super::super) const DAMAGE: Law = Law {
         },
     ],
     source: "damage by the energy norm of Simo and Ju, Int. J. Solids Struct. 23 (1987) 821, equal in tension and in compression; defaults: typical of a concrete in tension, MPa",
-    make: |p| coaxial(ScalarDamage::new(elasticity(p), hardening(&p[2..])), 0.0),
+    make: |p| coaxial(damage(p), 0.0),
     ..DRUCKER_PRAGER
 };
+
+/// Damage from its parameters.
+pub(in super::super) fn damage(p: &[f64]) -> Result<ScalarDamage, PlasticityError> {
+    ScalarDamage::new(elasticity(p), hardening(&p[2..]))
+}
+
+pub(in super::super) const DEFORMATION_THEORY: Law = Law {
+    name: "deformation-theory",
+    formula: "Hencky's law with kappa and the secant shear modulus m for the Kirchhoff stress T, 1/m = 1/mu + 3 e/s(e); sqrt(3/2) |dev T| = s(e) = \
+              yield-stress (1 + e/reference-strain)^exponent + hardening-modulus e + saturation-stress (1 - exp(-saturation-rate e)) beyond yield-stress",
+    parameters: metal::J2.parameters,
+    domain: "all J > 0, on monotonic, proportional paths from F = 1; tangent of continued loading, soft in other directions too, as at a vertex of a yield surface",
+    source: "Stören and Rice, J. Mech. Phys. Solids 23 (1975) 421; Hutchinson and Neale, in Mechanics of Sheet Metal Forming (1978) 127; defaults: typical of a mild steel, GPa",
+    make: |p| coaxial(deformation_theory(p), 0.0),
+    ..DRUCKER_PRAGER
+};
+
+/// Deformation theory from its parameters.
+pub(in super::super) fn deformation_theory(
+    p: &[f64],
+) -> Result<DeformationTheory, PlasticityError> {
+    DeformationTheory::new(elasticity(p), metal::strength(&p[2..]))
+}
 
 /// Multiple of the flow direction added per unit of slip `gamma` to the inelastic strain of the secant stiffness `G_s`. The strain at the strength
 /// `k(gamma)` is `k/G + gamma`, so `m = 1 + k' (1/G - 1/G_s) = 1 - k' gamma / k`.
@@ -78,6 +102,10 @@ impl DeformationTheory {
 impl FlowLaw for DeformationTheory {
     fn elasticity(&self) -> Elasticity {
         self.elasticity
+    }
+
+    fn unloads(&self) -> bool {
+        false
     }
 
     fn strength(&self) -> f64 {

@@ -1,18 +1,18 @@
 //! Gurson's law of porous metals.
 
-use super::super::coaxial::{
-    KAPPA, MODULUS, MU, RESIDUAL, SLIP, STRENGTH, coaxial, elasticity, hardening,
-};
+use super::super::coaxial::{KAPPA, MU, coaxial, elasticity};
 use super::super::flow::{Elasticity, Flow, FlowLaw, direction, parts};
 use super::super::law::DRUCKER_PRAGER;
+use super::super::metal::{EXPONENT, MODULUS, RATE, REFERENCE, SATURATION, YIELD, strength};
 use super::super::{Hardening, PlasticityError};
 use crate::material::{Admitted, Law, Parameter};
 use nalgebra::Vector3;
 
 pub(in super::super) const GURSON: Law = Law {
     name: "gurson",
-    formula: "Hencky's law with mu, kappa for the Kirchhoff stress T; (q/q0)^2 + 2 q1 f cosh(3 q2 tr(T)/(6 q0)) = 1 + (q1 f)^2, q^2 = 3/2 s:s, s = dev T, q0 = sqrt(3) k(g); \
-              associated flow; f' = (1 - f) tr(e_p'), (1 - f) k g' = T : e_p'; k = residual + (strength - residual + hardening-modulus g) exp(-g/reference-slip)",
+    formula: "Hencky's law with mu, kappa for the Kirchhoff stress T; (q/q0)^2 + 2 q1 f cosh(3 q2 tr(T)/(6 q0)) = 1 + (q1 f)^2, q^2 = 3/2 s:s, s = dev T, \
+              q0 = yield-stress (1 + e/reference-strain)^exponent + hardening-modulus e + saturation-stress (1 - exp(-saturation-rate e)); associated flow; \
+              f' = (1 - f) tr(e_p'), (1 - f) q0 e' = T : e_p'",
     parameters: &[
         Parameter {
             default: 80_000.0,
@@ -23,21 +23,24 @@ pub(in super::super) const GURSON: Law = Law {
             ..KAPPA
         },
         Parameter {
-            default: 230.0,
-            ..STRENGTH
-        },
-        Parameter {
             default: 400.0,
-            ..RESIDUAL
+            meaning: "flow stress of the matrix at first yield, in tension",
+            ..YIELD
         },
         Parameter {
-            default: 1000.0,
+            default: 0.0,
             ..MODULUS
         },
         Parameter {
-            default: 0.5,
-            ..SLIP
+            default: 400.0,
+            ..SATURATION
         },
+        Parameter {
+            default: 5.0,
+            ..RATE
+        },
+        EXPONENT,
+        REFERENCE,
         Parameter::new(
             "voids",
             "1",
@@ -61,14 +64,14 @@ pub(in super::super) const GURSON: Law = Law {
         ),
     ],
     source: "Gurson, J. Eng. Mater. Technol. 99 (1977) 2, with the constants of Tvergaard, Int. J. Fract. 17 (1981) 389; defaults: typical of a mild steel, MPa",
-    make: |p| {
-        coaxial(
-            Gurson::new(elasticity(p), p[6], [p[7], p[8]], hardening(&p[2..])),
-            0.0,
-        )
-    },
+    make: |p| coaxial(gurson(p), 0.0),
     ..DRUCKER_PRAGER
 };
+
+/// The law from its parameters.
+pub(in super::super) fn gurson(p: &[f64]) -> Result<Gurson, PlasticityError> {
+    Gurson::new(elasticity(p), p[8], [p[9], p[10]], strength(&p[2..]))
+}
 
 /// Gurson's law: `(s_e/s_0)^2 + 2 q1 f cosh(3 q2 sigma_m / (2 s_0)) - 1 - (q1 f)^2 = 0`, associated.
 ///

@@ -1,18 +1,17 @@
 //! Von Mises law with kinematic hardening.
 
-use super::super::coaxial::{
-    KAPPA, MODULUS, MU, RESIDUAL, SLIP, STRENGTH, coaxial, elasticity, hardening,
-};
+use super::super::coaxial::{KAPPA, MU, coaxial, elasticity};
 use super::super::flow::{Elasticity, Flow, FlowLaw, direction, parts};
 use super::super::law::DRUCKER_PRAGER;
+use super::super::metal::{EXPONENT, MODULUS, RATE, REFERENCE, SATURATION, YIELD, strength};
 use super::super::{Hardening, PlasticityError};
 use crate::material::{Admitted, Law, Parameter};
 use nalgebra::Vector3;
 
 pub(in super::super) const KINEMATIC: Law = Law {
     name: "kinematic",
-    formula: "Hencky's law with mu, kappa for the Kirchhoff stress T; sqrt(x:x/2) = k(g), x = dev T - a; associated flow; a' = (2 kinematic-modulus P - recovery a) g' with \
-              P = x/(2 k); k = residual + (strength - residual + hardening-modulus g) exp(-g/reference-slip)",
+    formula: "Hencky's law with mu, kappa for the Kirchhoff stress T; x = dev T - a; sqrt(3/2) |x| = yield-stress (1 + e/reference-strain)^exponent + \
+              hardening-modulus e + saturation-stress (1 - exp(-saturation-rate e)); associated flow; a' = 2/3 kinematic-modulus e_p' - recovery a e'",
     parameters: &[
         Parameter {
             default: 80_000.0,
@@ -23,42 +22,48 @@ pub(in super::super) const KINEMATIC: Law = Law {
             ..KAPPA
         },
         Parameter {
-            default: 230.0,
-            ..STRENGTH
-        },
-        Parameter {
-            default: 200.0,
-            ..RESIDUAL
+            default: 400.0,
+            ..YIELD
         },
         Parameter {
             default: 0.0,
             ..MODULUS
         },
-        SLIP,
+        Parameter {
+            default: -50.0,
+            ..SATURATION
+        },
+        Parameter {
+            default: 30.0,
+            ..RATE
+        },
+        EXPONENT,
+        REFERENCE,
         Parameter::new(
             "kinematic-modulus",
             "stress",
-            200.0,
+            600.0,
             Admitted::NotNegative,
-            "slope of the back stress in shear, in addition to the strength",
+            "slope of the back stress in tension, in addition to the flow stress",
         ),
         Parameter::new(
             "recovery",
             "1",
             1.0,
             Admitted::NotNegative,
-            "recovery of the back stress, which tends to kinematic-modulus/recovery in shear; 0: no recovery",
+            "recovery of the back stress, which tends to kinematic-modulus/recovery in tension; 0: no recovery",
         ),
     ],
     source: "Prager, J. Appl. Mech. 23 (1956) 493, with the recovery of Armstrong and Frederick (1966), Mater. High Temp. 24 (2007) 1; defaults: a steel, MPa",
-    make: |p| {
-        coaxial(
-            Kinematic::new(elasticity(p), p[6], p[7], hardening(&p[2..])),
-            0.0,
-        )
-    },
+    make: |p| coaxial(kinematic(p), 0.0),
     ..DRUCKER_PRAGER
 };
+
+/// The law from its parameters, which are measured in tension.
+pub(in super::super) fn kinematic(p: &[f64]) -> Result<Kinematic, PlasticityError> {
+    let (modulus, recovery) = (p[8] / 3.0, p[9] / 3.0_f64.sqrt());
+    Kinematic::new(elasticity(p), modulus, recovery, strength(&p[2..]))
+}
 
 /// Kinematic hardening: `f = tau(sigma - alpha) - k(gamma)`, associated, with the back stress `alpha' = (2 c P - b alpha) gamma'`.
 ///

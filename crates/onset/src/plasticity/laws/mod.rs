@@ -14,8 +14,8 @@ pub use kinematic::Kinematic;
 pub use mohr_coulomb::MohrCoulomb;
 pub use soil::{CamClay, EllipticCap};
 
-pub(super) use damage::DAMAGE;
-pub(super) use gurson::GURSON;
-pub(super) use kinematic::KINEMATIC;
-pub(super) use mohr_coulomb::MOHR_COULOMB;
-pub(super) use soil::{CAM_CLAY, CAP};
+pub(super) use damage::{DAMAGE, DEFORMATION_THEORY, damage, deformation_theory};
+pub(super) use gurson::{GURSON, gurson};
+pub(super) use kinematic::{KINEMATIC, kinematic};
+pub(super) use mohr_coulomb::{MOHR_COULOMB, mohr_coulomb};
+pub(super) use soil::{CAM_CLAY, CAP, cam_clay, cap};

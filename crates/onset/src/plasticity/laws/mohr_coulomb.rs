@@ -41,12 +41,14 @@ pub(in super::super) const MOHR_COULOMB: Law = Law {
     domain: "all J > 0, on monotonic, proportional paths from F = 1 along which no two of the extreme and the intermediate principal stress become equal during flow; tangent of \
              continued flow",
     source: "Mohr-Coulomb in the form of Vermeer and de Borst, Heron 29(3) (1984); defaults: typical of a soft rock, MPa",
-    make: |p| {
-        let law = MohrCoulomb::new(elasticity(p), p[2], p[3], hardening(&p[4..]));
-        coaxial(law, p[8])
-    },
+    make: |p| coaxial(mohr_coulomb(p), p[8]),
     ..DRUCKER_PRAGER
 };
+
+/// The law from its parameters.
+pub(in super::super) fn mohr_coulomb(p: &[f64]) -> Result<MohrCoulomb, PlasticityError> {
+    MohrCoulomb::new(elasticity(p), p[2], p[3], hardening(&p[4..]))
+}
 
 /// Mohr-Coulomb law: `f = (sigma_1 - sigma_3)/2 + (sigma_1 + sigma_3)/2 sin(phi) - k(gamma)`, `k = c cos(phi)`.
 ///

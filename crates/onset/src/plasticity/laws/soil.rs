@@ -45,9 +45,14 @@ pub(in super::super) const CAM_CLAY: Law = Law {
     ],
     stressed_reference: Some("the confinement"),
     source: "Roscoe and Burland, in Engineering Plasticity (1968) 535, with constant moduli; defaults: a stiff clay in units of a hundredth of its preconsolidation pressure",
-    make: |p| coaxial(CamClay::new(elasticity(p), p[2], p[3], p[4]), p[5]),
+    make: |p| coaxial(cam_clay(p), p[5]),
     ..DRUCKER_PRAGER
 };
+
+/// Cam-clay from its parameters.
+pub(in super::super) fn cam_clay(p: &[f64]) -> Result<CamClay, PlasticityError> {
+    CamClay::new(elasticity(p), p[2], p[3], p[4])
+}
 
 pub(in super::super) const CAP: Law = Law {
     name: "cap",
@@ -70,14 +75,14 @@ pub(in super::super) const CAP: Law = Law {
     ],
     source: "ellipse of Rudnicki, J. Geophys. Res. 109 (2004) B03402, after DiMaggio and Sandler, J. Eng. Mech. Div. ASCE 97 (1971) 935; defaults: typical of a porous \
              sandstone, MPa",
-    make: |p| {
-        coaxial(
-            EllipticCap::new(elasticity(p), p[2], [p[3], p[4]], p[5]),
-            p[6],
-        )
-    },
+    make: |p| coaxial(cap(p), p[6]),
     ..DRUCKER_PRAGER
 };
+
+/// The cap from its parameters.
+pub(in super::super) fn cap(p: &[f64]) -> Result<EllipticCap, PlasticityError> {
+    EllipticCap::new(elasticity(p), p[2], [p[3], p[4]], p[5])
+}
 
 /// Growth of the compaction pressure: `p_c' = p_c (-tr e_p') / c`, with `c = (lambda - kappa)/(1 + e)` of soil mechanics.
 fn growth(pressure: f64, compressibility: f64, dilatancy: f64) -> f64 {
@@ -202,7 +207,7 @@ impl EllipticCap {
             end > start,
             "preconsolidation",
             end,
-            "a pressure above plasticity.cap-start",
+            "a pressure above cap-start",
         )?;
         positive("compressibility", compressibility)?;
         Ok(Self {
