@@ -25,6 +25,8 @@ const FOLLOWED_VALUES: usize = 8;
 /// Number of the lowest values on the grid from which descents start where the grid has no minimum. A narrow well beside the minimum of a kink need not
 /// have a minimum on the grid.
 const LOWEST_VALUES: usize = 12;
+/// Relative difference by which the end of such a descent must be lower than all known bottoms.
+const LOWER_BOTTOM: f64 = 1e-6;
 /// Largest relative difference of the values of images.
 const EQUAL_VALUES: f64 = 1e-9;
 /// Largest distance from a kink, in grid steps: for a grid minimum, and for the end of a descent.
@@ -106,7 +108,11 @@ impl<const D: usize> WeakestSearch<'_, D> {
             (sorted.into_iter()).partition(|index| is_well::<D>(&values, *index, n));
         let mut others: Vec<Well<D>> = others.into_iter().map(own).collect();
         others.dedup_by(|b, a| b.0 <= a.0 * (1.0 + EQUAL_VALUES));
-        others.truncate(LOWEST_VALUES);
+        // Cells with several particles have many kinks, and their waves take long.
+        others.truncate(match self.unfolding.sites() {
+            1 => LOWEST_VALUES,
+            _ => 0,
+        });
         Starts {
             wells: wells.into_iter().map(own).collect(),
             others,
@@ -145,7 +151,7 @@ impl<const D: usize> WeakestSearch<'_, D> {
                 break;
             }
             let end = settled(&all_at, start, &steps);
-            if end.0 < lowest * (1.0 - EQUAL_VALUES) {
+            if end.0 < lowest * (1.0 - LOWER_BOTTOM) {
                 bottoms.insert(0, self.bottom_of(end, &steps));
             }
         }
