@@ -3,7 +3,7 @@
 use super::problem::{Problem, ProblemError};
 use crate::number::{counted, told_below};
 use crate::settings::Units;
-use onset::analysis::FiniteBodyGround;
+use onset::analysis::{FiniteBodyGround, FiniteBodyOscillations};
 use onset::kinematics::DeformationGradient;
 use onset::motion::{BodyError, Start};
 use onset::time_step::{Integrator, Oscillation};
@@ -38,21 +38,17 @@ pub struct BodyStepAnswer {
 }
 
 impl FiniteBodyAnswer {
-    /// Returns the time step of an integrator for finite bodies at a state with the given critical step of its waves; `None` if no step is stable, or if it
-    /// is unknown, as for damped waves and some integrators. The waves of stiffer increments limit the step, so their problem is passed if the state has
-    /// any.
-    ///
-    /// # Errors
-    /// [`ProblemError`] when material or method cannot be evaluated there.
+    /// Returns the time step of an integrator for finite bodies with the given oscillations at a state with the given critical step of its waves; `None`
+    /// if no step is stable, or if it is unknown, as for damped waves and some integrators. The waves of stiffer increments limit the step, so their
+    /// problem is passed if the state has any.
     pub fn new(
         problem: &Problem,
-        f: &DeformationGradient,
+        bodies: &FiniteBodyOscillations,
         integrator: Integrator,
         lattice: Option<f64>,
-    ) -> Result<Option<Self>, ProblemError> {
-        let lattice = lattice.unwrap_or(f64::INFINITY);
-        let found = problem.analysis.finite_bodies(f, integrator, lattice)?;
-        Ok(found.map(|found| {
+    ) -> Option<Self> {
+        let found = bodies.step(integrator, lattice.unwrap_or(f64::INFINITY));
+        found.map(|found| {
             let (proved, ground) = match found.ground {
                 FiniteBodyGround::Parts => (
                     true,
@@ -75,7 +71,7 @@ impl FiniteBodyAnswer {
                 proved,
                 ground,
             }
-        }))
+        })
     }
 
     pub(crate) fn words(&self, units: Units) -> String {
@@ -90,7 +86,7 @@ impl FiniteBodyAnswer {
 
 impl BodyStepAnswer {
     /// Returns the critical step of an integrator for the body of the settings at a state; `None` without a body, and if damping changes the limit of the
-    /// integrator by an unknown factor. As for [`FiniteBodyAnswer::new`], the problem of stiffer increments is passed if the state has any.
+    /// integrator by an unknown factor. The problem of stiffer increments is passed if the state has any.
     ///
     /// # Errors
     /// [`ProblemError`] when the method cannot run the body.

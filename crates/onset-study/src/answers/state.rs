@@ -20,7 +20,8 @@ use crate::number::{counted, told, told_of, vector};
 use crate::settings::{Effective, Family, TimeIntegrator, Value};
 use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
-use onset::analysis::ReducedCell;
+use onset::analysis::{FiniteBodyOscillations, ReducedCell};
+use onset::bloch::SpectrumSummary;
 use onset::certificate::certify_3d;
 use onset::continuum::{AcousticMinimum, Ellipticity};
 use onset::kinematics::DeformationGradient;
@@ -442,13 +443,14 @@ fn answer(
         ));
     }
     let stiffer = problem.stiffer_at(f)?;
-    let discretization = discretization_answer(problem, stiffer.as_ref(), assessment, weakest, f)?;
+    let limiting = Limiting::new(problem, stiffer.as_ref(), assessment, f)?;
+    let discretization = discretization_answer(problem, &limiting, assessment, weakest, f)?;
     let disturbed = match &stiffer {
         Some(stiffer) => Some(StifferAnswer::new(stiffer, f)?),
         None => None,
     };
     let relaxation = RelaxationAnswer::new(problem, disturbed.as_ref(), f)?;
-    let run_step = run_step(problem, f, assessment, stiffer.as_ref())?;
+    let run_step = limiting.run_step(f)?;
     if let Some(told) = run_step.and_then(|own| own.sentence(problem.settings.units(), &sentence)) {
         sentence = told;
     }
@@ -498,24 +500,55 @@ fn answer(
     })
 }
 
-/// Time step of a run, compared with its limits at a state. The waves of stiffer increments limit the step.
-fn run_step(
-    problem: &Problem,
-    f: &DeformationGradient,
-    assessment: &Assessment<3>,
-    stiffer: Option<&Problem>,
-) -> Result<Option<RunStepAnswer>, ProblemError> {
-    if problem.settings.run.step == 0.0 {
-        return Ok(None);
+/// Waves and bodies that limit the time steps at a state: those of its stiffer increments, if it has any.
+struct Limiting<'a> {
+    problem: &'a Problem,
+    /// Problem of the stiffer increments.
+    stiffer: Option<&'a Problem>,
+    spectrum: SpectrumSummary<3>,
+    /// `None` if no step is asked for.
+    bodies: Option<FiniteBodyOscillations>,
+}
+
+impl<'a> Limiting<'a> {
+    fn new(
+        problem: &'a Problem,
+        stiffer: Option<&'a Problem>,
+        assessment: &Assessment<3>,
+        f: &DeformationGradient,
+    ) -> Result<Self, ProblemError> {
+        let settings = &problem.settings;
+        let is_implicit = matches!(
+            settings.chosen_integrator(),
+            Some(TimeIntegrator::Implicit(_))
+        );
+        let is_asked = !is_implicit || settings.run.step != 0.0;
+        let limiting = stiffer.unwrap_or(problem);
+        let bodies = is_asked.then(|| limiting.analysis.finite_bodies(f));
+        Ok(Self {
+            problem: limiting,
+            stiffer,
+            spectrum: match stiffer {
+                Some(stiffer) => stiffer.analysis.spectrum(f)?,
+                None => assessment.spectrum,
+            },
+            bodies: bodies.transpose()?,
+        })
     }
-    let limiting = stiffer.unwrap_or(problem);
-    let spectrum = match stiffer {
-        Some(stiffer) => stiffer.analysis.spectrum(f)?,
-        None => assessment.spectrum,
-    };
-    let step = Some(spectrum.critical_time_step()).filter(|step| step.is_finite());
-    let bodies = FiniteBodyAnswer::new(limiting, f, Integrator::CentralDifferences, step)?;
-    RunStepAnswer::new(limiting, f, &spectrum, bodies.as_ref())
+
+    fn lattice_step(&self) -> Option<f64> {
+        Some(self.spectrum.critical_time_step()).filter(|step| step.is_finite())
+    }
+
+    fn finite_bodies(&self, integrator: Integrator, step: Option<f64>) -> Option<FiniteBodyAnswer> {
+        FiniteBodyAnswer::new(self.problem, self.bodies.as_ref()?, integrator, step)
+    }
+
+    /// Time step of a run, compared with its limits at a state.
+    fn run_step(&self, f: &DeformationGradient) -> Result<Option<RunStepAnswer>, ProblemError> {
+        let bodies = self.finite_bodies(Integrator::CentralDifferences, self.lattice_step());
+        RunStepAnswer::new(self.problem, f, &self.spectrum, bodies.as_ref())
+    }
 }
 
 /// Note for a third stretch given in 2D.
@@ -565,16 +598,17 @@ fn material_answer(
     }
 }
 
-/// Answer for the particles; `stiffer` is the problem for stiffer increments of the state, whose waves limit the time steps.
+/// Answer for the particles.
 fn discretization_answer(
     problem: &Problem,
-    stiffer: Option<&Problem>,
+    limiting: &Limiting<'_>,
     assessment: &Assessment<3>,
     weakest_mode: Option<WeakestModeAnswer>,
     f: &DeformationGradient,
 ) -> Result<DiscretizationAnswer, ProblemError> {
     let analysis = &*problem.analysis;
     let list = |vector: &SVector<f64, 3>| list(analysis.dimension(), vector);
+    let stiffer = limiting.stiffer;
     let discrete_time = DiscreteTimeAnswer::new(problem, f)?.map(|own| match stiffer {
         Some(stiffer) => own.limited_by(DiscreteTimeAnswer::new(stiffer, f)),
         None => Ok(own),
@@ -612,10 +646,7 @@ fn discretization_answer(
         Some(own) => own.largest_time_step,
         None => {
             let step = spectrum.critical_time_step();
-            let step = match stiffer {
-                Some(stiffer) => step.min(stiffer.analysis.spectrum(f)?.critical_time_step()),
-                None => step,
-            };
+            let step = step.min(limiting.spectrum.critical_time_step());
             Some(step).filter(|step| step.is_finite())
         }
     };
@@ -629,13 +660,10 @@ fn discretization_answer(
         .map(|step| step * reach_of(scheme));
     let (finite_bodies, body) = match implicit {
         Some(_) => (None, None),
-        None => {
-            let limiting = stiffer.unwrap_or(problem);
-            (
-                FiniteBodyAnswer::new(limiting, f, scheme, critical_time_step)?,
-                BodyStepAnswer::new(limiting, f, scheme)?,
-            )
-        }
+        None => (
+            limiting.finite_bodies(scheme, critical_time_step),
+            BodyStepAnswer::new(limiting.problem, f, scheme)?,
+        ),
     };
     Ok(DiscretizationAnswer {
         stable: spectrum.is_stable(),

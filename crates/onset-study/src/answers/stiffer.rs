@@ -179,13 +179,19 @@ impl StifferAnswer {
         let assessment = problem.analysis.assess(f)?;
         let spectrum = &assessment.spectrum;
         let step = Some(spectrum.critical_time_step()).filter(|step| step.is_finite());
+        let bodies = problem.analysis.finite_bodies(f)?;
         Ok(Self {
             verdict: assessment.verdict,
             mechanism: assessment.mechanism(),
             growth_rate: spectrum.growth_rate(),
             maximum_omega: spectrum.maximum_omega,
             critical_time_step: step,
-            finite_bodies: FiniteBodyAnswer::new(problem, f, Integrator::CentralDifferences, step)?,
+            finite_bodies: FiniteBodyAnswer::new(
+                problem,
+                &bodies,
+                Integrator::CentralDifferences,
+                step,
+            ),
         })
     }
 

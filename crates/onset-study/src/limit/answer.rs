@@ -231,7 +231,13 @@ impl Search<'_> {
         }
         let lattice = Some(waves.step).filter(|step| step.is_finite());
         let problem = waves.stiffer.as_ref().unwrap_or(&waves.problem);
-        FiniteBodyAnswer::new(problem, &self.strain.0, self.integrator, lattice)
+        let bodies = problem.analysis.finite_bodies(&self.strain.0)?;
+        Ok(FiniteBodyAnswer::new(
+            problem,
+            &bodies,
+            self.integrator,
+            lattice,
+        ))
     }
 
     /// Ratio of the step of finite bodies to the step of the lattice, if both are positive and finite.

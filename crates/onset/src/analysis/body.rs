@@ -2,7 +2,8 @@
 
 use super::in_space::InSpace;
 use super::{
-    Analysis, FiniteBodyGround, FiniteBodyStep, PatchParticle, PlaneWaves, Relaxing, SteppedWaves,
+    Analysis, FiniteBodyGround, FiniteBodyOscillations, PatchParticle, PlaneWaves, Relaxing,
+    SteppedWaves,
 };
 use crate::algebra::{Complex, array_of, eigenvalues};
 use crate::bloch::{RelaxingWaves, SpectrumSummary, ZoneSearch};
@@ -431,26 +432,20 @@ impl<const D: usize> Analysis for Body<D> {
     fn finite_bodies(
         &self,
         f: &DeformationGradient,
-        integrator: Integrator,
-        lattice: f64,
-    ) -> Result<Option<FiniteBodyStep>, MethodError> {
+    ) -> Result<FiniteBodyOscillations, MethodError> {
         let (discretization, material) = (&*self.discretization, &*self.material);
-        let stable = |own: Oscillation| own.critical_time_step(integrator);
-        let (time_step, ground) = match discretization.finite_bodies(material, f)? {
-            Some(FiniteBodies::Parts { squared, damping }) => {
-                let step = stable(Oscillation { squared, damping });
-                (step, FiniteBodyGround::Parts)
-            }
-            Some(FiniteBodies::Lattice) => (Some(lattice), FiniteBodyGround::Lattice),
-            None => {
-                let fastest = oscillation_of_free_blocks(discretization, material, f);
-                // The waves of the lattice travel inside a large body.
-                let step = fastest.and_then(stable).map(|step| step.min(lattice));
-                (step, FiniteBodyGround::Blocks)
-            }
+        let (fastest, ground) = match discretization.finite_bodies(material, f)? {
+            Some(FiniteBodies::Parts { squared, damping }) => (
+                Some(Oscillation { squared, damping }),
+                FiniteBodyGround::Parts,
+            ),
+            Some(FiniteBodies::Lattice) => (None, FiniteBodyGround::Lattice),
+            None => (
+                oscillation_of_free_blocks(discretization, material, f),
+                FiniteBodyGround::Blocks,
+            ),
         };
-        let time_step = time_step.filter(|step| *step > 0.0 && step.is_finite());
-        Ok(time_step.map(|time_step| FiniteBodyStep { time_step, ground }))
+        Ok(FiniteBodyOscillations { fastest, ground })
     }
 
     fn dispersion_errors(&self, wavelengths: &[f64]) -> Result<Vec<DispersionError>, MethodError> {

@@ -21,7 +21,7 @@ use crate::motion::{
     PatchMotion, PlacedParticle, fastest_mode, lowest_modes,
 };
 use crate::scheme::MethodChoices;
-use crate::time_step::{Integrator, Stepping, WaveParts};
+use crate::time_step::{Integrator, Oscillation, Stepping, WaveParts};
 use crate::verdict::{
     Assessment, Judged, PathError, PathScan, Probe, SurveyedState, WeakestMode, probe_material,
     scan_material,
@@ -272,18 +272,12 @@ pub trait Analysis: Send + Sync {
         work: &mut dyn FnMut(&mut dyn BodyMotion),
     ) -> Result<(), BodyError>;
 
-    /// Returns a stable time step of an integrator for all finite bodies at a state, given its step of the infinite lattice.
-    ///
-    /// The result is `None` if no step is known or stable.
+    /// Returns the fastest oscillations of finite bodies at a state, which give the time step that is stable for all of them.
     ///
     /// # Errors
     /// [`MethodError`] if material or method cannot be evaluated there.
-    fn finite_bodies(
-        &self,
-        f: &DeformationGradient,
-        integrator: Integrator,
-        lattice: f64,
-    ) -> Result<Option<FiniteBodyStep>, MethodError>;
+    fn finite_bodies(&self, f: &DeformationGradient)
+    -> Result<FiniteBodyOscillations, MethodError>;
 
     /// Returns the frequency errors at wavelengths given in particle spacings.
     ///
@@ -366,6 +360,31 @@ pub struct PatchParticle {
     pub site: usize,
     /// Position in the reference state; length.
     pub position: SVector<f64, 3>,
+}
+
+/// Fastest oscillations of finite bodies of a lattice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FiniteBodyOscillations {
+    /// Bounds of the oscillations of the single parts or of the blocks. `None` if they are unknown, or if the waves of the lattice bound them.
+    pub(crate) fastest: Option<Oscillation>,
+    /// Reason why the bounds hold.
+    pub(crate) ground: FiniteBodyGround,
+}
+
+impl FiniteBodyOscillations {
+    /// Returns the stable time step of an integrator for all finite bodies, given its step of the infinite lattice; `None` if no step is known or stable.
+    pub fn step(&self, integrator: Integrator, lattice: f64) -> Option<FiniteBodyStep> {
+        let own = self.fastest.map(|own| own.critical_time_step(integrator));
+        let time_step = match self.ground {
+            FiniteBodyGround::Lattice => Some(lattice),
+            FiniteBodyGround::Parts => own?,
+            // The waves of the lattice travel inside a large body.
+            FiniteBodyGround::Blocks => own?.map(|step| step.min(lattice)),
+        };
+        let ground = self.ground;
+        let time_step = time_step.filter(|step| *step > 0.0 && step.is_finite());
+        time_step.map(|time_step| FiniteBodyStep { time_step, ground })
+    }
 }
 
 /// Stable time step of an integrator for finite bodies of a lattice.

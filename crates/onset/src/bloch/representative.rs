@@ -76,11 +76,13 @@ impl<const D: usize> ZoneSearch<D> {
             && self.is_limit(softest, found.long_wave.scaled, found.tolerance);
         let lowest = finite(found.lowest, Measure::Lowest);
         let long_wave = self.representative_of_long(waves, found.long_wave);
+        let softest = match is_limit {
+            true => long_wave,
+            false => shown(found.softest),
+        };
         SpectrumSummary {
-            softest: match is_limit {
-                true => long_wave,
-                false => shown(found.softest),
-            },
+            softest,
+            bound: found.bound.min(softest.scaled),
             long_wave,
             lowest,
             fastest_growing: match found.fastest_growing == found.lowest {
@@ -238,11 +240,17 @@ impl<const D: usize> ZoneSearch<D> {
     ) -> Mode<D> {
         let all = (waves.omega_squared)(&k);
         let apart = |own: &Complex| (own - mode.omega_squared).norm();
-        let nearest = match measure {
+        let lowest = all.iter().min_by(|a, b| a.re.total_cmp(&b.re));
+        // A search can end above the wave that represents its end.
+        let known = mode.omega_squared.re;
+        let rounding = MEASURE_ROUNDING * known.abs() + ACOUSTIC_ROUNDING * fastest;
+        let lower = lowest.filter(|own| own.re < known - rounding);
+        let nearest = match (measure, lower) {
             // Opposite waves have conjugate frequencies, and both can grow.
-            Measure::Growth => all
+            (Measure::Growth, _) => all
                 .iter()
                 .max_by(|a, b| growth_rate(**a).total_cmp(&growth_rate(**b))),
+            (_, Some(lower)) => Some(lower),
             _ => all.iter().min_by(|a, b| apart(a).total_cmp(&apart(b))),
         };
         let Some(value) = nearest.copied() else {
@@ -251,9 +259,15 @@ impl<const D: usize> ZoneSearch<D> {
         let along = waves.to_spatial * k;
         Mode {
             wave_vector: k,
-            omega_squared: match measure {
-                Measure::Growth => value,
+            omega_squared: match (measure, lower) {
+                (Measure::Growth, _) | (_, Some(_)) => value,
                 _ => mode.omega_squared,
+            },
+            scaled: match (measure, lower) {
+                (Measure::Scaled, Some(lower)) => {
+                    lower.re / (self.speed_squared() * self.reference().laplacian(&k))
+                }
+                _ => mode.scaled,
             },
             polarization: polarized(&(waves.matrix)(&k), value, &along, fastest)
                 .unwrap_or(mode.polarization),

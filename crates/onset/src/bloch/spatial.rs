@@ -5,10 +5,16 @@
 
 use super::DynamicalMatrix;
 use super::dynamical_matrix::Term;
-use crate::algebra::{Deviator, Each, Zeros, array_of};
+use crate::algebra::{Deviator, Each, Zeros, array_of, symmetric_eigen};
 use crate::lattice::{WaveGrid, Wedge};
 use nalgebra::SMatrix;
 use pulp::{Arch, NullaryFnOnce};
+
+/// Ratio of the discriminant to `a^3` below which the closed form loses too many digits: about seven times the squared difference of two eigenvalues,
+/// relative to the third.
+const NEARLY_EQUAL: f64 = 1e-9;
+/// Squared antisymmetric part of a matrix that is symmetric to rounding, relative to its squared deviator.
+const SYMMETRIC: f64 = 1e-28;
 
 /// Entries of a matrix, by rows.
 pub(super) type Entries = [f64; 9];
@@ -30,7 +36,8 @@ pub(super) struct SpatialSpectrum {
 }
 
 impl SpatialSpectrum {
-    /// Computes the eigenvalues of a matrix. If eigenvalues are nearly equal, the error is of the order of the square root of rounding.
+    /// Computes the eigenvalues of a matrix. If eigenvalues of a matrix that is not symmetric are nearly equal, the error is of the order of the square
+    /// root of rounding.
     #[inline(always)]
     pub(super) fn of(entries: &Entries) -> Self {
         let deviator = Deviator::of(entries);
@@ -38,6 +45,17 @@ impl SpatialSpectrum {
         let discriminant = deviator.discriminant();
         let axial = [[1, 3], [2, 6], [5, 7]].each(|[i, j]| 0.5 * (entries[i] - entries[j]));
         let asymmetry = axial.iter().map(|x| x * x).sum();
+        if discriminant.abs() <= NEARLY_EQUAL * a.powi(3) && asymmetry <= SYMMETRIC * a {
+            let ([lowest, _, highest], _) = symmetric_eigen(&rows(entries));
+            return Self {
+                lowest,
+                highest,
+                discriminant,
+                imaginary_squared: 0.0,
+                pair: mean,
+                asymmetry,
+            };
+        }
         if discriminant >= 0.0 {
             let [lowest, highest] = deviator.outer();
             return Self {
@@ -203,6 +221,11 @@ impl<const D: usize> NullaryFnOnce for OnGrid<'_, D> {
     }
 }
 
+/// Rows of a matrix.
+fn rows(entries: &Entries) -> [[f64; 3]; 3] {
+    array_of(|i| array_of(|j| entries[3 * i + j]))
+}
+
 /// Entries of a matrix with three rows.
 fn entries_of<const D: usize>(matrix: &SMatrix<f64, D, D>) -> Entries {
     array_of(|e| matrix[(e / 3, e % 3)])
@@ -214,7 +237,7 @@ mod tests {
     use crate::algebra::eigenvalues;
     use crate::bloch::dynamical_matrix::ForceConstants;
     use crate::lattice::{LatticeKind, Reduced, WaveGrids};
-    use nalgebra::{Matrix3, Vector3};
+    use nalgebra::{Matrix3, Rotation3, Vector3};
 
     /// Bonds of a simple cubic lattice, and a term that assigns energy to translations, with their common symmetry.
     #[test]
@@ -271,6 +294,29 @@ mod tests {
                 // If eigenvalues are equal, the error is of the order of the square root of rounding.
                 for (values, exact) in outer.iter().zip([exact[0], exact[2]]) {
                     assert!((values[point] - exact).abs() < 1e-6, "{symmetries} {k}");
+                }
+            }
+        }
+    }
+
+    /// Softest waves of nearly incompressible laws: two eigenvalues are small, and their ratio to the third is a ratio of moduli.
+    #[test]
+    fn nearly_equal_eigenvalues_of_symmetric_matrices_keep_their_digits() {
+        let axes = Rotation3::new(Vector3::new(0.3, -0.8, 0.5));
+        for soft in [1e-3, 1e-6, 1e-9, 1e-12] {
+            for values in [
+                [soft, 2.0 * soft, 1.0],
+                [soft, soft, 1.0],
+                [-1.0, 1.0, 1.0 + soft],
+            ] {
+                let diagonal = Matrix3::from_diagonal(&Vector3::from(values));
+                let matrix = axes.matrix() * diagonal * axes.matrix().transpose();
+                let spectrum = SpatialSpectrum::of(&std::array::from_fn(|e| {
+                    0.5 * (matrix[(e / 3, e % 3)] + matrix[(e % 3, e / 3)])
+                }));
+                for (own, exact) in [(spectrum.lowest, values[0]), (spectrum.highest, values[2])] {
+                    let error = (own - exact).abs();
+                    assert!(error < 4e-15 + 1e-9 * soft, "{values:?}: {error:e}");
                 }
             }
         }

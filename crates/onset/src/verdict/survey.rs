@@ -4,7 +4,7 @@
 
 mod sampled;
 
-use super::weakest::{WeakestSearch, Well};
+use super::weakest::{Starts, WeakestSearch};
 use super::{
     Assessment, MaterialAssessment, Phase, Probe, Unfolding, Verdict, WEAK_WAVE_RATIO, WeakestMode,
     ZeroEnergyWave, decided, finite,
@@ -112,8 +112,8 @@ pub struct Ground<const D: usize> {
     reference: OnceLock<Result<WaveSystem<D>, MethodError>>,
     /// Strains of plane waves; independent of the material.
     strains: OnceLock<Result<Strains<D>, MethodError>>,
-    /// Local minima of the relative frequency on a grid in the reference configuration.
-    wells: OnceLock<Vec<Well<D>>>,
+    /// Starts of the search for the weakest wave, in the reference configuration.
+    starts: OnceLock<Starts<D>>,
     weakest: OnceLock<Option<WeakestMode<D>>>,
 }
 
@@ -319,7 +319,7 @@ impl<'a, const D: usize> Survey<'a, D> {
                 moments: None,
                 reference: OnceLock::new(),
                 strains: OnceLock::new(),
-                wells: OnceLock::new(),
+                starts: OnceLock::new(),
                 weakest: OnceLock::new(),
             }),
         })
@@ -805,7 +805,7 @@ impl<'a, const D: usize> Survey<'a, D> {
             unfolding: Unfolding::new(self.discretization, self.material, self.reference()?)?,
             zone: BrillouinZone::new(*self.discretization.crystal().lattice()),
             strains: self.strains()?,
-            wells: &self.ground.wells,
+            starts: &self.ground.starts,
         })
     }
 }

@@ -22,6 +22,11 @@ const MIN_GRID: usize = 6;
 const FOLLOWED_WELLS: usize = 4;
 /// Number of different values of wells that are followed.
 const FOLLOWED_VALUES: usize = 8;
+/// Number of the lowest values on the grid from which descents start where the grid has no minimum. A narrow well beside the minimum of a kink need not
+/// have a minimum on the grid.
+const LOWEST_VALUES: usize = 12;
+/// Relative difference by which the end of such a descent must be lower than all known bottoms.
+const LOWER_BOTTOM: f64 = 1e-6;
 /// Largest relative difference of the values of images.
 const EQUAL_VALUES: f64 = 1e-9;
 /// Largest distance from a kink, in grid steps: for a grid minimum, and for the end of a descent.
@@ -40,16 +45,25 @@ pub(crate) struct Bottom<const D: usize> {
     pub(crate) wave_vector: SVector<f64, D>,
 }
 
-/// A minimum of the squared relative frequency on the grid of wave vectors.
-pub(super) type Well<const D: usize> = (f64, SVector<f64, D>);
+/// Squared relative frequency at a wave vector.
+type Well<const D: usize> = (f64, SVector<f64, D>);
+
+/// Starts of descents on the grid of wave vectors, the lowest first.
+#[derive(Clone, Debug)]
+pub(super) struct Starts<const D: usize> {
+    /// Minima on the grid.
+    wells: Vec<Well<D>>,
+    /// Other points with the lowest values, one of each value.
+    others: Vec<Well<D>>,
+}
 
 /// Search for the weakest waves.
 pub(crate) struct WeakestSearch<'a, const D: usize> {
     pub(crate) unfolding: Unfolding<'a, D>,
     pub(crate) zone: BrillouinZone<D>,
     pub(crate) strains: &'a Strains<D>,
-    /// Minima on the grid, from [`wells`](Self::wells), which takes most of the time.
-    pub(super) wells: &'a OnceLock<Vec<Well<D>>>,
+    /// Starts of descents, which take most of the time.
+    pub(super) starts: &'a OnceLock<Starts<D>>,
 }
 
 impl<const D: usize> WeakestSearch<'_, D> {
@@ -69,8 +83,7 @@ impl<const D: usize> WeakestSearch<'_, D> {
         points
     }
 
-    /// Minima of the squared relative frequency on the grid, the lowest first.
-    fn wells(&self) -> Vec<Well<D>> {
+    fn starts(&self) -> Starts<D> {
         let n = self.points();
         let reciprocal = self.zone.lattice().reciprocal();
         let count = n.pow(D as u32);
@@ -88,12 +101,22 @@ impl<const D: usize> WeakestSearch<'_, D> {
         let values: Vec<f64> = (0..half)
             .map(|index| self.ratio(&wave_vector(index)))
             .collect();
-        let wells = (0..half).filter(|index| is_well::<D>(&values, *index, n));
-        let mut wells: Vec<Well<D>> = wells
-            .map(|index| (values[index], wave_vector(index)))
-            .collect();
-        sort_by_value(&mut wells, |well| well.0);
-        wells
+        let mut sorted: Vec<usize> = (0..half).collect();
+        sort_by_value(&mut sorted, |index| values[*index]);
+        let own = |index: usize| (values[index], wave_vector(index));
+        let (wells, others): (Vec<usize>, Vec<usize>) =
+            (sorted.into_iter()).partition(|index| is_well::<D>(&values, *index, n));
+        let mut others: Vec<Well<D>> = others.into_iter().map(own).collect();
+        others.dedup_by(|b, a| b.0 <= a.0 * (1.0 + EQUAL_VALUES));
+        // Cells with several particles have many kinks, and their waves take long.
+        others.truncate(match self.unfolding.sites() {
+            1 => LOWEST_VALUES,
+            _ => 0,
+        });
+        Starts {
+            wells: wells.into_iter().map(own).collect(),
+            others,
+        }
     }
 
     /// Minima of the relative frequency, the lowest first: the deepest minima, and all minima whose squared ratio may be below `limit`.
@@ -105,7 +128,8 @@ impl<const D: usize> WeakestSearch<'_, D> {
         });
         let mut bottoms: Vec<Bottom<D>> = alternating.collect();
         let (mut followed, mut values, mut last) = (0, 0, 0.0);
-        for &(value, k) in self.wells.get_or_init(|| self.wells()) {
+        let starts = self.starts.get_or_init(|| self.starts());
+        for &(value, k) in &starts.wells {
             if let Some(zero) = self.zero(value, &k) {
                 bottoms.push(zero);
                 continue;
@@ -116,16 +140,31 @@ impl<const D: usize> WeakestSearch<'_, D> {
                 followed += 1;
                 values += usize::from(is_new);
                 last = value;
-                let (ratio, k) = self.bottom((value, k), &steps);
-                let bottom = Bottom {
-                    ratio,
-                    wave_vector: self.zone.folded(&k),
-                };
-                bottoms.push(self.zero(ratio, &k).unwrap_or(bottom));
+                bottoms.push(self.bottom_of((value, k), &steps));
             }
         }
         sort_by_value(&mut bottoms, |bottom| bottom.ratio);
+        let all_at = |all: &[SVector<f64, D>]| all.iter().map(|k| self.ratio(k)).collect();
+        for &start in &starts.others {
+            let lowest = bottoms.first().map_or(f64::INFINITY, |bottom| bottom.ratio);
+            if lowest == 0.0 {
+                break;
+            }
+            let end = settled(&all_at, start, &steps);
+            if end.0 < lowest * (1.0 - LOWER_BOTTOM) {
+                bottoms.insert(0, self.bottom_of(end, &steps));
+            }
+        }
         bottoms
+    }
+
+    /// Bottom of a well; a zero-energy mode if it is one.
+    fn bottom_of(&self, start: Well<D>, steps: &SMatrix<f64, D, D>) -> Bottom<D> {
+        let (ratio, k) = self.bottom(start, steps);
+        self.zero(ratio, &k).unwrap_or(Bottom {
+            ratio,
+            wave_vector: self.zone.folded(&k),
+        })
     }
 
     /// Zero-energy mode at a wave vector with a small squared ratio, or close to it.
@@ -149,11 +188,7 @@ impl<const D: usize> WeakestSearch<'_, D> {
 
     /// Bottom of a well in the closed zone. The ratio has kinks where the shortest equivalent wave vector changes, for example on the faces of the
     /// zone. Minima lie between kinks, on one kink, or where several meet, and each of these sets is searched separately.
-    fn bottom(
-        &self,
-        start: (f64, SVector<f64, D>),
-        steps: &SMatrix<f64, D, D>,
-    ) -> (f64, SVector<f64, D>) {
+    fn bottom(&self, start: Well<D>, steps: &SMatrix<f64, D, D>) -> Well<D> {
         let at = |k: &SVector<f64, D>| self.ratio(k);
         let size = steps.column_iter().map(|step| step.norm());
         let size = size.fold(0.0, f64::max);

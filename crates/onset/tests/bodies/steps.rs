@@ -89,12 +89,9 @@ fn sph(case: &Value) -> Box<dyn Analysis> {
 fn finite(method: &dyn Analysis) -> (f64, FiniteBodyGround) {
     let rest = DeformationGradient::identity();
     let lattice = method.critical_time_step(&rest, Integrator::CentralDifferences);
-    let found = method.finite_bodies(
-        &rest,
-        Integrator::CentralDifferences,
-        lattice.expect("a step"),
-    );
-    let found = found.expect("a state").expect("a bound");
+    let found = method.finite_bodies(&rest).expect("a state");
+    let found = found.step(Integrator::CentralDifferences, lattice.expect("a step"));
+    let found = found.expect("a bound");
     (found.time_step, found.ground)
 }
 
@@ -369,8 +366,9 @@ fn a_mirrored_state_and_a_turned_lattice_have_the_finite_body_step_of_the_origin
     let step = |method: MethodChoices, f: [[f64; 3]; 3]| {
         let method = analysis(&method, material.clone()).expect("a method");
         let f = DeformationGradient::new(f).expect("a state");
-        let found = method.finite_bodies(&f, Integrator::CentralDifferences, f64::INFINITY);
-        found.expect("a state").expect("a bound").time_step
+        let found = method.finite_bodies(&f).expect("a state");
+        let found = found.step(Integrator::CentralDifferences, f64::INFINITY);
+        found.expect("a bound").time_step
     };
     let sheared = |shear: f64| [[1.0, shear, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     // The lattice turned by `angle`, and the state turned with it: `R F R^T`.
@@ -453,9 +451,8 @@ fn the_step_of_free_blocks_does_not_depend_on_the_description_of_the_crystal() {
             ];
             methods.map(|method| {
                 let own = analysis(&method, Arc::from(law(0.3))).expect("a method");
-                let found = own
-                    .finite_bodies(&f, Integrator::CentralDifferences, f64::INFINITY)
-                    .expect("a state");
+                let found = own.finite_bodies(&f).expect("a state");
+                let found = found.step(Integrator::CentralDifferences, f64::INFINITY);
                 let found = found.expect("a step");
                 assert_eq!(found.ground, FiniteBodyGround::Blocks);
                 found.time_step

@@ -1,7 +1,7 @@
 //! Weakest wave, compared with a dense search over the closed zone.
 
 use crate::dense::Waves;
-use crate::hunt::hunted;
+use crate::hunt::seeds;
 use crate::methods::{Drawn, material, method};
 use crate::random::Random;
 use nalgebra::{DMatrix, SMatrix, SVector};
@@ -19,12 +19,15 @@ const DIFFERENCE: f64 = 1e-5;
 /// Largest length of the wave vector of a long wave, in units of the reciprocal vectors.
 const LONG: f64 = 2e-3;
 
+/// Seeds of methods with a narrow well beside the minimum of a kink.
+const MENDED: &[u64] = &[50_000_131, 50_001_072];
+
 #[test]
 fn no_wave_of_any_method_is_weaker_than_the_reported_weakest_wave() {
-    let (seed, cases) = hunted(24);
+    let seeds = seeds(24, MENDED);
     let (mut compared, mut wrong) = (0, Vec::new());
-    for case in 0..cases as u64 {
-        let mut random = Random::new(seed + case);
+    for seed in &seeds {
+        let mut random = Random::new(*seed);
         let complaint = match random.one_of(&[1, 2, 2, 2, 3]) {
             1 => checked::<1>(&mut random),
             2 => checked::<2>(&mut random),
@@ -33,12 +36,17 @@ fn no_wave_of_any_method_is_weaker_than_the_reported_weakest_wave() {
         let Some(complaint) = complaint else { continue };
         compared += 1;
         if !complaint.is_empty() {
-            eprintln!("seed {}: {complaint}", seed + case);
+            eprintln!("seed {seed}: {complaint}");
             wrong.push(complaint);
         }
     }
+    eprintln!(
+        "{compared} of {} compared, {} complaints",
+        seeds.len(),
+        wrong.len()
+    );
     assert!(wrong.is_empty(), "{} complaints", wrong.len());
-    assert!(5 * compared > cases, "{compared} of {cases}");
+    assert!(5 * compared > seeds.len(), "{compared} of {}", seeds.len());
 }
 
 /// Relative frequency from the spectrum of the particles and the acoustic tensor.

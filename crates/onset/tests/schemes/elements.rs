@@ -8,13 +8,14 @@ use onset::bloch::{WaveSystem, ZoneSearch};
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::{BravaisLattice, Crystal, LatticeKind, Particle, WaveGrids};
-use onset::material::{BlatzKo, Hyperelastic};
+use onset::material::{BlatzKo, Hyperelastic, Law};
 use onset::method::MethodError;
 use onset::scheme::element::{
     ElementChoices, ElementMass, ElementMesh, ElementOrder, ElementShape, FiniteElements,
     Formulation, HourglassScale, Integration, Mesh, MeshError,
 };
 use onset::scheme::{Discretization, PeriodicPatch};
+use onset::verdict::Survey;
 use std::f64::consts::{PI, TAU};
 
 const LAMBDA: f64 = 0.7;
@@ -913,5 +914,25 @@ fn errors_of_frequencies_are_of_second_order_with_linear_and_of_fourth_order_wit
         let (linear, quadratic) = (ratio(ElementOrder::Linear), ratio(ElementOrder::Quadratic));
         assert!((linear - 4.0).abs() < 0.3, "{mesh:?}: {linear}");
         assert!((quadratic - 16.0).abs() < 1.5, "{mesh:?}: {quadratic}");
+    }
+}
+
+#[test]
+fn the_softest_wave_of_mean_dilatation_does_not_depend_on_the_bulk_modulus() {
+    let f = DeformationGradient::from_stretches([1.2, 0.9, 0.95]).expect("a state");
+    let scheme = elements::<3>(ElementMesh::Bricks, mean_dilatation());
+    let law = Law::named("neo-hooke-isochoric").expect("a law");
+    let mut squares = Vec::new();
+    for kappa in [1e4, 1e6, 1e8, 1e9, 1e10, 1e11, 1e12] {
+        let material = law.build(&[("mu", 1.0), ("kappa", kappa)]);
+        let material = material.expect("a material");
+        let survey = Survey::new(&scheme, &*material).expect("a survey");
+        let softest = survey.spectrum(&f).expect("a spectrum").softest;
+        // Nodes move against all of their neighbors, which changes no volume of an element.
+        let apart = softest.wave_vector.map(|x| (x * SPACING).abs() - PI);
+        assert!(apart.amax() < 1e-6, "{kappa:e}: {:?}", softest.wave_vector);
+        squares.push(softest.omega_squared.re);
+        let error = softest.omega_squared.re / squares[0] - 1.0;
+        assert!(error.abs() < 1e-6 + 1e-15 * kappa, "{kappa:e}: {error:e}");
     }
 }

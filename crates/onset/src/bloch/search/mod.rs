@@ -590,7 +590,7 @@ impl<const D: usize> ZoneSearch<D> {
     pub(in crate::bloch) fn long_wave_mode(&self, stiffness: &Stiffness<D>) -> Mode<D> {
         // With `k = G^-1/2 m` the scale `|k|_h^2 -> k.G k` becomes `|m|^2`.
         let map = self.grids.long_wave_map();
-        let mapped = stiffness.with_directions_mapped(map).minimum_by_descent();
+        let mapped = stiffness.with_directions_mapped(map).smallest();
         let mode = |minimum: &AcousticMinimum<D>, direction: SVector<f64, D>, scaled: f64| Mode {
             wave_vector: direction.normalize(),
             is_long_wave: true,
@@ -606,7 +606,7 @@ impl<const D: usize> ZoneSearch<D> {
         }
         // A metric of other coordinates can be so anisotropic that rounding decides the sign of the quotient. The sign is then taken from the
         // numerator.
-        let plain = stiffness.minimum_by_descent();
+        let plain = stiffness.smallest();
         let metric = self.reference().long_wave_metric();
         let value = plain.eigenvalue.re / self.speed_squared;
         let witness = value / plain.direction.dot(&(metric * plain.direction));

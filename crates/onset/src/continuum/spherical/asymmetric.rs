@@ -6,6 +6,7 @@
 //! cone where all their coefficients are positive, every real part exceeds the level.
 
 use super::cover::{Cover, Triangle, cover, octants};
+use super::descent::across;
 use super::form::Form;
 use super::{Axes, Blocks, Minimum, dot, spread, symmetric_minimum};
 use crate::algebra::{Complex, Deviator, Each, array_of, eigenvalues, sort_by_value};
@@ -15,14 +16,16 @@ use nalgebra::{Matrix3, SMatrix};
 const STARTS: usize = 4;
 /// Number of directions that are followed to the largest imaginary part.
 const FLUTTERING: usize = 4;
-/// Initial step of a descent.
-const INITIAL_STEP: f64 = 0.1;
-/// Smallest step before the best directions are known.
+/// Longest step of a descent, an angle.
+const LONGEST_STEP: f64 = 0.2;
+/// Shortest step before the best directions are known.
 const COARSE_STEP: f64 = 1e-3;
-/// Smallest step of the final descent to a minimum.
+/// Shortest step of a descent to a minimum.
 const FINEST_STEP: f64 = 1e-9;
-/// Largest expected decrease of the real part by steps finer than [`COARSE_STEP`], for a stiffness of magnitude one.
-const FINE_STEP_DECREASE: f64 = 1e-4;
+/// Largest number of steps of a descent.
+const STEPS: usize = 60;
+/// Distance of directions whose differences are derivatives, an angle.
+const DIFFERENCE: f64 = 1e-4;
 /// Largest difference between the real parts of symmetric images of one direction.
 const IMAGE_TOLERANCE: f64 = 1e-13;
 /// Largest number of triangles of a cover.
@@ -42,9 +45,12 @@ pub(super) fn minimum<const D: usize>(
     let blocks = in_three_dimensions(blocks);
     let real_part = |n: &Axes<f64>| lowest_real_part(&blocks, n);
     let mut best = found(&blocks);
-    // No real part is below the smallest eigenvalue of the symmetric part (Bendixson).
-    let mut bound = symmetric_minimum(symmetric_part, below).1;
-    'resolutions: for resolution in RESOLUTIONS {
+    let mut bound = f64::NEG_INFINITY;
+    'resolutions: for (n, resolution) in RESOLUTIONS.into_iter().enumerate() {
+        if n == 1 {
+            // No real part is below the smallest eigenvalue of the symmetric part (Bendixson).
+            bound = symmetric_minimum(symmetric_part, below).1;
+        }
         for _ in 0..COVERS {
             let level = (best.0 - resolution).min(below);
             if bound >= level {
@@ -56,8 +62,7 @@ pub(super) fn minimum<const D: usize>(
                 Cover::Above => bound = level,
                 Cover::Fails(direction) => {
                     let n = unit(direction);
-                    let end =
-                        descended((real_part(&n), n), &real_part, [INITIAL_STEP, FINEST_STEP]);
+                    let end = descended((real_part(&n), n), &real_part, FINEST_STEP);
                     if end.0 >= best.0 {
                         break;
                     }
@@ -78,15 +83,10 @@ pub(super) fn minimum<const D: usize>(
 fn found(blocks: &Blocks3) -> (f64, Axes<f64>) {
     let real_part = |n: &Axes<f64>| lowest_real_part(blocks, n);
     let starts = spread(false).map(unit).map(|n| (real_part(&n), n));
-    let near = distinct(starts.collect())
+    distinct(starts.collect())
         .into_iter()
         .take(STARTS)
-        .map(|start| descended(start, &real_part, [INITIAL_STEP, COARSE_STEP]));
-    let ends = distinct(near.collect());
-    let lowest = ends[0].0;
-    ends.into_iter()
-        .take_while(|end| end.0 <= lowest + FINE_STEP_DECREASE)
-        .map(|end| descended(end, &real_part, [COARSE_STEP, FINEST_STEP]))
+        .map(|start| descended(start, &real_part, FINEST_STEP))
         .reduce(|best, end| if end.0 < best.0 { end } else { best })
         .unwrap_or((f64::NAN, [1.0, 0.0, 0.0]))
 }
@@ -96,11 +96,6 @@ fn distinct(mut all: Vec<(f64, Axes<f64>)>) -> Vec<(f64, Axes<f64>)> {
     sort_by_value(&mut all, |item| item.0);
     all.dedup_by(|b, a| b.0 - a.0 <= IMAGE_TOLERANCE);
     all
-}
-
-/// Direction of the lowest real part found.
-pub(super) fn descended_direction<const D: usize>(blocks: &Blocks<D>) -> Axes<f64> {
-    found(&in_three_dimensions(blocks)).1
 }
 
 /// Direction of the largest imaginary part found; an arbitrary direction if all eigenvalues are real.
@@ -114,29 +109,21 @@ pub(in crate::continuum) fn fluttering_direction<const D: usize>(blocks: &Blocks
             .fold(0.0_f64, |most, value| most.max(value.im))
     };
     let ends = spread(false).map(unit).map(|n| {
-        let (value, n) = descended(
-            (discriminant(&n), n),
-            &discriminant,
-            [INITIAL_STEP, COARSE_STEP],
-        );
+        let (value, n) = descended((discriminant(&n), n), &discriminant, COARSE_STEP);
         match imaginary(&n) {
             // Directions with real eigenvalues are sorted by the discriminant, lowest first.
             0.0 => (value.max(0.0), n),
-            found => descended((found, n), &imaginary, [INITIAL_STEP, COARSE_STEP]),
+            found => descended((found, n), &imaginary, COARSE_STEP),
         }
     });
     let mut ends: Vec<(f64, Axes<f64>)> = ends.collect();
     sort_by_value(&mut ends, |item| item.0);
     let followed = ends.iter().take(FLUTTERING).map(|end| match end.0 < 0.0 {
-        true => descended(*end, &imaginary, [INITIAL_STEP, FINEST_STEP]),
+        true => descended(*end, &imaginary, FINEST_STEP),
         // Complex eigenvalues in a narrow range between real eigenvalues are found only by minimizing the discriminant.
         false => {
-            let (_, n) = descended(
-                (discriminant(&end.1), end.1),
-                &discriminant,
-                [INITIAL_STEP, FINEST_STEP],
-            );
-            descended((imaginary(&n), n), &imaginary, [INITIAL_STEP, FINEST_STEP])
+            let (_, n) = descended((discriminant(&end.1), end.1), &discriminant, FINEST_STEP);
+            descended((imaginary(&n), n), &imaginary, FINEST_STEP)
         }
     });
     let best = followed.min_by(|a, b| a.0.total_cmp(&b.0));
@@ -178,31 +165,64 @@ fn unit(n: Axes<f64>) -> Axes<f64> {
     n.each(|component| component / length)
 }
 
-/// Coordinate search on the sphere with a step that shrinks from `first` to `finest`.
+/// Newton's method on the sphere, with derivatives from differences, until no step longer than `finest` decreases the value.
+///
+/// The directions of the steps do not depend on the axes. Where the curvature is negative, the longest step is taken. Where eigenvalues cross, the
+/// lowest has a ridge, from which every step along the mean slope descends.
 fn descended(
     (mut value, mut direction): (f64, Axes<f64>),
     objective: &impl Fn(&Axes<f64>) -> f64,
-    [first, finest]: [f64; 2],
+    finest: f64,
 ) -> (f64, Axes<f64>) {
-    let mut step = first;
-    while step > finest {
-        let mut is_better = false;
-        for axis in 0..3 {
-            for sign in [step, -step] {
-                let mut trial = direction;
-                trial[axis] += sign;
-                let trial = unit(trial);
-                let trial_value = objective(&trial);
-                if trial_value < value {
-                    (value, direction, is_better) = (trial_value, trial, true);
-                }
+    for _ in 0..STEPS {
+        let [a, b] = across(&direction);
+        let at = |x: f64, y: f64| unit(array_of(|i| direction[i] + x * a[i] + y * b[i]));
+        let step = newton_step(value, |x, y| objective(&at(x, y)));
+        let length = step[0].hypot(step[1]);
+        let mut share = 1.0;
+        let next = loop {
+            if !(share * length > finest) {
+                return (value, direction);
             }
-        }
-        if !is_better {
-            step *= 0.5;
-        }
+            let [x, y] = step.each(|part| share * part);
+            let next = at(x, y);
+            let reached = objective(&next);
+            if reached < value {
+                break (reached, next);
+            }
+            share *= 0.25;
+        };
+        (value, direction) = next;
     }
     (value, direction)
+}
+
+/// Step of Newton's method from a function of two coordinates at zero, where it has a given value.
+fn newton_step(value: f64, function: impl Fn(f64, f64) -> f64) -> [f64; 2] {
+    let h = DIFFERENCE;
+    let [right, left] = [function(h, 0.0), function(-h, 0.0)];
+    let [above, below] = [function(0.0, h), function(0.0, -h)];
+    let slope = [0.5 * (right - left) / h, 0.5 * (above - below) / h];
+    let xx = (right - 2.0 * value + left) / (h * h);
+    let yy = (above - 2.0 * value + below) / (h * h);
+    let along = value + h * (slope[0] + slope[1]) + 0.5 * h * h * (xx + yy);
+    let xy = (function(h, h) - along) / (h * h);
+    let (mean, difference) = (0.5 * (xx + yy), (0.5 * (xx - yy)).hypot(xy));
+    let (sine, cosine) = (0.5 * xy.atan2(0.5 * (xx - yy))).sin_cos();
+    let principal = [
+        (mean + difference, [cosine, sine]),
+        (mean - difference, [-sine, cosine]),
+    ];
+    let mut step = [0.0; 2];
+    for (curvature, axis) in principal {
+        let slope = axis[0] * slope[0] + axis[1] * slope[1];
+        let length = match curvature > 0.0 {
+            true => (-slope / curvature).clamp(-LONGEST_STEP, LONGEST_STEP),
+            false => LONGEST_STEP.copysign(-slope),
+        };
+        (0..2).for_each(|i| step[i] += length * axis[i]);
+    }
+    step
 }
 
 /// Tests whether the real parts of all eigenvalues exceed a level in the directions of a triangle.

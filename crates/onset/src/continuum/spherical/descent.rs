@@ -128,7 +128,7 @@ fn newton_direction(form: &Form<f64>, wave: &Wave) -> Option<Axes<f64>> {
 }
 
 /// Two unit vectors orthogonal to a unit vector and to each other.
-fn across(v: &Axes<f64>) -> [Axes<f64>; 2] {
+pub(super) fn across(v: &Axes<f64>) -> [Axes<f64>; 2] {
     let axis = if v[0].abs() < 0.6 {
         [1.0, 0.0, 0.0]
     } else {

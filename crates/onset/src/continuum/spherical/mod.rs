@@ -64,15 +64,6 @@ pub(super) fn minimum<const D: usize>(blocks: &Blocks<D>, below: f64) -> Minimum
     }
 }
 
-/// Direction of the lowest real part found by descents from some directions, without a bound.
-pub(super) fn descended_direction<const D: usize>(blocks: &Blocks<D>) -> Axes<f64> {
-    if asymmetry(blocks) > SYMMETRIC {
-        return asymmetric::descended_direction(blocks);
-    }
-    let form = symmetric_part(blocks);
-    found(&form, form.is_orthotropic()).direction
-}
-
 fn symmetric_part<const D: usize>(blocks: &Blocks<D>) -> Form<f64> {
     Form::from_fn(|i, j, k, l| 0.5 * (blocks[j][l][(i, k)] + blocks[j][l][(k, i)]))
 }
