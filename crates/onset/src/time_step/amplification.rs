@@ -1,8 +1,8 @@
 //! Amplification matrices and the largest stable step.
 
 use super::{Integrator, runge_kutta};
-use crate::algebra::{Complex, any_eigenvalues};
-use crate::bloch::{WaveSystem, ZERO_FREQUENCY_NOISE_FACTOR, ZoneSearch};
+use crate::algebra::{Complex, any_eigenvalues, hermitian_eigenvalues};
+use crate::bloch::{BlochSum, WaveSystem, ZERO_FREQUENCY_NOISE_FACTOR, ZoneSearch};
 use nalgebra::{DMatrix, SVector};
 
 /// Distance outside the unit circle that an eigenvalue can have by rounding.
@@ -54,6 +54,24 @@ impl Amplification {
             damping: one(Complex::new(0.0, 0.0)),
             drift: one(Complex::new(1.0, 0.0)),
         }
+    }
+
+    /// Smallest step of central differences with the factor `-1`, a solution of `(4 - 2 dt C - dt^2 K) u = 0`; infinite if there is none.
+    ///
+    /// The reciprocal steps are eigenvalues of a companion matrix. They are real if `K` and `C` are Hermitian and `K` is positive semidefinite.
+    fn alternating_step(&self) -> f64 {
+        let n = self.stiffness.nrows();
+        let mut matrix = DMatrix::zeros(2 * n, 2 * n);
+        let [half, quarter] = [0.5, 0.25].map(Complex::from);
+        matrix
+            .view_mut((0, 0), (n, n))
+            .copy_from(&(&self.damping * half));
+        matrix
+            .view_mut((0, n), (n, n))
+            .copy_from(&(&self.stiffness * quarter));
+        matrix.view_mut((n, 0), (n, n)).fill_with_identity();
+        let values = any_eigenvalues(&matrix).unwrap_or_default().into_iter();
+        values.map(|z| z.re).fold(0.0, f64::max).recip()
     }
 
     /// Amplification matrix `G(dt)` with `(u, v)' = G (u, v)`; shape `2 n x 2 n`.
@@ -149,6 +167,14 @@ struct DampedWave {
     bound: f64,
     /// Rate of growth that an integrator may add, zero in stable states; 1/time.
     slack: f64,
+    /// True if no solution grows, the stiffness is Hermitian, and the damping Hermitian and positive semidefinite.
+    is_dissipative: bool,
+}
+
+/// Returns true if stiffness and damping are Hermitian and velocities move particles unsmoothed.
+fn is_symmetric<const D: usize>(system: &WaveSystem<D>) -> bool {
+    let damping = system.damping();
+    system.is_hermitian() && system.drift().is_none() && damping.is_none_or(BlochSum::is_hermitian)
 }
 
 /// Source of the amplification factors of a step.
@@ -164,6 +190,7 @@ impl DampedWave {
         system: &WaveSystem<D>,
         integrator: Integrator,
         k: &SVector<f64, D>,
+        is_symmetric: bool,
     ) -> Self {
         // Zero-energy modes neither oscillate nor limit a step by the rounding of their frequencies.
         let noise = ZERO_FREQUENCY_NOISE_FACTOR * system.noise();
@@ -189,9 +216,12 @@ impl DampedWave {
                 Some(stages) => Factors::Polynomial(stages.polynomial()),
                 None => Factors::Matrix(Amplification::new(system, k), integrator),
             },
-            rates,
             bound: 2.0 / fastest,
             slack: 0.0,
+            is_dissipative: is_symmetric
+                && rates.iter().all(|rate| rate.re <= 0.0)
+                && system.damping().is_some_and(|own| is_positive(own.at(k))),
+            rates,
         }
     }
 
@@ -250,6 +280,13 @@ impl DampedWave {
                     .map(|(rate, size)| runge_kutta::reach(polynomial, rate / size) / size);
                 steps.fold(f64::INFINITY, f64::min)
             }
+            // A factor leaves the unit circle at -1 alone: for a unit vector `u` the quadratic equation of the factors has real coefficients, and the
+            // product of its solutions is 1 - dt u.C u.
+            Factors::Matrix(wave, Integrator::CentralDifferences)
+                if self.is_dissipative && self.slack == 0.0 && self.bound.is_finite() =>
+            {
+                wave.alternating_step()
+            }
             _ => self.first_loss(1.02 * self.bound),
         }
     }
@@ -290,6 +327,14 @@ impl DampedWave {
     }
 }
 
+/// Returns true if a Hermitian matrix has no negative eigenvalue, apart from rounding.
+fn is_positive(matrix: DMatrix<Complex>) -> bool {
+    let values = hermitian_eigenvalues(matrix);
+    let magnitudes = values.iter().map(|value| value.norm());
+    let rounding = POLYNOMIAL_TOLERANCE * magnitudes.fold(0.0, f64::max);
+    values.iter().all(|value| value.re >= -rounding)
+}
+
 /// Returns the largest stable step of an integrator for the waves with one wave vector. Time.
 ///
 /// It is the first step at which more amplification factors lie outside the unit circle than solutions of the equations of motion grow, so physically
@@ -304,7 +349,7 @@ pub fn critical_time_step_at<const D: usize>(
         let fastest = system.omega_squared(k).last().map_or(0.0, |z| z.re);
         return undamped_time_step(integrator, fastest.max(0.0).sqrt());
     }
-    DampedWave::new(system, integrator, k).critical_step()
+    DampedWave::new(system, integrator, k, is_symmetric(system)).critical_step()
 }
 
 /// Returns the largest stable step without damping for a given largest frequency. Time.
@@ -332,8 +377,9 @@ pub fn critical_time_step<const D: usize>(
         return undamped_time_step(integrator, summary.maximum_omega);
     }
     let growth = summary.growth_rate();
+    let is_symmetric = is_symmetric(system);
     let at = |k: &SVector<f64, D>| {
-        let wave = DampedWave::new(system, integrator, k);
+        let wave = DampedWave::new(system, integrator, k, is_symmetric);
         wave.beside(growth).critical_step()
     };
     search.least_of(system, &at).0

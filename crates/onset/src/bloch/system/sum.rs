@@ -71,6 +71,19 @@ impl<const D: usize> BlochBlocks<D> {
         *entry.or_insert_with(SMatrix::zeros) += block;
     }
 
+    /// Returns the collection with each block replaced.
+    pub(crate) fn each(
+        &self,
+        replaced: impl Fn(&SMatrix<f64, D, D>) -> SMatrix<f64, D, D>,
+    ) -> Self {
+        let blocks = self.blocks.iter();
+        Self {
+            blocks: blocks
+                .map(|(pair, block)| (*pair, replaced(block)))
+                .collect(),
+        }
+    }
+
     /// Collects blocks between the given particles, addressed by their indices.
     pub(crate) fn between<'a>(&'a mut self, particles: &'a [Particle<D>]) -> Between<'a, D> {
         Between {
