@@ -15,7 +15,7 @@ use onset::scheme::sph::{
 };
 use onset::scheme::{Discretization, PeriodicPatch, SeenForm, StrainOperator};
 use onset::verdict::{Survey, WEAK_WAVE_RATIO};
-use std::f64::consts::PI;
+use std::f64::consts::TAU;
 
 const LAMBDA: f64 = 1.7;
 const MU: f64 = 0.8;
@@ -125,10 +125,12 @@ fn assert_forces_follow_from_the_energy<const D: usize>(kind: LatticeKind, radiu
     let lattice = own.lattice();
     let number = |i: usize, x: &SVector<f64, D>| {
         let to = own.position(&patch.particles()[i]) + x;
-        let cell = (lattice.reciprocal().transpose() / (2.0 * PI) * to);
+        let cell = lattice.reciprocal().transpose() / TAU * to;
         patch.number(&Particle {
             site: 0,
-            cell: cell.map(|c| (c.round() as i32).rem_euclid(side as i32)).into(),
+            cell: cell
+                .map(|c| (c.round() as i32).rem_euclid(side as i32))
+                .into(),
         })
     };
     let total = |u: &[SVector<f64, D>]| -> f64 {
@@ -247,7 +249,7 @@ fn gradients_of_bonds_pass_the_scheme_checks_with_all_other_choices() {
             corrected,
             penalty,
             shear,
-            ..choices(1.6, ParticleGradient::Bonds)
+            ..choices(2.1, ParticleGradient::Bonds)
         };
         let chain = TotalLagrangianSph::new(crystal::<1>(LatticeKind::Chain), choices.clone());
         assert_scheme(&chain.expect("a scheme"), &material, &f);
@@ -309,19 +311,17 @@ fn linear_fields_are_exact_at_the_faces_of_a_block_and_between_irregular_particl
     }
 }
 
-/// Number of zero-energy modes and the weakest wave.
-fn modes<const D: usize>(
+fn zero_energy_modes<const D: usize>(
     kind: LatticeKind,
     radius: f64,
     gradient: ParticleGradient,
-) -> (usize, f64) {
+) -> usize {
     let material = ModifiedMooneyRivlin::default();
     let sph = TotalLagrangianSph::new(crystal::<D>(kind), choices(radius, gradient));
     let sph = sph.expect("a scheme");
     let survey = Survey::new(&sph, &material).expect("a survey");
     let found = spurious_modes(&survey, WEAK_WAVE_RATIO).expect("modes");
-    let zero = found.modes.iter().filter(|mode| mode.is_zero()).count();
-    (zero, found.weakest.unwrap_or(f64::INFINITY))
+    found.modes.iter().filter(|mode| mode.is_zero()).count()
 }
 
 #[test]
@@ -338,14 +338,19 @@ fn waves_that_alternate_about_a_center_of_inversion_strain_no_mean_over_bonds() 
             assert!(stiffness < 1e-13 * system.stiffness().magnitude());
         }
     }
-    println!("{:?}", modes::<1>(LatticeKind::Chain, 2.0, ParticleGradient::Kernel));
-    for gradient in [ParticleGradient::Kernel, ParticleGradient::Bonds] {
-        for (kind, radius) in [(LatticeKind::Square, 2.0),(LatticeKind::Square, 2.6), (LatticeKind::Hexagonal, 2.0), (LatticeKind::Hexagonal, 2.6)] {
-            println!("{kind:?} {radius} {gradient:?} {:?}", modes::<2>(kind, radius, gradient));
-        }
-        for (kind, radius) in [(LatticeKind::SimpleCubic, 1.9),(LatticeKind::FaceCenteredCubic, 1.6), (LatticeKind::BodyCenteredCubic, 1.6)] {
-            println!("{kind:?} {radius} {gradient:?} {:?}", modes::<3>(kind, radius, gradient));
-        }
-    }
+}
 
+#[test]
+fn a_mean_over_bonds_removes_zero_energy_modes_of_wide_supports_except_at_centers_of_inversion() {
+    fn counts<const D: usize>(kind: LatticeKind, radius: f64) -> [usize; 2] {
+        [ParticleGradient::Kernel, ParticleGradient::Bonds]
+            .map(|gradient| zero_energy_modes::<D>(kind, radius, gradient))
+    }
+    // With narrow supports only the modes at points of high symmetry exist.
+    assert_eq!(counts::<2>(LatticeKind::Square, 2.0), [3, 3]);
+    assert_eq!(counts::<2>(LatticeKind::Square, 2.6), [7, 3]);
+    assert_eq!(counts::<2>(LatticeKind::Hexagonal, 2.0), [4, 4]);
+    assert_eq!(counts::<2>(LatticeKind::Hexagonal, 2.6), [10, 4]);
+    assert_eq!(counts::<3>(LatticeKind::SimpleCubic, 1.9), [17, 7]);
+    assert_eq!(counts::<3>(LatticeKind::FaceCenteredCubic, 1.6), [16, 16]);
 }
