@@ -32,6 +32,7 @@ QUADRATIC = {"element-order": "quadratic", "mass": "hrz"}
 # Newer method, its keys, its nearest relative and the keys of the relative.
 PAIRS = [
     ("total-Lagrangian SPH, shear forces of pairs", {**SPH, "shear-forces": "pairs"}, "stresses of particles", SPH),
+    ("total-Lagrangian SPH, mean gradients over bonds", {**SPH, "gradient": "bonds"}, "bond-averaged peridynamics", {**BONDS, "bonds": "bond-averaged"}),
     ("total-Lagrangian SPH, upwinding", {**SPH, "upwinding": "linear"}, "artificial viscosity", {**SPH, "viscosity": 0.1}),
     ("updated SPH, shear forces of pairs", {**UPDATED, "shear-forces": "pairs"}, "stresses of particles", UPDATED),
     ("updated SPH, penalty", {**UPDATED, "penalty": 2.0}, "artificial stress", {**UPDATED, "artificial-stress": 0.3}),

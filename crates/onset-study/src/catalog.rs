@@ -674,6 +674,22 @@ const ROWS: &[Row] = &[
         ],
     ),
     (
+        "gradients",
+        "discretization.gradient",
+        &[
+            (
+                "kernel",
+                "F_I = F + sum_J V_J (u_J - u_I) (x) grad W_IJ K_I^-1",
+                "all forms of total-Lagrangian SPH",
+            ),
+            (
+                "bonds",
+                "sum_J V_J W_IJ F_IJ / sum_J V_J W_IJ with F_II = F_I, F_IJ = F + (x - F X) (x) X / |X|^2, F = (F_I + F_J) / 2",
+                "derived from the abstract of Wiragunarsa and others, arXiv 2407.04021",
+            ),
+        ],
+    ),
+    (
         "shear-forces",
         "discretization.shear-forces",
         &[

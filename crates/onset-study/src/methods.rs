@@ -105,6 +105,7 @@ fn total_lagrangian(settings: &Settings) -> TotalLagrangianChoices {
         kernel: choices.kernel,
         radius: radius(choices),
         corrected: settings.method.corrected,
+        gradient: settings.method.gradient,
         penalty: settings.method.penalty,
         penalty_form: settings.method.penalty_form,
         viscosity: viscosity(settings),

@@ -147,7 +147,7 @@ pub(crate) fn hint_on_body(error: &BodyError) -> &'static str {
     match error {
         BodyError::NoContact(_) => "omit body.contact",
         BodyError::NoBodies => {
-            "bodies are run with discretization.method = \"updated-sph\" or \"total-lagrangian-sph\", without shear between pairs; the former without a penalty, the latter without viscosity and velocity smoothing"
+            "bodies are run with discretization.method = \"updated-sph\" or \"total-lagrangian-sph\", without shear between pairs; the former without a penalty, the latter with discretization.gradient = \"kernel\" and without viscosity and velocity smoothing"
         }
         BodyError::Lonely { .. } => {
             "choose a larger discretization.support, or a body with more rows of particles"

@@ -7,7 +7,7 @@ use onset::material::Admitted::{Any, Fraction, NotNegative, Positive, Within};
 use onset::method::CurrentLattice;
 use onset::scheme::conforming::SmoothingDomain;
 use onset::scheme::element::{ElementMass, ElementMesh, ElementOrder, HourglassScale, Integration};
-use onset::scheme::sph::{DensityEvolution, MomentumForm};
+use onset::scheme::sph::{DensityEvolution, MomentumForm, ParticleGradient};
 use onset::scheme::stabilization::{PenaltyForm, SmoothedMotion, Upwinding, ViscositySwitch};
 use onset::scheme::{
     Calibration, GridFunctions, GridGradients, GridMass, Influence, PartialVolumes,
@@ -126,6 +126,8 @@ declared! {
         method: Family = Family::Kernel, Words;
         /// SPH: gradients corrected to be exact for linear fields (PySPH: false).
         corrected: bool = true, Switch, SPH;
+        /// Total-Lagrangian SPH: deformation gradient of a particle, of the kernel or a mean over its bonds and its own gradient.
+        gradient: ParticleGradient = ParticleGradient::Kernel, Words, TOTAL_SPH;
         /// Updated SPH: stresses act along corrected gradients too (LAMMPS' *GRADIENT_CORRECTION); requires discretization.corrected.
         corrected_forces: bool = false, Switch, UPDATED_SPH;
         /// Updated SPH: form of the pair force in terms of the two stresses.

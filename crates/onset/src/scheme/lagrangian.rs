@@ -3,13 +3,14 @@
 use super::{Interaction, Motion, PointResponse, StrainOperator};
 use crate::algebra::{Each, array_of};
 use crate::bloch::BlochBlocks;
+use crate::cancel::checkpoint;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::{Crystal, Particle};
 use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use crate::real::Real;
 use nalgebra::{SMatrix, SVector};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Quadrature point of a total-Lagrangian discretization, with the deformation gradient `F_q = F + sum_K u_K (x) b_K` and the forces
 /// `f_K = -V P(F_q) c_K`.
@@ -138,44 +139,90 @@ impl<const D: usize> Interaction<D> for Stressed<'_, D> {
         };
         self.point.along().iter().map(force).collect()
     }
+}
 
-    /// Adds the blocks `K_iKkL = V c_KJ A_iJkM b_LM`.
-    fn add_stiffness(&self, blocks: &mut BlochBlocks<D>) {
-        let tangent = self.response.base_tangent();
-        let mut sums = blocks.between(&self.point.particles);
-        for (from, c) in self.point.along().iter().enumerate() {
-            let half: [[[f64; D]; D]; D] = array_of(|i| {
-                array_of(|k| {
-                    array_of(|m| {
-                        let entry = |j: usize| c[j] * tangent[i][j][k][m];
-                        self.point.volume * (0..D).map(entry).sum::<f64>()
-                    })
-                })
-            });
-            for (to, b) in self.point.gradients.iter().enumerate() {
-                let entry = |i: usize, k: usize| (0..D).map(|m| half[i][k][m] * b[m]).sum();
-                sums.add(from, to, &SMatrix::from_fn(entry));
+/// Sums `sum_q V_q c_K (x) b_L` over quadrature points for all pairs of particles: the stiffness of a homogeneous state without its tangent. They depend on
+/// the points alone and serve all states.
+#[derive(Clone, Debug)]
+pub(super) struct GradientProducts<const D: usize>(BlochBlocks<D>);
+
+impl<const D: usize> GradientProducts<D> {
+    /// Computes the sums.
+    pub(super) fn of(points: &[LagrangianPoint<D>]) -> Self {
+        let mut products = BlochBlocks::new();
+        for point in points {
+            checkpoint();
+            let mut sums = products.between(&point.particles);
+            for (from, c) in point.along().iter().enumerate() {
+                let weighted = c * point.volume;
+                for (to, b) in point.gradients.iter().enumerate() {
+                    sums.add(from, to, &(weighted * b.transpose()));
+                }
             }
+            sums.finish();
         }
-        sums.finish();
+        Self(products)
+    }
+
+    /// Stiffness `K_iKkL = A_iJkM sum_q V_q c_KJ b_LM` of a material in a homogeneous state.
+    pub(super) fn stiffness(&self, response: &PointResponse<'_, D>) -> BlochBlocks<D> {
+        let tangent = response.base_tangent();
+        self.0.each(|product| {
+            SMatrix::from_fn(|i, k| {
+                let mut sum = 0.0;
+                for j in 0..D {
+                    for m in 0..D {
+                        sum += tangent[i][j][k][m] * product[(j, m)];
+                    }
+                }
+                sum
+            })
+        })
+    }
+}
+
+/// Adds the gradients of a bond between two particles, each given with the point that has its deformation gradient, times a factor.
+///
+/// The deformation gradient of the bond is the mean of its ends, made exact along the bond: `F_IJ = F + (y - F X) (x) X / |X|^2`, `F = (F_I + F_J) / 2`
+/// (Breitzman and Dayal 2018).
+pub(super) fn add_gradients_of_bond<const D: usize>(
+    ends: [(&Particle<D>, &LagrangianPoint<D>); 2],
+    vector: &SVector<f64, D>,
+    factor: f64,
+    seen: &mut BTreeMap<Particle<D>, SVector<f64, D>>,
+) {
+    let along = vector / vector.norm_squared();
+    let across = (SMatrix::identity() - vector * along.transpose()) * (0.5 * factor);
+    for ((end, point), sign) in ends.into_iter().zip([-factor, factor]) {
+        for (particle, gradient) in point.particles.iter().zip(&point.gradients) {
+            let own = seen.entry(particle.moved(&end.cell));
+            *own.or_insert_with(SVector::zeros) += across * gradient;
+        }
+        *seen.entry(*end).or_insert_with(SVector::zeros) += along * sign;
+    }
+}
+
+/// Returns the response of a material in a homogeneous state.
+///
+/// # Errors
+/// [`MethodError`] if the state does not have `D` dimensions, or if the material cannot be evaluated there.
+pub(super) fn response<'a, const D: usize>(
+    material: &'a dyn Hyperelastic,
+    f: &DeformationGradient,
+) -> Result<PointResponse<'a, D>, MethodError> {
+    match f.is_block_diagonal::<D>() {
+        true => Ok(PointResponse::new(material, f)?),
+        false => Err(MethodError::NotPlanar { dimension: D }),
     }
 }
 
 /// Returns quadrature points with the response of a material in a homogeneous state.
-///
-/// # Errors
-/// [`MethodError`] if the state does not have `D` dimensions, or if the material cannot be evaluated there.
 pub(super) fn stressed<'a, const D: usize>(
     points: &'a [LagrangianPoint<D>],
-    material: &'a dyn Hyperelastic,
-    f: &DeformationGradient,
-) -> Result<Vec<Stressed<'a, D>>, MethodError> {
-    if !f.is_block_diagonal::<D>() {
-        return Err(MethodError::NotPlanar { dimension: D });
-    }
-    let response = PointResponse::new(material, f)?;
+    response: PointResponse<'a, D>,
+) -> Vec<Stressed<'a, D>> {
     let with_response = |point| Stressed { point, response };
-    Ok(points.iter().map(with_response).collect())
+    points.iter().map(with_response).collect()
 }
 
 /// Strain operator of the quadrature points.

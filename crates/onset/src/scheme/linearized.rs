@@ -32,6 +32,16 @@ impl<const D: usize> Default for Forced<D> {
     }
 }
 
+impl<const D: usize> From<BlochBlocks<D>> for Forced<D> {
+    /// Linearized forces of a given stiffness.
+    fn from(stiffness: BlochBlocks<D>) -> Self {
+        Self {
+            stiffness,
+            ..Self::default()
+        }
+    }
+}
+
 impl<const D: usize> Forced<D> {
     /// Adds the linearized forces of an interaction.
     pub fn add<I: Interaction<D>>(&mut self, interaction: &I) {

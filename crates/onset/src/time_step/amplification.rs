@@ -1,8 +1,8 @@
 //! Amplification matrices and the largest stable step.
 
 use super::{Integrator, runge_kutta};
-use crate::algebra::{Complex, any_eigenvalues};
-use crate::bloch::{WaveSystem, ZERO_FREQUENCY_NOISE_FACTOR, ZoneSearch};
+use crate::algebra::{Complex, any_eigenvalues, factorize, hermitian_eigen};
+use crate::bloch::{BlochSum, Mass, WaveSystem, ZERO_FREQUENCY_NOISE_FACTOR, ZoneSearch};
 use nalgebra::{DMatrix, SVector};
 
 /// Distance outside the unit circle that an eigenvalue can have by rounding.
@@ -151,19 +151,101 @@ struct DampedWave {
     slack: f64,
 }
 
+/// Returns true if stiffness and damping are Hermitian and velocities move particles unsmoothed.
+fn is_symmetric<const D: usize>(system: &WaveSystem<D>) -> bool {
+    let is_hermitian = |sum: &BlochSum<D>| sum.is_hermitian();
+    let is_lumped = matches!(system.mass(), Mass::Lumped(_));
+    let is_conservative = system.is_hermitian() && system.drift().is_none();
+    is_conservative && is_lumped && system.damping().is_none_or(is_hermitian)
+}
+
+/// Wave with a positive semidefinite stiffness and damping, in the eigenvectors of the damping. Both are divided by the masses.
+///
+/// An amplification factor `z` of a solution `u` obeys a quadratic equation with the real coefficients `u.C u` and `u.K u`. Factors that are not real lie
+/// inside the unit circle or, for undamped solutions, on it. Stability is lost at `z = -1`, where a Hermitian matrix is singular, or at `z = 1`.
+struct Dissipative {
+    damping: Vec<f64>,
+    stiffness: DMatrix<Complex>,
+}
+
+impl Dissipative {
+    /// Returns the wave with Hermitian matrices at a wave vector; `None` if the damping has a negative eigenvalue.
+    fn new<const D: usize>(system: &WaveSystem<D>, k: &SVector<f64, D>) -> Option<Self> {
+        let masses = system.mass().of_particles();
+        let over_mass = |sum: &BlochSum<D>| {
+            let scaled = |i: usize, j: usize, z| z / (masses[i / D] * masses[j / D]).sqrt();
+            sum.at(k).map_with_location(scaled)
+        };
+        let damping = hermitian_eigen(over_mass(system.damping()?))?;
+        let values = &damping.eigenvalues;
+        let vectors = &damping.eigenvectors;
+        let is_positive = values.min() >= -POLYNOMIAL_TOLERANCE * values.max();
+        is_positive.then(|| Self {
+            damping: values.iter().copied().collect(),
+            stiffness: vectors.adjoint() * over_mass(system.stiffness()) * vectors,
+        })
+    }
+
+    /// Returns true if no solution grows in a step.
+    ///
+    /// With `h = dt / 2` the matrix is `1 - h C - h^2 K` for central differences. For kick-drift-kick it is `2 / (2 - h C) - h C - h^2 K`, and `z = 1` requires
+    /// `h C = 2`.
+    fn is_stable(&self, scheme: Symmetric, step: f64) -> bool {
+        let h = 0.5 * step;
+        let mut matrix = &self.stiffness * Complex::from(-h * h);
+        for (i, damping) in self.damping.iter().enumerate() {
+            let damped = h * damping;
+            if damped >= 2.0 {
+                return false;
+            }
+            matrix[(i, i)] += match scheme {
+                Symmetric::CentralDifferences => 1.0 - damped,
+                Symmetric::KickDriftKick => 2.0 / (2.0 - damped) - damped,
+            };
+        }
+        factorize(&mut matrix)
+    }
+}
+
+/// Integrators whose stable steps a Hermitian matrix decides.
+#[derive(Clone, Copy)]
+enum Symmetric {
+    CentralDifferences,
+    KickDriftKick,
+}
+
+impl Integrator {
+    /// Returns the integrator if a Hermitian matrix decides its stable steps.
+    fn symmetric(self) -> Option<Symmetric> {
+        match self {
+            Self::CentralDifferences => Some(Symmetric::CentralDifferences),
+            Self::KickDriftKick => Some(Symmetric::KickDriftKick),
+            _ => None,
+        }
+    }
+}
+
 /// Source of the amplification factors of a step.
 enum Factors {
     /// Eigenvalues of the amplification matrix.
     Matrix(Amplification, Integrator),
     /// Stability polynomial `P(lambda dt)` of the method.
     Polynomial(Vec<f64>),
+    /// None: a Hermitian matrix decides stability.
+    Hermitian(Dissipative, Symmetric),
 }
 
 impl DampedWave {
+    /// Solutions with a wave vector, in a state whose fastest wave grows at a given rate.
+    ///
+    /// Waves with wave vectors near a growing wave decay very slowly, and an integrator of second order makes some of them grow at any step. This
+    /// growth counts if it is not small compared with the growth of the state.
     fn new<const D: usize>(
         system: &WaveSystem<D>,
         integrator: Integrator,
         k: &SVector<f64, D>,
+        is_symmetric: bool,
+        growth: f64,
     ) -> Self {
         // Zero-energy modes neither oscillate nor limit a step by the rounding of their frequencies.
         let noise = ZERO_FREQUENCY_NOISE_FACTOR * system.noise();
@@ -184,57 +266,50 @@ impl DampedWave {
             0.0 => decaying.map(|rate| rate.norm()).fold(0.0, f64::max),
             largest => largest.sqrt(),
         };
+        let grows = growth > 0.0 || rates.iter().any(|rate| rate.re > 0.0);
+        let symmetric = integrator.symmetric().filter(|_| is_symmetric && !grows);
+        let dissipative = symmetric.zip(symmetric.and_then(|_| Dissipative::new(system, k)));
         Self {
-            factors: match integrator.stages() {
-                Some(stages) => Factors::Polynomial(stages.polynomial()),
-                None => Factors::Matrix(Amplification::new(system, k), integrator),
+            factors: match (integrator.stages(), dissipative) {
+                (Some(stages), _) => Factors::Polynomial(stages.polynomial()),
+                (None, Some((scheme, wave))) => Factors::Hermitian(wave, scheme),
+                (None, None) => Factors::Matrix(Amplification::new(system, k), integrator),
             },
             rates,
             bound: 2.0 / fastest,
-            slack: 0.0,
-        }
-    }
-
-    /// The wave in a state whose fastest wave grows at a given rate.
-    ///
-    /// Waves with wave vectors near a growing wave decay very slowly, and an integrator of second order makes some of them grow at any step. This
-    /// growth counts if it is not small compared with the growth of the state.
-    fn beside(self, growth: f64) -> Self {
-        Self {
             slack: SLACK * growth,
-            ..self
         }
     }
 
-    /// Excess over one of the largest modulus that must be bounded; each growing solution of the linearized equations permits one larger modulus.
-    /// [`DampedWave::rounding`] is subtracted, so that zero is the limit.
-    fn excess(&self, step: f64) -> f64 {
+    /// Returns true if no more solutions grow in a step than in continuous time.
+    fn is_stable(&self, step: f64) -> bool {
         let rounding = self.rounding();
+        let limit = 1.0 + rounding + self.slack * step;
         // A discrete solution may grow slightly faster than the continuous one.
         let grows = |rate: &&Complex| rate.re * step > 0.5 * rounding;
-        let modulus = match &self.factors {
+        match &self.factors {
+            Factors::Hermitian(wave, scheme) => wave.is_stable(*scheme, step),
             Factors::Polynomial(polynomial) => {
-                let bounded = self.rates.iter().filter(|rate| !grows(rate));
-                let moduli = bounded.map(|rate| runge_kutta::value(polynomial, rate * step).norm());
-                moduli.fold(0.0, f64::max)
+                let mut bounded = self.rates.iter().filter(|rate| !grows(rate));
+                bounded.all(|rate| runge_kutta::value(polynomial, rate * step).norm() <= limit)
             }
             Factors::Matrix(wave, integrator) => match wave.moduli(*integrator, step) {
                 Some(mut moduli) => {
                     moduli.sort_by(|a, b| b.total_cmp(a));
                     let growing = self.rates.iter().filter(grows).count();
-                    moduli.get(growing).copied().unwrap_or(0.0)
+                    moduli.get(growing).is_none_or(|modulus| *modulus <= limit)
                 }
-                None => f64::INFINITY,
+                None => false,
             },
-        };
-        modulus - 1.0 - rounding - self.slack * step
+        }
     }
 
+    /// Distance of a factor outside the unit circle that counts as rounding.
     fn rounding(&self) -> f64 {
         match self.factors {
             Factors::Polynomial(_) => POLYNOMIAL_TOLERANCE,
             // Near a double eigenvalue rounding shifts both by its square root.
-            Factors::Matrix(..) => MODULUS_TOLERANCE.sqrt() * 1e-2,
+            _ => MODULUS_TOLERANCE.sqrt() * 1e-2,
         }
     }
 
@@ -260,14 +335,13 @@ impl DampedWave {
         if !bound.is_finite() {
             return f64::INFINITY;
         }
-        let stable = |step: f64| self.excess(step) <= 0.0;
         let below = (1..=STEPS_TO_BOUND).map(|n| bound * n as f64 / STEPS_TO_BOUND as f64);
         let beyond =
             std::iter::successors(Some(STEP_GROWTH * bound), |step| Some(STEP_GROWTH * step));
         let beyond = beyond.take_while(|step| *step < MAX_RAY_LENGTH * bound);
         let mut low = 0.0;
         let Some(mut high) = below.chain(beyond).find(|step| {
-            let is_lost = !stable(*step);
+            let is_lost = !self.is_stable(*step);
             if !is_lost {
                 low = *step;
             }
@@ -279,7 +353,7 @@ impl DampedWave {
         let (mut accurate, mut tried) = (0, 0);
         while accurate < HALVINGS && tried < HALVINGS + MAX_STEP_HALVINGS {
             let middle = 0.5 * (low + high);
-            match stable(middle) {
+            match self.is_stable(middle) {
                 true => low = middle,
                 false => high = middle,
             }
@@ -304,7 +378,7 @@ pub fn critical_time_step_at<const D: usize>(
         let fastest = system.omega_squared(k).last().map_or(0.0, |z| z.re);
         return undamped_time_step(integrator, fastest.max(0.0).sqrt());
     }
-    DampedWave::new(system, integrator, k).critical_step()
+    DampedWave::new(system, integrator, k, is_symmetric(system), 0.0).critical_step()
 }
 
 /// Returns the largest stable step without damping for a given largest frequency. Time.
@@ -332,9 +406,9 @@ pub fn critical_time_step<const D: usize>(
         return undamped_time_step(integrator, summary.maximum_omega);
     }
     let growth = summary.growth_rate();
+    let is_symmetric = is_symmetric(system);
     let at = |k: &SVector<f64, D>| {
-        let wave = DampedWave::new(system, integrator, k);
-        wave.beside(growth).critical_step()
+        DampedWave::new(system, integrator, k, is_symmetric, growth).critical_step()
     };
     search.least_of(system, &at).0
 }

@@ -1,8 +1,14 @@
 //! Time steps of damped chains and oscillators in closed form.
 
+use crate::random::Random;
 use nalgebra::{Complex, Matrix3, SMatrix, SVector};
 use onset::bloch::{BlochBlocks, Mass, WaveSystem, ZoneSearch};
+use onset::kinematics::DeformationGradient;
 use onset::lattice::{Crystal, LatticeKind, Particle};
+use onset::material::ModifiedMooneyRivlin;
+use onset::scheme::Discretization;
+use onset::scheme::sph::{TotalLagrangianChoices, TotalLagrangianSph};
+use onset::scheme::stabilization::{ArtificialViscosity, Upwinding};
 use onset::time_step::{
     Amplification, ImplicitIntegrator, Integrator, critical_time_step, critical_time_step_at,
 };
@@ -161,6 +167,47 @@ fn only_stable_waves_bound_the_step() {
     let system = held([-1.0, -2.0], [0.3, 0.3]);
     for integrator in Integrator::ALL {
         assert!(critical_time_step_at(&system, integrator, &k) > 1.0);
+    }
+}
+
+/// Waves whose stiffness and damping do not commute, from weak to overcritical damping.
+#[test]
+fn a_factor_leaves_the_unit_circle_at_the_largest_stable_step_of_damped_waves() {
+    let material = ModifiedMooneyRivlin::default();
+    let rest = DeformationGradient::identity();
+    let mut random = Random::new(5);
+    for alpha in [0.0, 0.3, 3.0, 30.0] {
+        let viscosity = ArtificialViscosity {
+            alpha,
+            ..ArtificialViscosity::default()
+        };
+        let choices = TotalLagrangianChoices {
+            viscosity: Some(viscosity),
+            upwinding: Upwinding::Constant,
+            ..TotalLagrangianChoices::default()
+        };
+        let irregular =
+            Crystal::of_lattice(LatticeKind::Square.lattice::<2>(1.0).expect("a lattice"))
+                .supercell([2, 1])
+                .and_then(|large| large.perturbed(0.1, 3));
+        let scheme = TotalLagrangianSph::new(irregular.expect("a crystal"), choices);
+        let system = scheme.expect("a scheme").waves(&material, &rest);
+        let system = system.expect("a state");
+        for integrator in [Integrator::CentralDifferences, Integrator::KickDriftKick] {
+            for _ in 0..4 {
+                let k = SVector::from([2.0, 3.0]).map(|most: f64| most * random.number());
+                let step = critical_time_step_at(&system, integrator, &k);
+                let wave = Amplification::new(&system, &k);
+                let radius = |share: f64| wave.spectral_radius(integrator, share * step);
+                for share in [0.1, 0.5, 0.9, 0.9999] {
+                    assert!(
+                        radius(share) < 1.0 + 1e-7,
+                        "{integrator:?}, {alpha}, {share}"
+                    );
+                }
+                assert!(radius(1.0001) > 1.0 + 1e-6, "{integrator:?}, {alpha}");
+            }
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod amplification;
 mod battery;
+mod bonds;
 mod chains;
 mod classical;
 mod conforming;

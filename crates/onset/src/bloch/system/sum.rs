@@ -71,6 +71,19 @@ impl<const D: usize> BlochBlocks<D> {
         *entry.or_insert_with(SMatrix::zeros) += block;
     }
 
+    /// Returns the collection with each block replaced.
+    pub(crate) fn each(
+        &self,
+        replaced: impl Fn(&SMatrix<f64, D, D>) -> SMatrix<f64, D, D>,
+    ) -> Self {
+        let blocks = self.blocks.iter();
+        Self {
+            blocks: blocks
+                .map(|(pair, block)| (*pair, replaced(block)))
+                .collect(),
+        }
+    }
+
     /// Collects blocks between the given particles, addressed by their indices.
     pub(crate) fn between<'a>(&'a mut self, particles: &'a [Particle<D>]) -> Between<'a, D> {
         Between {
@@ -122,11 +135,20 @@ impl<const D: usize> Between<'_, D> {
         let Some(table) = self.table.take() else {
             return;
         };
-        for (n, block) in table.sums.iter().enumerate() {
-            if block.iter().any(|entry| *entry != 0.0) {
+        let sums = table.sums.iter().enumerate();
+        let blocks = sums.filter(|(_, block)| block.iter().any(|entry| *entry != 0.0));
+        if self.blocks.blocks.is_empty() {
+            // The table has the order of the collection, which is then built at once.
+            let pair = |(n, block): (usize, &SMatrix<f64, D, D>)| {
                 let (from, to) = table.pair(n);
-                self.blocks.add(&from, &to, block);
-            }
+                ((from.site, to), *block)
+            };
+            self.blocks.blocks = blocks.map(pair).collect();
+            return;
+        }
+        for (n, block) in blocks {
+            let (from, to) = table.pair(n);
+            self.blocks.add(&from, &to, block);
         }
     }
 }
@@ -213,21 +235,21 @@ impl<const D: usize> BlochSum<D> {
         blocks: impl Iterator<Item = (usize, Particle<D>, SMatrix<f64, D, D>)>,
     ) -> Self {
         let position = |particle: &Particle<D>| crystal.position(particle);
-        let mut numbers = BTreeMap::new();
-        let mut cells = Vec::new();
-        let terms = blocks.map(|(from, to, block)| {
-            let cell = *numbers.entry(to.cell).or_insert_with(|| {
-                let home = Particle::home(0);
-                cells.push((to.cell, position(&home.moved(&to.cell)) - position(&home)));
-                cells.len() - 1
-            });
-            Term {
-                from,
-                to,
-                cell,
-                vector: position(&to) - position(&Particle::home(from)),
-                block,
-            }
+        let blocks: Vec<_> = blocks.collect();
+        let mut numbers: Vec<[i32; D]> = blocks.iter().map(|(_, to, _)| to.cell).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        let home = Particle::home(0);
+        let origin = position(&home);
+        let cells = numbers.iter();
+        let cells = cells.map(|cell| (*cell, position(&home.moved(cell)) - origin));
+        let cells: Vec<_> = cells.collect();
+        let terms = blocks.into_iter().map(|(from, to, block)| Term {
+            from,
+            to,
+            cell: numbers.partition_point(|cell| *cell < to.cell),
+            vector: position(&to) - position(&Particle::home(from)),
+            block,
         });
         let terms: Vec<Term<D>> = terms.collect();
         let home = |site: usize| position(&Particle::home(site));
@@ -378,19 +400,18 @@ impl<const D: usize> BlochSum<D> {
     /// Returns true if `S(k)` is Hermitian for every wave vector, to rounding.
     pub fn is_hermitian(&self) -> bool {
         let tolerance = 1e-10 * self.magnitude();
-        let blocks: BTreeMap<(usize, Particle<D>), &SMatrix<f64, D, D>> = self
-            .terms
-            .iter()
-            .map(|term| ((term.from, term.to), &term.block))
-            .collect();
+        let zero = SMatrix::zeros();
+        let mut blocks: Vec<&Term<D>> = self.terms.iter().collect();
+        blocks.sort_unstable_by_key(|term| (term.from, term.to));
         self.terms.iter().all(|term| {
             let opposite = Particle {
                 site: term.from,
                 cell: term.to.cell.each(|n| -n),
             };
-            let zero = SMatrix::zeros();
-            let other = blocks.get(&(term.to.site, opposite)).copied();
-            (term.block - other.unwrap_or(&zero).transpose()).amax() <= tolerance
+            let place =
+                blocks.binary_search_by_key(&(term.to.site, opposite), |own| (own.from, own.to));
+            let other = place.map_or(&zero, |place| &blocks[place].block);
+            (term.block - other.transpose()).amax() <= tolerance
         })
     }
 

@@ -7,10 +7,11 @@
 
 mod region;
 
-use super::lagrangian::{LagrangianPoint, mean_neighbors, strains, stressed};
+use super::lagrangian::{
+    GradientProducts, LagrangianPoint, mean_neighbors, response, strains, stressed,
+};
 use super::{
-    Assembled, Discretization, PatchForces, PeriodicPatch, StrainOperator, linearized,
-    lumped_masses,
+    Assembled, Discretization, Forced, PatchForces, PeriodicPatch, StrainOperator, lumped_masses,
 };
 use crate::approximation::{Approximation, Order};
 use crate::bloch::{Mass, WaveSystem};
@@ -109,6 +110,7 @@ pub struct ConformingIntegration<const D: usize> {
     /// Region around each particle of the cell.
     regions: Vec<Region<D>>,
     points: Vec<LagrangianPoint<D>>,
+    products: GradientProducts<D>,
 }
 
 impl<const D: usize> ConformingIntegration<D> {
@@ -166,6 +168,7 @@ impl<const D: usize> ConformingIntegration<D> {
             crystal,
             choices: choices.clone(),
             regions,
+            products: GradientProducts::of(&points),
             points,
         })
     }
@@ -192,7 +195,8 @@ impl<const D: usize> Discretization<D> for ConformingIntegration<D> {
         f: &DeformationGradient,
     ) -> Result<WaveSystem<D>, MethodError> {
         let mass = Mass::Lumped(lumped_masses(&self.crystal, self.choices.density));
-        linearized(&self.crystal, mass, &stressed(&self.points, material, f)?)
+        let stiffness = self.products.stiffness(&response(material, f)?);
+        Forced::from(stiffness).waves(&self.crystal, mass)
     }
 
     fn strain(&self) -> Result<StrainOperator<D>, MethodError> {
@@ -206,7 +210,7 @@ impl<const D: usize> Discretization<D> for ConformingIntegration<D> {
         patch: &PeriodicPatch<D>,
         work: &mut dyn FnMut(&dyn PatchForces<D>),
     ) -> Result<(), MethodError> {
-        let points = stressed(&self.points, material, f)?;
+        let points = stressed(&self.points, response(material, f)?);
         work(&Assembled::new(patch, &points));
         Ok(())
     }

@@ -1,13 +1,12 @@
 //! Elements with a mean dilatation, after Simo, Taylor and Pister, Comput. Methods Appl. Mech. Eng. 51 (1985) 177.
 
 use crate::algebra::array_of;
-use crate::bloch::BlochBlocks;
 use crate::kinematics::DeformationGradient;
 use crate::lattice::Particle;
 use crate::material::Hyperelastic;
 use crate::method::MethodError;
 use crate::real::Real;
-use crate::scheme::lagrangian::{LagrangianPoint, Stressed, stressed};
+use crate::scheme::lagrangian::{LagrangianPoint, Stressed, response, stressed};
 use crate::scheme::response::{determinant, inverse};
 use crate::scheme::{Interaction, Motion, PointResponse, StrainOperator};
 
@@ -36,13 +35,10 @@ pub(super) fn integrated<'a, const D: usize>(
     f: &DeformationGradient,
 ) -> Result<Vec<Integrated<'a, D>>, MethodError> {
     let Some(count) = points_of_mean else {
-        let points = stressed(points, material, f)?;
+        let points = stressed(points, response(material, f)?);
         return Ok(points.into_iter().map(Integrated::Point).collect());
     };
-    if !f.is_block_diagonal::<D>() {
-        return Err(MethodError::NotPlanar { dimension: D });
-    }
-    let response = PointResponse::new(material, f)?;
+    let response = response(material, f)?;
     let element = |points| Integrated::Dilated(Dilated { points, response });
     Ok(points.chunks(count).map(element).collect())
 }
@@ -72,13 +68,6 @@ impl<const D: usize> Interaction<D> for Integrated<'_, D> {
         match self {
             Self::Point(point) => point.forces(motion),
             Self::Dilated(element) => element.forces(motion),
-        }
-    }
-
-    fn add_stiffness(&self, blocks: &mut BlochBlocks<D>) {
-        match self {
-            Self::Point(point) => point.add_stiffness(blocks),
-            Self::Dilated(element) => element.add_stiffness(blocks),
         }
     }
 }

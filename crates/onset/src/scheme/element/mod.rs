@@ -15,7 +15,7 @@ pub use mesh::Mesh;
 pub use pattern::ElementMesh;
 pub use shape::ElementShape;
 
-use super::lagrangian::{LagrangianPoint, mean_neighbors, strains};
+use super::lagrangian::{GradientProducts, LagrangianPoint, mean_neighbors, response, strains};
 use super::parts::{FiniteBodies, Part};
 use super::patch::Both;
 use super::{Assembled, Discretization, Forced, PatchForces, PeriodicPatch, StrainOperator};
@@ -245,6 +245,7 @@ pub struct FiniteElements<const D: usize> {
     density: f64,
     formulation: Formulation,
     points: Vec<LagrangianPoint<D>>,
+    products: GradientProducts<D>,
     modes: Vec<HourglassMode<D>>,
     mass: Mass<D>,
 }
@@ -325,6 +326,7 @@ impl<const D: usize> FiniteElements<D> {
             mesh,
             density,
             formulation,
+            products: GradientProducts::of(&points),
             points,
             modes,
             mass,
@@ -393,8 +395,12 @@ impl<const D: usize> Discretization<D> for FiniteElements<D> {
         f: &DeformationGradient,
     ) -> Result<WaveSystem<D>, MethodError> {
         let mut forced = Forced::default();
-        for point in &self.integrated(material, f)? {
-            forced.add(point);
+        match self.points_of_mean() {
+            None => forced.stiffness = self.products.stiffness(&response(material, f)?),
+            Some(_) => {
+                let elements = self.integrated(material, f)?;
+                elements.iter().for_each(|own| forced.add(own));
+            }
         }
         for mode in &self.resisted(material)? {
             forced.add(mode);

@@ -10,11 +10,11 @@ mod forces;
 mod point;
 mod shape;
 
-use super::lagrangian::{LagrangianPoint, Stressed, strains, stressed};
+use super::lagrangian::{GradientProducts, LagrangianPoint, Stressed, response, strains, stressed};
 use super::layout::{Layout, assert_planar, assert_positive};
 use super::{
-    Assembled, Discretization, Interaction, Motion, PatchForces, PeriodicPatch, PointResponse,
-    StrainOperator, linearized, lumped_masses,
+    Assembled, Discretization, Forced, Interaction, Motion, PatchForces, PeriodicPatch,
+    PointResponse, StrainOperator, linearized, lumped_masses,
 };
 use crate::algebra::{Each, array_of};
 use crate::approximation::Approximation;
@@ -268,6 +268,12 @@ impl<const D: usize> KernelScheme<D> {
         })
     }
 
+    /// Quadrature points of kernels in material coordinates.
+    fn fixed(&self, layout: &Layout<D>) -> Result<Vec<LagrangianPoint<D>>, MethodError> {
+        let seen = self.points.iter().zip(self.seen(layout)?);
+        Ok(seen.map(Seen::fixed).collect())
+    }
+
     /// Calls `work` with the quadrature points of a state.
     fn with_points<T>(
         &self,
@@ -276,13 +282,13 @@ impl<const D: usize> KernelScheme<D> {
         work: impl FnOnce(&[KernelPoint<'_, D>]) -> T,
     ) -> Result<T, MethodError> {
         let layout = self.layout(f)?;
-        let seen = self.points.iter().zip(self.seen(&layout)?);
         if self.choices.frame == Frame::Lagrangian {
-            let points: Vec<LagrangianPoint<D>> = seen.map(Seen::fixed).collect();
-            let points = stressed(&points, material, f)?;
+            let points = self.fixed(&layout)?;
+            let points = stressed(&points, response(material, f)?);
             let points: Vec<_> = points.into_iter().map(KernelPoint::Material).collect();
             return Ok(work(&points));
         }
+        let seen = self.points.iter().zip(self.seen(&layout)?);
         let shape = self.shape(&layout);
         let response = PointResponse::new(material, f)?;
         let moving = |(point, seen): (&Point<D>, Seen<D>)| {
@@ -354,16 +360,19 @@ impl<const D: usize> Discretization<D> for KernelScheme<D> {
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
     ) -> Result<WaveSystem<D>, MethodError> {
-        let masses = lumped_masses(&self.crystal, self.choices.density);
+        let mass = Mass::Lumped(lumped_masses(&self.crystal, self.choices.density));
+        if self.choices.frame == Frame::Lagrangian {
+            let products = GradientProducts::of(&self.fixed(&self.layout(f)?)?);
+            let stiffness = products.stiffness(&response(material, f)?);
+            return Forced::from(stiffness).waves(&self.crystal, mass);
+        }
         self.with_points(material, f, |points| {
-            linearized(&self.crystal, Mass::Lumped(masses), points)
+            linearized(&self.crystal, mass, points)
         })?
     }
 
     fn strain(&self) -> Result<StrainOperator<D>, MethodError> {
-        let seen = self.seen(&self.reference_layout())?;
-        let points = self.points.iter().zip(seen).map(Seen::fixed);
-        Ok(strains(&points.collect::<Vec<_>>()))
+        Ok(strains(&self.fixed(&self.reference_layout())?))
     }
 
     fn with_forces(

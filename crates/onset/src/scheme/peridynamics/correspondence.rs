@@ -3,12 +3,11 @@
 use super::ZeroEnergyControl;
 use super::family::{Family, balanced};
 use crate::algebra::{Each, array_of};
-use crate::bloch::BlochBlocks;
 use crate::lattice::{Crystal, Particle};
 use crate::material::FourthOrder;
 use crate::method::MethodError;
 use crate::real::Real;
-use crate::scheme::lagrangian::{LagrangianPoint, Stressed};
+use crate::scheme::lagrangian::{LagrangianPoint, Stressed, add_gradients_of_bond};
 use crate::scheme::moduli::trace;
 use crate::scheme::{Interaction, Motion, StrainOperator};
 use nalgebra::{SMatrix, SVector};
@@ -78,13 +77,15 @@ pub(super) fn of_bonds<const D: usize>(
     Ok(points.collect())
 }
 
-/// Returns a point for each bond, with the mean deformation gradient of the families at its ends, corrected along the bond (Breitzman and Dayal 2018):
-/// `F_IJ = F + (y - F X) (x) X / |X|^2`, `F = (F_I + F_J) / 2`.
+/// Returns a point for each bond, with the mean deformation gradient of the families at its ends, corrected along the bond (Breitzman and Dayal 2018).
 pub(super) fn between_families<const D: usize>(
     families: &[Family<D>],
     crystal: &Crystal<D>,
 ) -> Vec<LagrangianPoint<D>> {
-    let gradients: Vec<_> = families.iter().map(|family| family.gradients().0).collect();
+    let means: Vec<_> = families
+        .iter()
+        .map(|family| of_family(family, true))
+        .collect();
     let weights: Vec<f64> = families
         .iter()
         .map(|family| {
@@ -98,22 +99,11 @@ pub(super) fn between_families<const D: usize>(
     let mut points = Vec::new();
     for (site, family) in families.iter().enumerate() {
         for bond in family.bonds(crystal, site).filter(|bond| bond.weight > 0.0) {
-            let along = bond.vector / bond.vector.norm_squared();
-            let across = SMatrix::identity() - bond.vector * along.transpose();
-            let mut seen: BTreeMap<Particle<D>, SVector<f64, D>> = BTreeMap::new();
-            let mut add = |particle, gradient| {
-                *seen.entry(particle).or_insert_with(SVector::zeros) += gradient;
-            };
-            for end in &bond.particles {
-                let particles = &families[end.site].particles;
-                for (particle, gradient) in particles.iter().zip(&gradients[end.site]) {
-                    add(particle.moved(&end.cell), across * gradient * 0.5);
-                }
-            }
-            add(bond.particles[0], -along);
-            add(bond.particles[1], along);
-            let ends = bond.particles.each(|end| bond.weight / weights[end.site]);
-            points.push(LagrangianPoint::new(seen, ends.iter().sum()));
+            let ends = bond.particles.each_ref().map(|end| (end, &means[end.site]));
+            let mut seen = BTreeMap::new();
+            add_gradients_of_bond(ends, &bond.vector, 1.0, &mut seen);
+            let shares = bond.particles.each(|end| bond.weight / weights[end.site]);
+            points.push(LagrangianPoint::new(seen, shares.iter().sum()));
         }
     }
     points
@@ -192,22 +182,22 @@ impl<const D: usize> Control<D> {
     }
 }
 
-/// Point in a homogeneous state, with the control of its zero-energy modes.
+/// Control of the zero-energy modes of a family in a homogeneous state.
 #[derive(Clone)]
-pub(super) struct Point<'a, const D: usize> {
+pub(super) struct Controlled<'a, const D: usize> {
+    /// Point with the deformation gradient of the family.
     pub(super) stressed: Stressed<'a, D>,
-    /// Control, with its family.
-    pub(super) control: Option<(Control<D>, &'a Family<D>)>,
+    pub(super) control: Control<D>,
+    pub(super) family: &'a Family<D>,
 }
 
-impl<const D: usize> Point<'_, D> {
-    /// Forces of the control on the particles of the family.
-    fn controlled<R: Real>(
-        &self,
-        control: &Control<D>,
-        family: &Family<D>,
-        motion: Motion<'_, R, D>,
-    ) -> Vec<[R; D]> {
+impl<const D: usize> Interaction<D> for Controlled<'_, D> {
+    fn particles(&self) -> &[Particle<D>] {
+        self.stressed.particles()
+    }
+
+    fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
+        let family = self.family;
         let own = motion.displacements[0];
         let change = self.stressed.change(motion.displacements);
         let base = self.stressed.base();
@@ -220,7 +210,7 @@ impl<const D: usize> Point<'_, D> {
             let nonuniform = |i: usize| (0..D).fold(apart[i], |sum, j| sum - change[i][j] * x[j]);
             let z: [R; D] = array_of(nonuniform);
             let zero = R::constant(0.0);
-            let pull: [R; D] = match control {
+            let pull: [R; D] = match &self.control {
                 Control::Springs {
                     stiffness,
                     is_weighted,
@@ -252,26 +242,25 @@ impl<const D: usize> Point<'_, D> {
     }
 }
 
+/// Stress of a correspondence model, or its control of zero-energy modes.
+#[derive(Clone)]
+pub(super) enum Point<'a, const D: usize> {
+    Stressed(Stressed<'a, D>),
+    Controlled(Controlled<'a, D>),
+}
+
 impl<const D: usize> Interaction<D> for Point<'_, D> {
     fn particles(&self) -> &[Particle<D>] {
-        self.stressed.particles()
+        match self {
+            Self::Stressed(point) => point.particles(),
+            Self::Controlled(family) => family.particles(),
+        }
     }
 
     fn forces<R: Real>(&self, motion: Motion<'_, R, D>) -> Vec<[R; D]> {
-        let mut forces = self.stressed.forces(motion);
-        if let Some((control, family)) = &self.control {
-            let added = self.controlled(control, family, motion);
-            for (force, own) in forces.iter_mut().zip(added) {
-                *force = array_of(|i| force[i] + own[i]);
-            }
-        }
-        forces
-    }
-
-    fn add_stiffness(&self, blocks: &mut BlochBlocks<D>) {
-        match self.control {
-            None => self.stressed.add_stiffness(blocks),
-            Some(_) => crate::scheme::linearized::differentiated(self, false, blocks),
+        match self {
+            Self::Stressed(point) => point.forces(motion),
+            Self::Controlled(family) => family.forces(motion),
         }
     }
 }

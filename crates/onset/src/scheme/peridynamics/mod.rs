@@ -10,12 +10,12 @@ mod correspondence;
 mod family;
 mod solid;
 
-use super::lagrangian::{LagrangianPoint, strains, stressed};
+use super::lagrangian::{GradientProducts, LagrangianPoint, Stressed, response, strains, stressed};
 use super::moduli::{Moduli, reference_tangent, trace};
 use super::parts::{FiniteBodies, Part};
 use super::{
-    Assembled, Discretization, Interaction, PatchForces, PeriodicPatch, SeenForm, StrainOperator,
-    linearized, lumped_masses,
+    Assembled, Discretization, Forced, Interaction, PatchForces, PeriodicPatch, SeenForm,
+    StrainOperator, linearized, lumped_masses,
 };
 use crate::bloch::{Mass, WaveSystem};
 use crate::kinematics::DeformationGradient;
@@ -23,7 +23,7 @@ use crate::lattice::{Crystal, Fractional};
 use crate::material::{Hyperelastic, MaterialError};
 use crate::method::MethodError;
 use bond::Bond;
-use correspondence::{Control, Point};
+use correspondence::{Control, Controlled, Point};
 use family::Family;
 use nalgebra::DMatrix;
 use solid::Solid;
@@ -278,12 +278,13 @@ pub struct Peridynamics<const D: usize> {
     families: Vec<Family<D>>,
     /// Points of correspondence models.
     points: Vec<LagrangianPoint<D>>,
+    products: GradientProducts<D>,
 }
 
 enum Interactions<'a, const D: usize> {
     Bonds(Vec<Bond<D>>),
     Solids(Vec<Solid<'a, D>>),
-    Points(Vec<Point<'a, D>>),
+    Points(Vec<Stressed<'a, D>>, Vec<Controlled<'a, D>>),
 }
 
 impl<const D: usize> Peridynamics<D> {
@@ -329,6 +330,7 @@ impl<const D: usize> Peridynamics<D> {
             crystal,
             horizon,
             families,
+            products: GradientProducts::of(&points),
             points,
         })
     }
@@ -406,23 +408,24 @@ impl<const D: usize> Peridynamics<D> {
                     BondModel::Correspondence { control } => control,
                     _ => ZeroEnergyControl::None,
                 };
-                let reference = match control.coefficient() > 0.0 {
-                    true => Some(reference_tangent(material)?),
-                    false => None,
-                };
+                let points = stressed(&self.points, response(material, f)?);
+                if control.coefficient() == 0.0 {
+                    return Ok(Interactions::Points(points, Vec::new()));
+                }
+                let reference = reference_tangent(material)?;
                 let ball = || self.ball(Influence::Constant);
                 let is_weighted = self.choices.weighted_forces;
-                let stressed = stressed(&self.points, material, f)?;
-                let point = |(number, stressed)| {
-                    let control = reference.as_ref().and_then(|tangent| {
-                        let family = &self.families[number];
-                        let own = Control::new(control, family, tangent, ball, is_weighted)?;
-                        Some((own, family))
-                    });
-                    Point { stressed, control }
+                let controlled = |(stressed, family): (&Stressed<'a, D>, &'a Family<D>)| {
+                    let control = Control::new(control, family, &reference, ball, is_weighted)?;
+                    Some(Controlled {
+                        stressed: stressed.clone(),
+                        control,
+                        family,
+                    })
                 };
-                let points = stressed.into_iter().enumerate().map(point);
-                Ok(Interactions::Points(points.collect()))
+                let controls = points.iter().zip(&self.families).filter_map(controlled);
+                let controls = controls.collect();
+                Ok(Interactions::Points(points, controls))
             }
         }
     }
@@ -468,7 +471,12 @@ impl<const D: usize> Discretization<D> for Peridynamics<D> {
         match self.interactions(material, f)? {
             Interactions::Bonds(bonds) => linearized(&self.crystal, mass, &bonds),
             Interactions::Solids(solids) => linearized(&self.crystal, mass, &solids),
-            Interactions::Points(points) => linearized(&self.crystal, mass, &points),
+            Interactions::Points(_, controls) => {
+                let stiffness = self.products.stiffness(&response(material, f)?);
+                let mut forced = Forced::from(stiffness);
+                controls.iter().for_each(|control| forced.add(control));
+                forced.waves(&self.crystal, mass)
+            }
         }
     }
 
@@ -514,7 +522,11 @@ impl<const D: usize> Discretization<D> for Peridynamics<D> {
         match self.interactions(material, f)? {
             Interactions::Bonds(bonds) => work(&Assembled::new(patch, &bonds)),
             Interactions::Solids(solids) => work(&Assembled::new(patch, &solids)),
-            Interactions::Points(points) => work(&Assembled::new(patch, &points)),
+            Interactions::Points(points, controls) => {
+                let points = points.into_iter().map(Point::Stressed);
+                let all = points.chain(controls.into_iter().map(Point::Controlled));
+                work(&Assembled::new(patch, &all.collect::<Vec<_>>()));
+            }
         }
         Ok(())
     }

@@ -5,6 +5,7 @@
 //! These forces have one of several forms, which are equivalent in the continuum but not in the discretization. Neighbors are determined in the
 //! homogeneous state: particles close to the support, which might enter it, have zero weight there.
 
+mod bonds;
 mod chain;
 mod current;
 mod interaction;
@@ -15,6 +16,7 @@ mod stress;
 mod total;
 mod updated;
 
+pub use bonds::ParticleGradient;
 pub use current::CurrentPairs;
 pub(crate) use current::Laden;
 pub(crate) use neighborhood::correction;

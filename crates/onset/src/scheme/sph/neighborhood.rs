@@ -49,6 +49,7 @@ impl<const D: usize> Neighborhood<D> {
     /// Pairs of the particle with its neighbors, with their weights.
     pub(super) fn pairs(&self) -> impl Iterator<Item = ([Particle<D>; 2], f64)> {
         let others = self.particles.iter().zip(&self.weights).skip(1);
+        let others = others.filter(|(_, weight)| weight.value > 0.0);
         others.map(|(other, weight)| ([self.particles[0], *other], weight.value))
     }
 

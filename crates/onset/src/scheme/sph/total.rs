@@ -1,6 +1,6 @@
 //! Total-Lagrangian SPH with kernels in material coordinates.
 
-use super::super::lagrangian::{LagrangianPoint, strains, stressed};
+use super::super::lagrangian::{GradientProducts, LagrangianPoint, response, strains, stressed};
 use super::super::layout::{Layout, MovingWeight, assert_positive};
 use super::super::moduli::Moduli;
 use super::super::response::PartOf;
@@ -9,9 +9,10 @@ use super::super::stabilization::{
     Upwinding, ViscousBond, ViscousScales, assert_coefficients, smoothed_velocities, viscous_bonds,
 };
 use super::super::{
-    Assembled, Bond, CarriedWaves, Discretization, PairLaw, PatchForces, PeriodicPatch,
-    PointResponse, StrainOperator, linearized, lumped_masses,
+    Assembled, Bond, CarriedWaves, Discretization, Forced, PairLaw, PatchForces, PeriodicPatch,
+    PointResponse, StrainOperator, lumped_masses,
 };
+use super::bonds::{ParticleGradient, smoothed};
 use super::interaction::SphInteraction;
 use super::neighborhood::{Neighborhood, mean_size, neighborhoods};
 use super::pairwise::PairwiseShear;
@@ -65,6 +66,8 @@ pub struct TotalLagrangianChoices {
     pub radius: f64,
     /// Whether gradients are corrected to be exact for linear fields.
     pub corrected: bool,
+    /// Deformation gradient of a particle.
+    pub gradient: ParticleGradient,
     /// Coefficient `alpha` of the penalty against zero-energy modes; zero for no penalty.
     pub penalty: f64,
     /// Form of the penalty, which fixes its denominators.
@@ -91,6 +94,7 @@ impl Default for TotalLagrangianChoices {
             kernel: Kernel::QuarticSpline,
             radius: 2.0,
             corrected: true,
+            gradient: ParticleGradient::Kernel,
             penalty: 0.0,
             penalty_form: PenaltyForm::Published,
             viscosity: None,
@@ -105,7 +109,7 @@ impl Default for TotalLagrangianChoices {
 ///
 /// The deformation gradient is `F_I = sum_J V_J (u_J - u_I) (x) grad W_IJ K_I^-1 + 1` and the force is `f_I = sum_J V_I V_J (P_I K_I^-T + P_J K_J^-T)
 /// grad W_IJ`, with `K_I = sum_J V_J X_IJ (x) grad W_IJ` or, uncorrected, `K = 1`. The forces are the negative derivatives of the energy `sum_I V_I
-/// W(F_I)`. The state is imposed: every particle has the deformation gradient `F`.
+/// W(F_I)`. The state is imposed: every particle has the deformation gradient `F`. [`ParticleGradient::Bonds`] replaces `F_I` by a mean over bonds.
 ///
 /// Source: Vignjevic, Reveles, Campbell, CMES 14 (2006) 181; Bonet and Lok, Comput. Methods Appl. Mech. Engrg. 180 (1999) 97.
 ///
@@ -126,9 +130,12 @@ impl Default for TotalLagrangianChoices {
 pub struct TotalLagrangianSph<const D: usize> {
     crystal: Crystal<D>,
     choices: TotalLagrangianChoices,
+    /// Particles that strain each particle of the cell.
     neighborhoods: Vec<Neighborhood<D>>,
     /// Particles of the cell as quadrature points.
     points: Vec<LagrangianPoint<D>>,
+    /// Products of the gradients along which the whole stress acts; empty for shear forces between pairs.
+    products: GradientProducts<D>,
     /// Uncorrected gradients of the particles, for shear forces between pairs.
     uncorrected: Vec<Vec<SVector<f64, D>>>,
 }
@@ -158,8 +165,12 @@ impl<const D: usize> TotalLagrangianSph<D> {
         };
         let particles = neighborhoods.iter().zip(crystal.volumes());
         let points = particles.map(point).collect::<Result<_, MethodError>>()?;
-        let uncorrected = match choices.shear {
-            ShearForces::Stress => Vec::new(),
+        let (neighborhoods, points) = match choices.gradient {
+            ParticleGradient::Kernel => (neighborhoods, points),
+            ParticleGradient::Bonds => smoothed(&crystal, &layout, neighborhoods, points),
+        };
+        let (products, uncorrected) = match choices.shear {
+            ShearForces::Stress => (GradientProducts::of(&points), Vec::new()),
             ShearForces::Pairs { coefficient } => {
                 MethodError::positive("shear-coefficient", coefficient)?;
                 let plain = |neighborhood: &Neighborhood<D>| {
@@ -167,7 +178,8 @@ impl<const D: usize> TotalLagrangianSph<D> {
                     Ok(gradients.into_iter().map(SVector::from).collect())
                 };
                 let plain = neighborhoods.iter().map(plain);
-                plain.collect::<Result<_, MethodError>>()?
+                let plain = plain.collect::<Result<_, MethodError>>()?;
+                (GradientProducts::of(&[]), plain)
             }
         };
         Ok(Self {
@@ -175,6 +187,7 @@ impl<const D: usize> TotalLagrangianSph<D> {
             choices,
             neighborhoods,
             points,
+            products,
             uncorrected,
         })
     }
@@ -184,31 +197,29 @@ impl<const D: usize> TotalLagrangianSph<D> {
         &self.choices
     }
 
-    /// Calls `work` with the interactions of a state.
-    fn with_interactions<T>(
-        &self,
+    /// Interactions of a state, except those of a stress that acts along the gradients.
+    fn other_interactions<'a>(
+        &'a self,
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
-        work: impl FnOnce(&[SphInteraction<'_, D>]) -> T,
-    ) -> Result<T, MethodError> {
-        let response = PointResponse::new(material, f)?;
-        let points = stressed(&self.points, material, f)?;
+        response: &'a PointResponse<'a, D>,
+    ) -> Result<Vec<SphInteraction<'a, D>>, MethodError> {
         let mut interactions: Vec<_> = match self.choices.shear {
-            ShearForces::Stress => points.into_iter().map(SphInteraction::Fixed).collect(),
+            ShearForces::Stress => Vec::new(),
             ShearForces::Pairs { coefficient } => {
                 let moduli = Moduli::of::<D>(material)?;
                 let particles = self.points.iter().zip(&self.uncorrected);
                 let pairwise = particles
                     .zip(&self.neighborhoods)
                     .map(|((point, along), n)| {
-                        PairwiseShear::new(point, along, n, response, moduli, coefficient)
+                        PairwiseShear::new(point, along, n, *response, moduli, coefficient)
                     });
                 pairwise.map(SphInteraction::Pairwise).collect()
             }
         };
         if self.choices.penalty > 0.0 {
             let compliance = Compliance::of(material)?;
-            let penalties = self.penalties(&compliance, &response);
+            let penalties = self.penalties(&compliance, response);
             interactions.extend(penalties.into_iter().map(SphInteraction::Penalty));
         }
         if let Some(viscosity) = &self.choices.viscosity {
@@ -221,7 +232,7 @@ impl<const D: usize> TotalLagrangianSph<D> {
             let pairs = RiemannPairs::new(upwinding, point, vectors, density, material, f)?;
             interactions.extend(pairs.map(SphInteraction::Riemann));
         }
-        Ok(work(&interactions))
+        Ok(interactions)
     }
 
     fn penalties<'a>(
@@ -264,6 +275,7 @@ impl<const D: usize> TotalLagrangianSph<D> {
         let bonds = self.neighborhoods.iter().flat_map(|neighborhood| {
             let pairs = neighborhood.particles.iter().zip(&neighborhood.vectors);
             let pairs = pairs.zip(&neighborhood.weights).skip(1);
+            let pairs = pairs.filter(|(_, weight)| weight.value > 0.0);
             pairs.map(|((other, vector), weight)| {
                 let reference = SVector::from(*vector);
                 // Slope of the weight along the bond.
@@ -340,11 +352,13 @@ impl<const D: usize> Discretization<D> for TotalLagrangianSph<D> {
         material: &dyn Hyperelastic,
         f: &DeformationGradient,
     ) -> Result<WaveSystem<D>, MethodError> {
+        let response = response(material, f)?;
+        let mut forced = Forced::from(self.products.stiffness(&response));
+        for interaction in &self.other_interactions(material, f, &response)? {
+            forced.add(interaction);
+        }
         let masses = lumped_masses(&self.crystal, self.choices.density);
-        let mass = Mass::Lumped(masses.clone());
-        let system = self.with_interactions(material, f, |interactions| {
-            linearized(&self.crystal, mass, interactions)
-        })??;
+        let system = forced.waves(&self.crystal, Mass::Lumped(masses.clone()))?;
         let epsilon = self.choices.velocity_smoothing;
         if epsilon == 0.0 {
             return Ok(system);
@@ -374,10 +388,9 @@ impl<const D: usize> Discretization<D> for TotalLagrangianSph<D> {
             law: material,
             is_integrated: true,
         };
-        let points = stressed(&self.points, &material, f)?;
-        let points: Vec<_> = points.into_iter().map(SphInteraction::Fixed).collect();
+        let forced = Forced::from(self.products.stiffness(&response(&material, f)?));
         let masses = lumped_masses(&self.crystal, self.choices.density);
-        let stress = linearized(&self.crystal, Mass::Lumped(masses), &points)?;
+        let stress = forced.waves(&self.crystal, Mass::Lumped(masses))?;
         Ok(Some(CarriedWaves {
             all: stress,
             density: None,
@@ -389,8 +402,9 @@ impl<const D: usize> Discretization<D> for TotalLagrangianSph<D> {
         let has_pairs = self.choices.shear != ShearForces::Stress;
         if self.choices.penalty > 0.0 || has_pairs {
             for (neighborhood, point) in self.neighborhoods.iter().zip(&self.points) {
-                let vectors: Vec<SVector<f64, D>> =
-                    neighborhood.vectors.iter().map(|x| (*x).into()).collect();
+                let bonds = neighborhood.vectors.iter().zip(&neighborhood.weights);
+                let bonds = bonds.take_while(|(_, weight)| weight.value > 0.0);
+                let vectors: Vec<SVector<f64, D>> = bonds.map(|(x, _)| (*x).into()).collect();
                 strain.add_nonuniform(point.particles(), point.gradients(), &vectors, !has_pairs);
             }
         }
@@ -404,9 +418,14 @@ impl<const D: usize> Discretization<D> for TotalLagrangianSph<D> {
         patch: &PeriodicPatch<D>,
         work: &mut dyn FnMut(&dyn PatchForces<D>),
     ) -> Result<(), MethodError> {
-        self.with_interactions(material, f, |interactions| {
-            work(&Assembled::new(patch, interactions));
-        })
+        let response = response(material, f)?;
+        let mut interactions = self.other_interactions(material, f, &response)?;
+        if self.choices.shear == ShearForces::Stress {
+            let points = stressed(&self.points, response).into_iter();
+            interactions.extend(points.map(SphInteraction::Fixed));
+        }
+        work(&Assembled::new(patch, &interactions));
+        Ok(())
     }
 
     fn pairs(
@@ -417,6 +436,7 @@ impl<const D: usize> Discretization<D> for TotalLagrangianSph<D> {
             || self.choices.upwinding != Upwinding::None
             || self.choices.velocity_smoothing != 0.0
             || self.choices.shear != ShearForces::Stress
+            || self.choices.gradient != ParticleGradient::Kernel
         {
             return Ok(None);
         }
