@@ -1094,8 +1094,8 @@ def localize(model: Material | str | None = None, path: str | None = None, load:
     'dilatant-shear-band'
     """
     law = model.assignments if isinstance(model, Material) else ()
-    routines = ("umat", "library")
-    of_path = {"path", "load", "strain_ratio", "strains", "bands", "slip"} | ({"confinement"} if model in routines else set())
+    is_routine = not {"material.model=umat", "material.model=library"}.isdisjoint([*law, f"material.model={model}"])
+    of_path = {"path", "load", "strain_ratio", "strains", "bands", "slip"} | ({"confinement"} if is_routine else set())
     named = {"model": None if law else model, "path": path, "load": load} | parameters
     keys = {_key("plasticity" if name in of_path else "material", name): value for name, value in named.items() if value is not None}
     return Localization(_onset.localize([*law, *(f"{key}={_typed(value, key)}" for key, value in keys.items())]))
