@@ -23,7 +23,7 @@ const COARSE_STEP: f64 = 1e-3;
 /// Shortest step of a descent to a minimum.
 const FINEST_STEP: f64 = 1e-9;
 /// Largest number of steps of a descent.
-const STEPS: usize = 60;
+const DESCENT_STEPS: usize = 60;
 /// Distance of directions whose differences are derivatives, an angle.
 const DIFFERENCE: f64 = 1e-4;
 /// Largest difference between the real parts of symmetric images of one direction.
@@ -174,7 +174,7 @@ fn descended(
     objective: &impl Fn(&Axes<f64>) -> f64,
     finest: f64,
 ) -> (f64, Axes<f64>) {
-    for _ in 0..STEPS {
+    for _ in 0..DESCENT_STEPS {
         let [a, b] = across(&direction);
         let at = |x: f64, y: f64| unit(array_of(|i| direction[i] + x * a[i] + y * b[i]));
         let step = newton_step(value, |x, y| objective(&at(x, y)));
