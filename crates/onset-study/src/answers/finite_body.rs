@@ -38,9 +38,10 @@ pub struct BodyStepAnswer {
 }
 
 impl FiniteBodyAnswer {
-    /// Returns the time step of an integrator for finite bodies with the given oscillations at a state with the given critical step of its waves; `None`
-    /// if no step is stable, or if it is unknown, as for damped waves and some integrators. The waves of stiffer increments limit the step, so their
-    /// problem is passed if the state has any.
+    /// Returns the time step of an integrator for finite bodies with the given oscillations. `lattice` is the critical step of the waves.
+    ///
+    /// The result is `None` if no step is stable, or if it is unknown, as for damped waves and some integrators. The waves of stiffer increments limit
+    /// the step, so their problem is passed if the state has any.
     pub fn new(
         problem: &Problem,
         bodies: &FiniteBodyOscillations,

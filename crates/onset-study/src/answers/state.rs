@@ -500,13 +500,13 @@ fn answer(
     })
 }
 
-/// Waves and bodies that limit the time steps at a state: those of its stiffer increments, if it has any.
+/// Waves and bodies that limit the time steps at a state. If the state has stiffer increments, their waves limit the steps.
 struct Limiting<'a> {
     problem: &'a Problem,
     /// Problem of the stiffer increments.
     stiffer: Option<&'a Problem>,
     spectrum: SpectrumSummary<3>,
-    /// `None` if no step is asked for.
+    /// `None` if no time step of the answer depends on them.
     bodies: Option<FiniteBodyOscillations>,
 }
 

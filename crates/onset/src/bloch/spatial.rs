@@ -10,11 +10,11 @@ use crate::lattice::{WaveGrid, Wedge};
 use nalgebra::SMatrix;
 use pulp::{Arch, NullaryFnOnce};
 
-/// Ratio of the discriminant to `a^3` below which the closed form loses too many digits: about seven times the squared difference of two eigenvalues,
-/// relative to the third.
-const NEARLY_EQUAL: f64 = 1e-9;
-/// Squared antisymmetric part of a matrix that is symmetric to rounding, relative to its squared deviator.
-const SYMMETRIC: f64 = 1e-28;
+/// Smallest ratio of the discriminant to `a^3` at which the closed form keeps enough digits. The ratio is about seven times the squared difference of two
+/// eigenvalues, divided by the square of the third.
+const SEPARATION_RATIO: f64 = 1e-9;
+/// Largest squared antisymmetric part of a matrix that is symmetric to rounding, relative to its squared deviator.
+const ASYMMETRY_TOLERANCE: f64 = 1e-28;
 
 /// Entries of a matrix, by rows.
 pub(super) type Entries = [f64; 9];
@@ -45,7 +45,9 @@ impl SpatialSpectrum {
         let discriminant = deviator.discriminant();
         let axial = [[1, 3], [2, 6], [5, 7]].each(|[i, j]| 0.5 * (entries[i] - entries[j]));
         let asymmetry = axial.iter().map(|x| x * x).sum();
-        if discriminant.abs() <= NEARLY_EQUAL * a.powi(3) && asymmetry <= SYMMETRIC * a {
+        if discriminant.abs() <= SEPARATION_RATIO * a.powi(3)
+            && asymmetry <= ASYMMETRY_TOLERANCE * a
+        {
             let ([lowest, _, highest], _) = symmetric_eigen(&rows(entries));
             return Self {
                 lowest,

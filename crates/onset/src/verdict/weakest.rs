@@ -22,10 +22,10 @@ const MIN_GRID: usize = 6;
 const FOLLOWED_WELLS: usize = 4;
 /// Number of different values of wells that are followed.
 const FOLLOWED_VALUES: usize = 8;
-/// Number of the lowest values on the grid from which descents start where the grid has no minimum. A narrow well beside the minimum of a kink need not
-/// have a minimum on the grid.
+/// Number of the lowest points without a minimum on the grid at which descents start. A narrow well near the minimum of a kink need not have a minimum on
+/// the grid.
 const LOWEST_VALUES: usize = 12;
-/// Relative difference by which the end of such a descent must be lower than all known bottoms.
+/// Smallest relative depth of the end of such a descent below all known bottoms.
 const LOWER_BOTTOM: f64 = 1e-6;
 /// Largest relative difference of the values of images.
 const EQUAL_VALUES: f64 = 1e-9;

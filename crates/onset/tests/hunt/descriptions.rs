@@ -26,8 +26,8 @@ const APART: f64 = 1e-4;
 /// Laws without material directions.
 const ISOTROPIC: &[&str] = &["modified-mooney-rivlin", "blatz-ko", "neo-hooke", "hencky"];
 
-/// Seeds with pockets of complex `omega^2` so small that a search can miss them in one of two descriptions, with separate zero-energy waves, with weakest
-/// waves on edges of the zone, with waves that grow alike on a line, and with nearly equal long waves in several directions.
+/// Seeds with pockets of complex `omega^2` so small that a search can miss them in one of two descriptions, with separate zero-energy waves, and with
+/// weakest waves on edges of the zone. In others waves grow alike on a line, or long waves in several directions are nearly equal.
 const MENDED: &[u64] = &[
     127, 20_606, 21_595, 22_189, 23_394, 20_261_256, 20_262_112, 40_000_150, 41_000_823, 43_000_352,
 ];

@@ -19,7 +19,7 @@ const DIFFERENCE: f64 = 1e-5;
 /// Largest length of the wave vector of a long wave, in units of the reciprocal vectors.
 const LONG: f64 = 2e-3;
 
-/// Seeds of methods with a narrow well beside the minimum of a kink.
+/// Seeds of methods with a narrow well near the minimum of a kink.
 const MENDED: &[u64] = &[50_000_131, 50_001_072];
 
 #[test]

@@ -23,7 +23,7 @@ const COARSE_STEP: f64 = 1e-3;
 /// Shortest step of a descent to a minimum.
 const FINEST_STEP: f64 = 1e-9;
 /// Largest number of steps of a descent.
-const STEPS: usize = 60;
+const DESCENT_STEPS: usize = 60;
 /// Distance of directions whose differences are derivatives, an angle.
 const DIFFERENCE: f64 = 1e-4;
 /// Largest difference between the real parts of symmetric images of one direction.
@@ -174,25 +174,20 @@ fn descended(
     objective: &impl Fn(&Axes<f64>) -> f64,
     finest: f64,
 ) -> (f64, Axes<f64>) {
-    for _ in 0..STEPS {
+    for _ in 0..DESCENT_STEPS {
         let [a, b] = across(&direction);
         let at = |x: f64, y: f64| unit(array_of(|i| direction[i] + x * a[i] + y * b[i]));
         let step = newton_step(value, |x, y| objective(&at(x, y)));
         let length = step[0].hypot(step[1]);
-        let mut share = 1.0;
-        let next = loop {
-            if !(share * length > finest) {
-                return (value, direction);
-            }
-            let [x, y] = step.each(|part| share * part);
-            let next = at(x, y);
-            let reached = objective(&next);
-            if reached < value {
-                break (reached, next);
-            }
-            share *= 0.25;
+        let shares = std::iter::successors(Some(1.0), |share| Some(0.25 * share));
+        let mut trials = shares
+            .take_while(|share| share * length > finest)
+            .map(|share| at(share * step[0], share * step[1]))
+            .map(|n| (objective(&n), n));
+        let Some(lower) = trials.find(|trial| trial.0 < value) else {
+            return (value, direction);
         };
-        (value, direction) = next;
+        (value, direction) = lower;
     }
     (value, direction)
 }
