@@ -19,8 +19,6 @@ const MAX_RAY_LENGTH: f64 = 1e4;
 const SLACK: f64 = 0.01;
 /// Number of halvings of the interval that contains the loss of stability, and number of halvings within which a first stable step must be found.
 const HALVINGS: usize = 28;
-/// The same where a Hermitian matrix decides: its rounding is that of the step. A search over wave vectors wanders where steps are less accurate.
-const EXACT_HALVINGS: usize = 48;
 const MAX_STEP_HALVINGS: usize = 40;
 
 /// Matrices of one wave: `dv/dt = -K u - C v`, `du/dt = T v`, divided by the masses.
@@ -352,12 +350,8 @@ impl DampedWave {
             return f64::INFINITY;
         };
         // The limit of a strongly damped wave can be far below the undamped one: the halvings for its accuracy begin at a stable step.
-        let halvings = match self.factors {
-            Factors::Hermitian(..) => EXACT_HALVINGS,
-            _ => HALVINGS,
-        };
         let (mut accurate, mut tried) = (0, 0);
-        while accurate < halvings && tried < halvings + MAX_STEP_HALVINGS {
+        while accurate < HALVINGS && tried < HALVINGS + MAX_STEP_HALVINGS {
             let middle = 0.5 * (low + high);
             match self.is_stable(middle) {
                 true => low = middle,
