@@ -253,7 +253,10 @@ impl Table {
     fn errors(&self) -> Panel {
         let all = self.measured().flat_map(|(_, m)| &m.dispersion);
         let all = all.map(|error| error.error.max(SMALLEST_ERROR_SHOWN));
-        let label = format!("error at F = 1, at least {} (−)", percent(SMALLEST_ERROR_SHOWN));
+        let label = format!(
+            "error at F = 1, at least {} (−)",
+            percent(SMALLEST_ERROR_SHOWN)
+        );
         let axis = Axis::log(label, (SMALLEST_ERROR_SHOWN, 1.0)).covering(all);
         let mut panel = self.panel("Frequencies", axis);
         let colors = [palette::VERMILION, palette::BLUE, palette::GREEN];
