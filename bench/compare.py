@@ -159,7 +159,7 @@ def machine():
 
 TEXT = """# The same work in user-level Python
 
-Written by `cargo xtask bench`; do not edit.
+Written by `cargo xtask bench`; do not edit. Other tables: [waiting times](waiting.md), [maps of newer methods](methods.md), [bodies](bodies.md).
 
 **The work.** A map of states: at each state, two stretches drawn at random from [0.5, 2.5]^2 in plane strain, the softest mode
 of the particles (min Re omega^2 / (c^2 |k|_h^2) over the zone, and its wave vector), the largest omega^2 (for the critical time

@@ -111,6 +111,12 @@ fn the_methods_side_by_side_have_the_values_of_the_book() {
             let row = &row["measured"];
             let of_law = |column: usize| told[column].split(", ").nth(number_of_law);
             let of_law = |column: usize| of_law(column).expect("three values");
+            if row.is_null() {
+                let own = [of_law(2), of_law(3), of_law(4), of_law(5)];
+                assert_eq!(own, ["refused"; 4], "{name}: {law}");
+                assert!(law != "j2" || told[6] == "refused", "{name}");
+                continue;
+            }
             let value = |key: &str| row[key].as_f64().expect("a number");
             assert_eq!(
                 format!("{}", value("zero_modes")),

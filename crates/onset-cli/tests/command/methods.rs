@@ -231,7 +231,7 @@ fn every_command_supports_every_recent_method() {
     let known = methods(2, METHODS_2D);
     let mut recent = methods(2, RECENT_2D);
     recent.retain(|own| known.iter().all(|other| other.name != own.name));
-    assert_answered(&recent, 8);
+    assert_answered(&recent, 9);
 }
 
 #[test]

@@ -71,13 +71,9 @@ impl Table {
             .with(self.errors())
             .with(self.cost())
             .caption(format!(
-                "Material {}, {}. Verdicts on stretches from {} to {}. Errors of frequencies of the reference configuration over all \
-                 directions; those below {} are drawn there.",
+                "Material {}, {}.",
                 self.material,
-                counted(self.dimension, "dimension"),
-                self.options.stretches[0],
-                self.options.stretches[1],
-                percent(SMALLEST_ERROR_SHOWN)
+                counted(self.dimension, "dimension")
             ))
     }
 
@@ -224,8 +220,9 @@ impl Table {
     }
 
     fn verdicts(&self) -> Panel {
-        let axis =
-            Axis::linear("share of the window of states (%)", (0.0, 100.0)).covering([0.0, 100.0]);
+        let [least, most] = self.options.stretches;
+        let label = format!("share of states, stretches {least} to {most} (%)");
+        let axis = Axis::linear(label, (0.0, 100.0)).covering([0.0, 100.0]);
         let of = |n: usize, share: fn(&Measured) -> f64| {
             let points = self
                 .measured()
@@ -256,7 +253,11 @@ impl Table {
     fn errors(&self) -> Panel {
         let all = self.measured().flat_map(|(_, m)| &m.dispersion);
         let all = all.map(|error| error.error.max(SMALLEST_ERROR_SHOWN));
-        let axis = Axis::log("error (−)", (SMALLEST_ERROR_SHOWN, 1.0)).covering(all);
+        let label = format!(
+            "error at F = 1, at least {} (−)",
+            percent(SMALLEST_ERROR_SHOWN)
+        );
+        let axis = Axis::log(label, (SMALLEST_ERROR_SHOWN, 1.0)).covering(all);
         let mut panel = self.panel("Frequencies", axis);
         let colors = [palette::VERMILION, palette::BLUE, palette::GREEN];
         for (n, (count, color)) in super::WAVELENGTHS.into_iter().zip(colors).enumerate() {

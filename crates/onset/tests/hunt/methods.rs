@@ -18,8 +18,8 @@ use onset::scheme::element::{
 };
 use onset::scheme::kernel::{CrystalQuadrature, KernelChoices, KernelScheme};
 use onset::scheme::sph::{
-    DensityEvolution, MomentumForm, ShearForces, TotalLagrangianChoices, TotalLagrangianSph,
-    UpdatedSph, UpdatedSphChoices,
+    DensityEvolution, MomentumForm, ParticleGradient, ShearForces, TotalLagrangianChoices,
+    TotalLagrangianSph, UpdatedSph, UpdatedSphChoices,
 };
 use onset::scheme::stabilization::ArtificialStress;
 use onset::scheme::{
@@ -225,6 +225,11 @@ fn total_lagrangian<const D: usize>(random: &mut Random) -> Option<Named<D>> {
             ShearForces::Stress,
             ShearForces::Stress,
             ShearForces::Pairs { coefficient: 1.07 },
+        ]),
+        gradient: random.one_of(&[
+            ParticleGradient::Kernel,
+            ParticleGradient::Kernel,
+            ParticleGradient::Bonds,
         ]),
         ..TotalLagrangianChoices::default()
     };

@@ -76,14 +76,15 @@ fn neighbors<const D: usize>(kind: LatticeKind, radius: f64) -> Neighbors<D> {
     }
 }
 
+/// Vector between the current positions of two particles, given by the number of the first and the reference vector to the second, and the number of the
+/// second.
+type Apart<'a, const D: usize> = dyn Fn(usize, &SVector<f64, D>) -> (SVector<f64, D>, usize) + 'a;
+
 /// Deformation gradients of the particles of a periodic patch, as means over the bonds written out.
-///
-/// `apart` returns the vector between the current positions of two particles, given by the number of the first and the reference vector to the second, and
-/// the number of the second.
 fn means<const D: usize>(
     near: &Neighbors<D>,
     count: usize,
-    apart: &dyn Fn(usize, &SVector<f64, D>) -> (SVector<f64, D>, usize),
+    apart: &Apart<'_, D>,
 ) -> Vec<SMatrix<f64, D, D>> {
     let of_particle = |i: usize| -> SMatrix<f64, D, D> {
         let each = near.others.iter();

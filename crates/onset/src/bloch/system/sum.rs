@@ -45,8 +45,13 @@ struct Phases {
 }
 
 impl Phases {
+    #[inline]
     fn of<const D: usize>(&self, term: &Term<D>) -> Complex {
-        self.sites[term.from].conj() * self.sites[term.to.site] * self.cells[term.cell]
+        let cell = self.cells[term.cell];
+        match term.from == term.to.site {
+            true => cell,
+            false => self.sites[term.from].conj() * self.sites[term.to.site] * cell,
+        }
     }
 }
 
@@ -335,8 +340,15 @@ impl<const D: usize> BlochSum<D> {
 
     /// Evaluates the sum `S(k)` at a wave vector.
     pub fn at(&self, k: &SVector<f64, D>) -> DMatrix<Complex> {
+        checkpoint();
         let phases = self.phases(k);
-        self.summed(|term| phases.of(term))
+        let mut sum = DMatrix::<Complex>::zeros(self.size(), self.size());
+        for term in &self.terms {
+            let phase = phases.of(term);
+            let mut entries = sum.fixed_view_mut::<D, D>(D * term.from, D * term.to.site);
+            entries.zip_apply(&term.block, |entry, x| *entry += phase * x);
+        }
+        sum
     }
 
     /// Taylor coefficient of order `p` of `S(t n)` in `t` at zero: `sum S(R) (i n.R)^p / p!`, for `p` up to two.
