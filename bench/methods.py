@@ -54,7 +54,7 @@ PAIRS = [
 REASONS = [
     "The ordinary solid couples particles up to two horizons apart: 113 force constants and not 29. Assembly, long waves and the search over wave vectors all sum over them.",
     "",
-    "The stable step of upwinding has more minima over the zone: its search evaluates 650 wave vectors a state, that of the artificial viscosity 280. Each costs the same.",
+    "The stable step of upwinding has more minima over the zone: its search evaluates 650 wave vectors a state, the search with artificial viscosity 280. Each costs the same.",
 ]
 
 

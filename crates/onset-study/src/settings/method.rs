@@ -126,7 +126,7 @@ declared! {
         method: Family = Family::Kernel, Words;
         /// SPH: gradients corrected to be exact for linear fields (PySPH: false).
         corrected: bool = true, Switch, SPH;
-        /// Total-Lagrangian SPH: deformation gradient of a particle, of the kernel or a mean over its bonds and its own gradient.
+        /// Total-Lagrangian SPH: deformation gradient of a particle, by the kernel or as a mean over bonds that includes the gradient by the kernel.
         gradient: ParticleGradient = ParticleGradient::Kernel, Words, TOTAL_SPH;
         /// Updated SPH: stresses act along corrected gradients too (LAMMPS' *GRADIENT_CORRECTION); requires discretization.corrected.
         corrected_forces: bool = false, Switch, UPDATED_SPH;

@@ -147,7 +147,7 @@ impl<const D: usize> Interaction<D> for Stressed<'_, D> {
 pub(super) struct GradientProducts<const D: usize>(BlochBlocks<D>);
 
 impl<const D: usize> GradientProducts<D> {
-    /// Computes the sums.
+    /// Sums over the points of a cell; length^(D-2).
     pub(super) fn of(points: &[LagrangianPoint<D>]) -> Self {
         let mut products = BlochBlocks::new();
         for point in points {

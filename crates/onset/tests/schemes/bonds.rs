@@ -227,7 +227,7 @@ fn assert_spectra<const D: usize>(kind: LatticeKind, radius: f64, states: usize)
 }
 
 #[test]
-fn spectra_of_random_states_are_those_of_the_mean_gradient_of_a_wave() {
+fn spectra_of_random_states_follow_from_the_mean_gradient_of_a_wave() {
     assert_spectra::<1>(LatticeKind::Chain, 2.3, 10);
     assert_spectra::<2>(LatticeKind::Square, 2.6, 15);
     assert_spectra::<2>(LatticeKind::Hexagonal, 2.1, 15);

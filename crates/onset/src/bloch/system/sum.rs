@@ -143,7 +143,7 @@ impl<const D: usize> Between<'_, D> {
         let sums = table.sums.iter().enumerate();
         let blocks = sums.filter(|(_, block)| block.iter().any(|entry| *entry != 0.0));
         if self.blocks.blocks.is_empty() {
-            // The table has the order of the collection, which is then built at once.
+            // The table has the order of the collection: no search for each block is needed.
             let pair = |(n, block): (usize, &SMatrix<f64, D, D>)| {
                 let (from, to) = table.pair(n);
                 ((from.site, to), *block)

@@ -33,7 +33,7 @@ impl<'a, const D: usize> Solid<'a, D> {
 }
 
 impl<const D: usize> Solid<'_, D> {
-    /// Sum `m = sum w r^2 V`.
+    /// Weighted volume `m = sum w r^2 V` of the family; length^(D+2).
     fn weighted_volume(&self) -> f64 {
         self.family.shape.trace()
     }

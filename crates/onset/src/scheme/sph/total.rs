@@ -197,7 +197,7 @@ impl<const D: usize> TotalLagrangianSph<D> {
         &self.choices
     }
 
-    /// Interactions of a state, except those of a stress that acts along the gradients.
+    /// Interactions of a state, without stresses that act along the gradients.
     fn other_interactions<'a>(
         &'a self,
         material: &dyn Hyperelastic,
