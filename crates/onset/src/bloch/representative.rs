@@ -9,6 +9,7 @@
 //! 3. Among wave vectors of equal length, the first in the order of Cartesian components is taken, with the largest component first.
 //! 4. Among equal frequencies at this wave vector, the mode with the largest share along the wave is taken.
 
+use super::search::LONG_WAVE_FRACTION;
 use super::{Mode, SpectrumSummary, ZoneSearch, growth_rate};
 use crate::algebra::{Complex, MAXIMUM_ITERATIONS, eigenvalues, normalized};
 use crate::continuum::{ACOUSTIC_ROUNDING, Stiffness};
@@ -152,7 +153,12 @@ impl<const D: usize> ZoneSearch<D> {
             true => (waves.zero_modes)(&mode.wave_vector),
             false => Vec::new(),
         };
-        let is_equal = |k: &SVector<f64, D>| value(k) <= own + rounding;
+        // The scaled measure of still longer waves is a quotient of rounding errors.
+        let reciprocal = self.reference().reciprocal();
+        let lengths = reciprocal.column_iter().map(|own| own.norm());
+        let longest = 0.5 * LONG_WAVE_FRACTION * lengths.fold(f64::INFINITY, f64::min);
+        let is_defined = |k: &SVector<f64, D>| measure != Measure::Scaled || k.norm() > longest;
+        let is_equal = |k: &SVector<f64, D>| is_defined(k) && value(k) <= own + rounding;
         let k = self.chosen(&mode.wave_vector, zero_modes, is_equal);
         if k.norm() == 0.0 {
             return mode;

@@ -273,6 +273,20 @@ impl<L: FlowLaw> Coaxial<L> {
         from: f64,
     ) -> Result<Point, Stopped<7, Halt>> {
         let law = &self.law;
+        let (begun, slip, internal) = split(start);
+        let elastic = law.unloading(slip).stress(strain);
+        let at = |t: f64| law.flowed_at_once(&(begun + elastic * (t - from)), slip);
+        match at(1.0) {
+            Some(Ok((stress, slip))) => return Ok(joined(&stress, slip, &internal)),
+            Some(Err(error)) => {
+                return Err(Stopped {
+                    why: Stop::Rates(Halt::Law(error)),
+                    y: *start,
+                    x: bisect(from, 1.0, |t| at(t).is_none_or(|end| end.is_ok())),
+                });
+            }
+            None => {}
+        }
         let rates = |y: &Point, _: f64| {
             let (stress, slip, internal) = split(y);
             let flow = law.flow(&stress, slip, &internal).map_err(Halt::Law)?;

@@ -136,6 +136,16 @@ pub trait FlowLaw {
     /// Yield function: negative in the elastic range, zero during flow. Units of stress.
     fn excess(&self, stress: &Vector3<f64>, slip: f64, internal: &Vector3<f64>) -> f64;
 
+    /// Stress and slip at the end of a path of constant strain rate along which the material flows, from the elastic stress at its end and the slip at its
+    /// beginning, or the error of a path that cannot be followed to its end; `None` without a closed form.
+    fn flowed_at_once(
+        &self,
+        _elastic: &Vector3<f64>,
+        _slip: f64,
+    ) -> Option<Result<(Vector3<f64>, f64), PlasticityError>> {
+        None
+    }
+
     /// Returns the flow of a state on the yield surface.
     ///
     /// # Errors
@@ -203,6 +213,29 @@ impl FlowLaw for DruckerPrager {
 
     fn excess(&self, stress: &Vector3<f64>, slip: f64, _internal: &Vector3<f64>) -> f64 {
         self.yield_function(&Matrix3::from_diagonal(stress), slip)
+    }
+
+    /// The directions of flow do not change along the path, so that one implicit step is exact.
+    fn flowed_at_once(
+        &self,
+        elastic: &Vector3<f64>,
+        slip: f64,
+    ) -> Option<Result<(Vector3<f64>, f64), PlasticityError>> {
+        let excess = self.excess(elastic, slip, &Vector3::zeros());
+        if excess.is_nan() || excess < 0.0 {
+            return None;
+        }
+        let (mean, deviator, shear) = parts(elastic);
+        let stiffness = self.flow_stiffness();
+        let increment = self.hardening().increment(excess, stiffness, slip);
+        let left = 1.0 - self.shear_modulus() * increment / shear;
+        let mean = mean - self.bulk_modulus() * self.dilatancy() * increment;
+        let end = slip + increment;
+        let strong = self.hardening().not_exhausted(end);
+        Some(strong.and_then(|()| match left > 0.0 {
+            true => Ok(((deviator * left).add_scalar(mean), end)),
+            false => Err(PlasticityError::NoDeviator),
+        }))
     }
 
     fn flow(

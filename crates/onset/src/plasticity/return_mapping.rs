@@ -154,7 +154,7 @@ impl DruckerPrager {
 
 impl Hardening {
     /// Solution `d > 0` of `excess - relaxation d - (k(slip + d) - k(slip)) = 0`, whose left-hand side decreases.
-    fn increment(&self, excess: f64, relaxation: f64, slip: f64) -> f64 {
+    pub(super) fn increment(&self, excess: f64, relaxation: f64, slip: f64) -> f64 {
         let strength = self.strength(slip);
         let rest = |d: f64| excess - relaxation * d - (self.strength(slip + d) - strength);
         let (mut low, mut high) = (0.0, excess / (relaxation + self.lowest_modulus()));
