@@ -232,7 +232,7 @@ fn plastic_parameters() -> String {
         )
     };
     format!(
-        "Keys of --set: those of the law (`onset list materials j2`), and\n{}\nIf one stress has a unit, all stresses need one: material.mu=80GPa, material.yield-stress=300MPa.\n",
+        "Keys of --set: the parameters of the law (`onset list materials`), and\n{}\nIf one stress has a unit, all stresses need one: material.mu=80GPa, material.yield-stress=300MPa.\n",
         PARAMETERS.iter().map(line).collect::<String>()
     )
 }
@@ -1423,7 +1423,7 @@ pub struct MapArguments {
 /// Command-line arguments of `onset localize`.
 #[derive(Debug, Args)]
 pub struct LocalizeArguments {
-    /// Study or deck of another program with a plastic law; - for standard input. The loading is set by the options below.
+    /// Study with a plastic law; - for standard input. The loading is set by the options below, not in the study.
     #[arg(conflicts_with = "model")]
     pub file: Option<PathBuf>,
     /// Deck of another program in FILE.

@@ -136,8 +136,12 @@ pub trait FlowLaw {
     /// Yield function: negative in the elastic range, zero during flow. Units of stress.
     fn excess(&self, stress: &Vector3<f64>, slip: f64, internal: &Vector3<f64>) -> f64;
 
-    /// Stress and slip at the end of a path of constant strain rate along which the material flows, from the elastic stress at its end and the slip at its
-    /// beginning, or the error of a path that cannot be followed to its end; `None` without a closed form.
+    /// Stress and slip at the end of a path of constant strain rate along which the material flows; `None` without a closed form.
+    ///
+    /// The arguments are the elastic stress at its end and the slip at its beginning.
+    ///
+    /// # Errors
+    /// The reason why the path cannot be followed to its end.
     fn flowed_at_once(
         &self,
         _elastic: &Vector3<f64>,

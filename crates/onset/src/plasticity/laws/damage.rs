@@ -50,7 +50,7 @@ pub(in super::super) const DEFORMATION_THEORY: Law = Law {
               yield-stress (1 + e/reference-strain)^exponent + hardening-modulus e + saturation-stress (1 - exp(-saturation-rate e)) beyond yield-stress",
     parameters: metal::J2.parameters,
     domain: "all J > 0, on monotonic, proportional paths from F = 1; tangent of continued loading, soft in other directions too, as at a vertex of a yield surface",
-    source: "Stören and Rice, J. Mech. Phys. Solids 23 (1975) 421; Hutchinson and Neale, in Mechanics of Sheet Metal Forming (1978) 127; defaults: typical of a mild steel, GPa",
+    source: "Stören and Rice, J. Mech. Phys. Solids 23 (1975) 421, and Hutchinson and Neale, in Mechanics of Sheet Metal Forming (1978) 127; defaults: typical of a mild steel, GPa",
     make: |p| coaxial(deformation_theory(p), 0.0),
     ..DRUCKER_PRAGER
 };
