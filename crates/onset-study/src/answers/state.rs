@@ -443,12 +443,15 @@ fn answer(
         ));
     }
     let stiffer = problem.stiffer_at(f)?;
-    let limiting = Limiting::new(problem, stiffer.as_ref(), assessment, f)?;
-    let discretization = discretization_answer(problem, &limiting, assessment, weakest, f)?;
-    let disturbed = match &stiffer {
-        Some(stiffer) => Some(StifferAnswer::new(stiffer, f)?),
+    let stiffer = match &stiffer {
+        Some(stiffer) => Some((stiffer, stiffer.analysis.assess(f)?)),
         None => None,
     };
+    let limiting = Limiting::new(problem, stiffer.as_ref(), assessment, f)?;
+    let discretization = discretization_answer(problem, &limiting, assessment, weakest, f)?;
+    let disturbed = stiffer
+        .as_ref()
+        .map(|(stiffer, own)| StifferAnswer::new(stiffer, own, limiting.bodies.as_ref()));
     let relaxation = RelaxationAnswer::new(problem, disturbed.as_ref(), f)?;
     let run_step = limiting.run_step(f)?;
     if let Some(told) = run_step.and_then(|own| own.sentence(problem.settings.units(), &sentence)) {
@@ -513,7 +516,7 @@ struct Limiting<'a> {
 impl<'a> Limiting<'a> {
     fn new(
         problem: &'a Problem,
-        stiffer: Option<&'a Problem>,
+        stiffer: Option<&'a (&'a Problem, Assessment<3>)>,
         assessment: &Assessment<3>,
         f: &DeformationGradient,
     ) -> Result<Self, ProblemError> {
@@ -522,16 +525,13 @@ impl<'a> Limiting<'a> {
             settings.chosen_integrator(),
             Some(TimeIntegrator::Implicit(_))
         );
-        let is_asked = !is_implicit || settings.run.step != 0.0;
-        let limiting = stiffer.unwrap_or(problem);
+        let is_asked = !is_implicit || settings.run.step != 0.0 || stiffer.is_some();
+        let limiting = stiffer.map_or(problem, |(stiffer, _)| stiffer);
         let bodies = is_asked.then(|| limiting.analysis.finite_bodies(f));
         Ok(Self {
             problem: limiting,
-            stiffer,
-            spectrum: match stiffer {
-                Some(stiffer) => stiffer.analysis.spectrum(f)?,
-                None => assessment.spectrum,
-            },
+            stiffer: stiffer.map(|(stiffer, _)| *stiffer),
+            spectrum: stiffer.map_or(assessment, |(_, own)| own).spectrum,
             bodies: bodies.transpose()?,
         })
     }

@@ -9,6 +9,7 @@ use super::state::{list, named};
 use crate::number::{told, told_with, vector};
 use crate::settings::Units;
 use nalgebra::{SVector, SymmetricEigen};
+use onset::analysis::FiniteBodyOscillations;
 use onset::kinematics::DeformationGradient;
 use onset::material::Viscoelastic;
 use onset::method::MethodError;
@@ -174,25 +175,24 @@ fn growth_of_sheet(
 }
 
 impl StifferAnswer {
-    /// Assesses the state with the tangent of its stiffer increments.
-    pub(super) fn new(problem: &Problem, f: &DeformationGradient) -> Result<Self, ProblemError> {
-        let assessment = problem.analysis.assess(f)?;
+    /// Answer for the stiffer increments of a state, from its assessment with their tangent.
+    pub(super) fn new(
+        problem: &Problem,
+        assessment: &Assessment<3>,
+        bodies: Option<&FiniteBodyOscillations>,
+    ) -> Self {
         let spectrum = &assessment.spectrum;
         let step = Some(spectrum.critical_time_step()).filter(|step| step.is_finite());
-        let bodies = problem.analysis.finite_bodies(f)?;
-        Ok(Self {
+        Self {
             verdict: assessment.verdict,
             mechanism: assessment.mechanism(),
             growth_rate: spectrum.growth_rate(),
             maximum_omega: spectrum.maximum_omega,
             critical_time_step: step,
-            finite_bodies: FiniteBodyAnswer::new(
-                problem,
-                &bodies,
-                Integrator::CentralDifferences,
-                step,
-            ),
-        })
+            finite_bodies: bodies.and_then(|bodies| {
+                FiniteBodyAnswer::new(problem, bodies, Integrator::CentralDifferences, step)
+            }),
+        }
     }
 
     /// Text of the answer in one line.

@@ -2,8 +2,8 @@
 
 use super::LocalizationError;
 use crate::settings::{
-    Key, Kind, MaterialSettings, Model, Origin, Plane, SettingError, Trust, Units, Value, units,
-    unknown_key,
+    Choice, Key, Kind, MaterialSettings, Model, Origin, Plane, SettingError, Trust, Units, Value,
+    units, unknown_key,
 };
 use onset::material::Admitted::{NotNegative, Within};
 use onset::material::MaterialError;
@@ -351,26 +351,20 @@ impl PlasticSettings {
 
     /// Law and parameters in effect as a text: names with values, and units if there is a dimension.
     pub fn told(&self) -> String {
-        let units = self.units();
-        let one = |(name, value): (&str, Value)| {
-            let key = Key::named(name).copied();
+        let is_si = self.units().are_si();
+        let one = |(name, value): (String, Value)| {
             let mut of_path = PARAMETERS.iter().filter(|own| own.name == name);
+            let key = Key::named(&name).copied();
             let key = key.or_else(|| of_path.next().map(Parameter::key));
             let unit = key.and_then(|key| key.unit()).and_then(units::si);
-            let name = name.split_once('.').map_or(name, |(_, own)| own);
-            match (value, unit) {
-                (Value::Number(number), Some(unit)) => {
-                    format!("{name} {}", units.of(crate::number::exact(number), unit))
-                }
-                (Value::Number(number), None) => format!("{name} {}", crate::number::exact(number)),
-                (Value::Word(word), _) => format!("{name} {word}"),
-                (other, _) => format!("{name} {other}"),
-            }
+            let choice = Choice {
+                value,
+                default: false,
+                unit: unit.filter(|_| is_si),
+            };
+            choice.told(name.split_once('.').map_or(&*name, |(_, own)| own))
         };
-        let all: Vec<String> = self
-            .entries()
-            .map(|(name, value)| one((&name, value)))
-            .collect();
+        let all: Vec<String> = self.entries().map(one).collect();
         all.join(", ")
     }
 

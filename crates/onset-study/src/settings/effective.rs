@@ -285,7 +285,7 @@ pub(crate) fn is_of_an_absent_term(name: &str, value: impl Fn(&str) -> Option<f6
 
 impl Choice {
     /// Setting with its name, as in a list.
-    fn told(&self, name: &str) -> String {
+    pub(crate) fn told(&self, name: &str) -> String {
         match &self.value {
             Value::Word(word) => format!("{name} {word}"),
             Value::Number(number) => {

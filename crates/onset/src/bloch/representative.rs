@@ -153,12 +153,11 @@ impl<const D: usize> ZoneSearch<D> {
             true => (waves.zero_modes)(&mode.wave_vector),
             false => Vec::new(),
         };
-        // The scaled measure of still longer waves is a quotient of rounding errors.
-        let reciprocal = self.reference().reciprocal();
-        let lengths = reciprocal.column_iter().map(|own| own.norm());
-        let longest = 0.5 * LONG_WAVE_FRACTION * lengths.fold(f64::INFINITY, f64::min);
-        let is_defined = |k: &SVector<f64, D>| measure != Measure::Scaled || k.norm() > longest;
-        let is_equal = |k: &SVector<f64, D>| is_defined(k) && value(k) <= own + rounding;
+        // The scaled measure of waves that no search finds, because they are long, is a quotient of rounding errors.
+        let is_rounding = |k: &SVector<f64, D>| {
+            measure == Measure::Scaled && self.is_longer(k, 0.5 * LONG_WAVE_FRACTION)
+        };
+        let is_equal = |k: &SVector<f64, D>| !is_rounding(k) && value(k) <= own + rounding;
         let k = self.chosen(&mode.wave_vector, zero_modes, is_equal);
         if k.norm() == 0.0 {
             return mode;

@@ -45,21 +45,14 @@ impl SpatialSpectrum {
         let discriminant = deviator.discriminant();
         let axial = [[1, 3], [2, 6], [5, 7]].each(|[i, j]| 0.5 * (entries[i] - entries[j]));
         let asymmetry = axial.iter().map(|x| x * x).sum();
-        if discriminant.abs() <= SEPARATION_RATIO * a.powi(3)
-            && asymmetry <= ASYMMETRY_TOLERANCE * a
-        {
+        let is_close = discriminant.abs() <= SEPARATION_RATIO * a.powi(3);
+        let outer = if is_close && asymmetry <= ASYMMETRY_TOLERANCE * a {
             let ([lowest, _, highest], _) = symmetric_eigen(&rows(entries));
-            return Self {
-                lowest,
-                highest,
-                discriminant,
-                imaginary_squared: 0.0,
-                pair: mean,
-                asymmetry,
-            };
-        }
-        if discriminant >= 0.0 {
-            let [lowest, highest] = deviator.outer();
+            Some([lowest, highest])
+        } else {
+            (discriminant >= 0.0).then(|| deviator.outer())
+        };
+        if let Some([lowest, highest]) = outer {
             return Self {
                 lowest,
                 highest,

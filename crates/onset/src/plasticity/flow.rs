@@ -230,10 +230,7 @@ impl FlowLaw for DruckerPrager {
             return None;
         }
         let (mean, deviator, shear) = parts(elastic);
-        let stiffness = self.flow_stiffness();
-        let increment = self.hardening().increment(excess, stiffness, slip);
-        let left = 1.0 - self.shear_modulus() * increment / shear;
-        let mean = mean - self.bulk_modulus() * self.dilatancy() * increment;
+        let (increment, left, mean) = self.step_on_cone(excess, shear, mean, slip);
         let end = slip + increment;
         let strong = self.hardening().not_exhausted(end);
         Some(strong.and_then(|()| match left > 0.0 {

@@ -101,17 +101,14 @@ impl DruckerPrager {
         }
         let deviator = deviator(&stress);
         let trial_shear = equivalent_shear(&deviator);
-        let increment = self
-            .hardening()
-            .increment(excess, self.flow_stiffness(), slip);
-        let theta = 1.0 - shear * increment / trial_shear;
+        let (increment, theta, pressure) =
+            self.step_on_cone(excess, trial_shear, mean(&stress), slip);
         if theta.is_nan() || (theta < 0.0 && self.friction() > 0.0) {
             return self.map_back_to_apex(mean(&stress), slip);
         }
         let new_slip = slip + increment;
         self.hardening().not_exhausted(new_slip)?;
         let one = Matrix3::identity();
-        let pressure = mean(&stress) - bulk * self.dilatancy() * increment;
         let unit = deviator / trial_shear;
         let a = unit * shear + one * (bulk * self.dilatancy());
         let b = unit * shear + one * (bulk * self.friction());
@@ -126,6 +123,21 @@ impl DruckerPrager {
                 turning * unit[(i, j)] * unit[(k, l)] - a[(i, j)] * b[(k, l)] / stiffness
             }),
         })
+    }
+
+    /// Implicit step from a trial stress onto the cone: the increment of slip, the ratio of the deviator to its trial value, and the mean stress.
+    pub(super) fn step_on_cone(
+        &self,
+        excess: f64,
+        trial_shear: f64,
+        trial_mean: f64,
+        slip: f64,
+    ) -> (f64, f64, f64) {
+        let hardening = self.hardening();
+        let increment = hardening.increment(excess, self.flow_stiffness(), slip);
+        let theta = 1.0 - self.shear_modulus() * increment / trial_shear;
+        let mean = trial_mean - self.bulk_modulus() * self.dilatancy() * increment;
+        (increment, theta, mean)
     }
 
     /// Returns a trial mean stress to the apex, where the flow dilates by `beta` per unit of slip.
@@ -154,7 +166,7 @@ impl DruckerPrager {
 
 impl Hardening {
     /// Solution `d > 0` of `excess - relaxation d - (k(slip + d) - k(slip)) = 0`, whose left-hand side decreases.
-    pub(super) fn increment(&self, excess: f64, relaxation: f64, slip: f64) -> f64 {
+    fn increment(&self, excess: f64, relaxation: f64, slip: f64) -> f64 {
         let strength = self.strength(slip);
         let rest = |d: f64| excess - relaxation * d - (self.strength(slip + d) - strength);
         let (mut low, mut high) = (0.0, excess / (relaxation + self.lowest_modulus()));

@@ -3,12 +3,13 @@
 use crate::battery::{assert_long_waves_are_those_of_the_material, assert_scheme};
 use crate::random::Random;
 use crate::sph::{crystal, stretched};
+use crate::states::saint_venant_kirchhoff;
 use nalgebra::{DMatrix, SMatrix, SVector};
 use onset::algebra::Complex;
 use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::{Fractional, LatticeKind, Particle};
-use onset::material::{Hyperelastic, Law, ModifiedMooneyRivlin};
+use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
 use onset::measures::spurious_modes;
 use onset::scheme::sph::{
     ParticleGradient, ShearForces, TotalLagrangianChoices, TotalLagrangianSph,
@@ -22,9 +23,7 @@ const MU: f64 = 0.8;
 const RHO: f64 = 1.3;
 
 fn solid() -> Box<dyn Hyperelastic> {
-    let law = Law::named("saint-venant-kirchhoff").expect("a law of the library");
-    law.build(&[("lambda", LAMBDA), ("mu", MU)])
-        .expect("constants")
+    saint_venant_kirchhoff(LAMBDA, MU)
 }
 
 fn choices(radius: f64, gradient: ParticleGradient) -> TotalLagrangianChoices {

@@ -3,6 +3,7 @@
 use crate::battery::assert_scheme;
 use crate::random::Random;
 use crate::sph::{crystal, updated};
+use crate::states::saint_venant_kirchhoff;
 use nalgebra::{DMatrix, Matrix3, SMatrix, SVector};
 use onset::algebra::Complex;
 use onset::kernel::Kernel;
@@ -23,9 +24,7 @@ const MU: f64 = 0.8;
 const RHO: f64 = 1.3;
 
 fn solid() -> Box<dyn Hyperelastic> {
-    let law = Law::named("saint-venant-kirchhoff").expect("a law of the library");
-    law.build(&[("lambda", LAMBDA), ("mu", MU)])
-        .expect("constants")
+    saint_venant_kirchhoff(LAMBDA, MU)
 }
 
 fn choices(radius: f64, penalty: f64, shear: ShearForces) -> UpdatedSphChoices {

@@ -2,12 +2,13 @@
 
 use crate::battery::{assert_long_waves_are_those_of_the_material, assert_scheme};
 use crate::random::Random;
+use crate::states::saint_venant_kirchhoff;
 use nalgebra::{SMatrix, SVector};
 use onset::bloch::WaveSystem;
 use onset::continuum::Stiffness;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::{BravaisLattice, Crystal, LatticeKind};
-use onset::material::{Hyperelastic, Law, ModifiedMooneyRivlin};
+use onset::material::{Hyperelastic, ModifiedMooneyRivlin};
 use onset::measures::spurious_modes;
 use onset::method::MethodError;
 use onset::scheme::{
@@ -489,12 +490,6 @@ fn invalid_horizons_controls_and_states_are_rejected() {
 }
 
 /// Law with given Lame constants.
-fn saint_venant_kirchhoff(lambda: f64, mu: f64) -> Box<dyn Hyperelastic> {
-    let law = Law::named("saint-venant-kirchhoff").expect("a law of the library");
-    law.build(&[("lambda", lambda), ("mu", mu)])
-        .expect("admissible constants")
-}
-
 #[test]
 fn an_ordinary_solid_with_equal_lame_constants_consists_of_bonds_with_inverse_influence() {
     fn checked<const D: usize>(crystal: &Crystal<D>, horizon: f64, f: &DeformationGradient) {

@@ -3,12 +3,13 @@
 use crate::battery::assert_scheme;
 use crate::random::Random;
 use crate::sph::{crystal, stretched};
+use crate::states::saint_venant_kirchhoff;
 use nalgebra::{SMatrix, SVector};
 use onset::algebra::Complex;
 use onset::kernel::Kernel;
 use onset::kinematics::DeformationGradient;
 use onset::lattice::LatticeKind;
-use onset::material::{Hyperelastic, Law};
+use onset::material::Hyperelastic;
 use onset::scheme::Discretization;
 use onset::scheme::sph::{TotalLagrangianChoices, TotalLagrangianSph};
 use onset::scheme::stabilization::Upwinding;
@@ -19,9 +20,7 @@ const RHO: f64 = 1.3;
 const RADIUS: f64 = 2.3;
 
 fn solid() -> Box<dyn Hyperelastic> {
-    let law = Law::named("saint-venant-kirchhoff").expect("a law of the library");
-    law.build(&[("lambda", LAMBDA), ("mu", MU)])
-        .expect("constants")
+    saint_venant_kirchhoff(LAMBDA, MU)
 }
 
 fn upwinded<const D: usize>(

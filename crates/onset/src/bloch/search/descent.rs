@@ -260,6 +260,14 @@ impl<const D: usize> ZoneSearch<D> {
         !too_long && self.is_admissible(k)
     }
 
+    /// Returns true if a wave number is below a fraction of the shortest reciprocal vector.
+    pub(in crate::bloch) fn is_longer(&self, k: &SVector<f64, D>, fraction: f64) -> bool {
+        let lattice = self.reference();
+        let lengths = lattice.reciprocal().column_iter().map(|b| b.norm());
+        let shortest = lengths.fold(f64::INFINITY, f64::min);
+        lattice.laplacian(k) < (fraction * shortest).powi(2)
+    }
+
     fn longest(&self) -> f64 {
         let reciprocal = self.reference().reciprocal();
         reciprocal

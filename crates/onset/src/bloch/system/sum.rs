@@ -340,15 +340,8 @@ impl<const D: usize> BlochSum<D> {
 
     /// Evaluates the sum `S(k)` at a wave vector.
     pub fn at(&self, k: &SVector<f64, D>) -> DMatrix<Complex> {
-        checkpoint();
         let phases = self.phases(k);
-        let mut sum = DMatrix::<Complex>::zeros(self.size(), self.size());
-        for term in &self.terms {
-            let phase = phases.of(term);
-            let mut entries = sum.fixed_view_mut::<D, D>(D * term.from, D * term.to.site);
-            entries.zip_apply(&term.block, |entry, x| *entry += phase * x);
-        }
-        sum
+        self.summed(|term| phases.of(term))
     }
 
     /// Taylor coefficient of order `p` of `S(t n)` in `t` at zero: `sum S(R) (i n.R)^p / p!`, for `p` up to two.
@@ -380,8 +373,14 @@ impl<const D: usize> BlochSum<D> {
     }
 
     fn summed(&self, factor: impl Fn(&Term<D>) -> Complex) -> DMatrix<Complex> {
-        self.sums(1, |term, factors| factors[0] = factor(term))
-            .swap_remove(0)
+        checkpoint();
+        let mut sum = DMatrix::<Complex>::zeros(self.size(), self.size());
+        for term in &self.terms {
+            let factor = factor(term);
+            let mut entries = sum.fixed_view_mut::<D, D>(D * term.from, D * term.to.site);
+            entries.zip_apply(&term.block, |entry, x| *entry += factor * x);
+        }
+        sum
     }
 
     /// Sums of the blocks multiplied by each of `count` factors.

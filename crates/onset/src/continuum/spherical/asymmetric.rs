@@ -167,8 +167,8 @@ fn unit(n: Axes<f64>) -> Axes<f64> {
 
 /// Newton's method on the sphere, with derivatives from differences, until no step longer than `finest` decreases the value.
 ///
-/// The directions of the steps do not depend on the axes. Where the curvature is negative, the longest step is taken. Where eigenvalues cross, the
-/// lowest has a ridge, from which every step along the mean slope descends.
+/// Steps do not depend on the axes. Where the curvature is negative, the longest step is taken. Where eigenvalues cross, the lowest has a ridge, from which
+/// every step along the mean slope descends.
 fn descended(
     (mut value, mut direction): (f64, Axes<f64>),
     objective: &impl Fn(&Axes<f64>) -> f64,

@@ -14,8 +14,8 @@ use super::lagrangian::{GradientProducts, LagrangianPoint, Stressed, response, s
 use super::moduli::{Moduli, reference_tangent, trace};
 use super::parts::{FiniteBodies, Part};
 use super::{
-    Assembled, Discretization, Forced, Interaction, PatchForces, PeriodicPatch, SeenForm,
-    StrainOperator, linearized, lumped_masses,
+    Assembled, Discretization, Forced, Interaction, PatchForces, PeriodicPatch, PointResponse,
+    SeenForm, StrainOperator, linearized, lumped_masses,
 };
 use crate::bloch::{Mass, WaveSystem};
 use crate::kinematics::DeformationGradient;
@@ -284,7 +284,8 @@ pub struct Peridynamics<const D: usize> {
 enum Interactions<'a, const D: usize> {
     Bonds(Vec<Bond<D>>),
     Solids(Vec<Solid<'a, D>>),
-    Points(Vec<Stressed<'a, D>>, Vec<Controlled<'a, D>>),
+    /// Response of all points, and the controls of the families.
+    Points(PointResponse<'a, D>, Vec<Controlled<'a, D>>),
 }
 
 impl<const D: usize> Peridynamics<D> {
@@ -408,24 +409,24 @@ impl<const D: usize> Peridynamics<D> {
                     BondModel::Correspondence { control } => control,
                     _ => ZeroEnergyControl::None,
                 };
-                let points = stressed(&self.points, response(material, f)?);
+                let response = response(material, f)?;
                 if control.coefficient() == 0.0 {
-                    return Ok(Interactions::Points(points, Vec::new()));
+                    return Ok(Interactions::Points(response, Vec::new()));
                 }
                 let reference = reference_tangent(material)?;
                 let ball = || self.ball(Influence::Constant);
                 let is_weighted = self.choices.weighted_forces;
-                let controlled = |(stressed, family): (&Stressed<'a, D>, &'a Family<D>)| {
+                let controlled = |(stressed, family): (Stressed<'a, D>, &'a Family<D>)| {
                     let control = Control::new(control, family, &reference, ball, is_weighted)?;
                     Some(Controlled {
-                        stressed: stressed.clone(),
+                        stressed,
                         control,
                         family,
                     })
                 };
-                let controls = points.iter().zip(&self.families).filter_map(controlled);
-                let controls = controls.collect();
-                Ok(Interactions::Points(points, controls))
+                let points = stressed(&self.points, response).into_iter();
+                let controls = points.zip(&self.families).filter_map(controlled);
+                Ok(Interactions::Points(response, controls.collect()))
             }
         }
     }
@@ -471,9 +472,8 @@ impl<const D: usize> Discretization<D> for Peridynamics<D> {
         match self.interactions(material, f)? {
             Interactions::Bonds(bonds) => linearized(&self.crystal, mass, &bonds),
             Interactions::Solids(solids) => linearized(&self.crystal, mass, &solids),
-            Interactions::Points(_, controls) => {
-                let stiffness = self.products.stiffness(&response(material, f)?);
-                let mut forced = Forced::from(stiffness);
+            Interactions::Points(response, controls) => {
+                let mut forced = Forced::from(self.products.stiffness(&response));
                 controls.iter().for_each(|control| forced.add(control));
                 forced.waves(&self.crystal, mass)
             }
@@ -522,7 +522,8 @@ impl<const D: usize> Discretization<D> for Peridynamics<D> {
         match self.interactions(material, f)? {
             Interactions::Bonds(bonds) => work(&Assembled::new(patch, &bonds)),
             Interactions::Solids(solids) => work(&Assembled::new(patch, &solids)),
-            Interactions::Points(points, controls) => {
+            Interactions::Points(response, controls) => {
+                let points = stressed(&self.points, response);
                 let points = points.into_iter().map(Point::Stressed);
                 let all = points.chain(controls.into_iter().map(Point::Controlled));
                 work(&Assembled::new(patch, &all.collect::<Vec<_>>()));

@@ -46,11 +46,21 @@ pub(super) fn mean_size<const D: usize>(neighborhoods: &[Neighborhood<D>]) -> f6
 }
 
 impl<const D: usize> Neighborhood<D> {
+    /// Neighbors with a weight, with their vectors and weights.
+    pub(super) fn bonds(
+        &self,
+    ) -> impl Iterator<Item = (&Particle<D>, &[f64; D], &Weighed<f64, D>)> {
+        let others = self.particles.iter().zip(&self.vectors);
+        let others = others.zip(&self.weights).skip(1);
+        let others = others.filter(|(_, weight)| weight.value > 0.0);
+        others.map(|((particle, vector), weight)| (particle, vector, weight))
+    }
+
     /// Pairs of the particle with its neighbors, with their weights.
     pub(super) fn pairs(&self) -> impl Iterator<Item = ([Particle<D>; 2], f64)> {
-        let others = self.particles.iter().zip(&self.weights).skip(1);
-        let others = others.filter(|(_, weight)| weight.value > 0.0);
-        others.map(|(other, weight)| ([self.particles[0], *other], weight.value))
+        let home = self.particles[0];
+        self.bonds()
+            .map(move |(other, _, weight)| ([home, *other], weight.value))
     }
 
     /// Density `sum_J m_J W_IJ`, including the particle itself, from the masses of the sites.

@@ -273,10 +273,7 @@ impl<const D: usize> TotalLagrangianSph<D> {
         let densities = vec![self.choices.density; masses.len()];
         let map = f.leading::<D>();
         let bonds = self.neighborhoods.iter().flat_map(|neighborhood| {
-            let pairs = neighborhood.particles.iter().zip(&neighborhood.vectors);
-            let pairs = pairs.zip(&neighborhood.weights).skip(1);
-            let pairs = pairs.filter(|(_, weight)| weight.value > 0.0);
-            pairs.map(|((other, vector), weight)| {
+            neighborhood.bonds().map(|(other, vector, weight)| {
                 let reference = SVector::from(*vector);
                 // Slope of the weight along the bond.
                 let slope = SVector::from(weight.gradient).dot(&reference) / reference.norm();

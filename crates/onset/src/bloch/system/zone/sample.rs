@@ -108,10 +108,7 @@ impl<const D: usize> Sweep<'_, D> {
 
     /// Returns true if the wave vector is so close to zero, or to a reciprocal vector, that the long-wave limit represents it.
     pub(super) fn is_long(&self, k: &SVector<f64, D>) -> bool {
-        let lattice = self.search.reference();
-        let smallest = lattice.reciprocal().column_iter().map(|b| b.norm());
-        let smallest = smallest.fold(f64::INFINITY, f64::min);
-        lattice.laplacian(k) < (LONG_WAVE_FRACTION * smallest).powi(2)
+        self.search.is_longer(k, LONG_WAVE_FRACTION)
     }
 
     /// Branches of an objective at the wave vectors of half of the grid.
