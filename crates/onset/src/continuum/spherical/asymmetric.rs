@@ -167,7 +167,7 @@ fn unit(n: Axes<f64>) -> Axes<f64> {
 
 /// Newton's method on the sphere, with derivatives from differences, until no step longer than `finest` decreases the value.
 ///
-/// Steps do not depend on the axes. Where the curvature is negative, the longest step is taken. Where eigenvalues cross, the lowest has a ridge, from which
+/// Steps do not depend on the axes. Where the curvature is negative, the longest step is taken. Where eigenvalues cross, the lowest has a ridge, and
 /// every step along the mean slope descends.
 fn descended(
     (mut value, mut direction): (f64, Axes<f64>),
